@@ -32,7 +32,9 @@ void add_seal(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<SealOptions>();
     CLI::App* command = app.add_subcommand("seal", "Seal report.pdf with an X.509 key");
     command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
-    command->add_option("--key", options->key, "private key, PEM, RSA or ECDSA, mode 600")
+    command
+        ->add_option("--key", options->key,
+                     "private key, PEM, RSA (3072 bits or more) or ECDSA (P-256 or more), mode 600")
         ->required();
     command->add_option("--certificate", options->certificate, "its certificate, PEM")->required();
     command->add_option("--reason", options->reason, "why it is sealed, shown by PDF readers")

@@ -37,7 +37,8 @@ Json signer_json(const Signer& signer) {
             {"time", signer.time},
             {"time_source", signer.time_source},
             {"valid", signer.valid},
-            {"reason", text_or_null(signer.reason)}};
+            {"reason", text_or_null(signer.reason)},
+            {"notes", signer.notes}};
 }
 
 }  // namespace
@@ -88,6 +89,7 @@ std::string verification_text(const VerificationResult& result) {
         text +=
             "The signatures hold. Whether the figures follow from the recording was not checked: "
             "add --recompute.\n";
+    if (!result.missing_sandbox.empty()) text += plain_text(result.missing_sandbox) + "\n";
     return text;
 }
 
@@ -99,6 +101,7 @@ std::string verification_json(const VerificationResult& result) {
                                : result.recomputed() ? "all of it holds"
                                                      : "all that was checked holds; the figures "
                                                        "were not computed again"},
+              {"missing_sandbox", text_or_null(result.missing_sandbox)},
               {"layers", Json::array()},
               {"signers", Json::array()}};
     for (const VerificationStep& step : result.layers)

@@ -14,6 +14,7 @@ struct VerificationResult {
     std::vector<VerificationStep> layers{};
     std::vector<Signer> signers{};
     std::optional<RunStanding> standing{};
+    std::string missing_sandbox{};  ///< here, of programs of others that read the folder
 
     /// Every layer that was checked holds, and the signatures were checked.
     bool passed() const;

@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 #include "recompute.h"
 #include "render_pages.h"
 #include "trust/bundle.h"
@@ -35,11 +36,14 @@ std::optional<Roster> read_keys(const VerifyOptions& options) {
     if (!options.roster.empty())
         return parse_roster(read_handwritten(options.roster), options.roster);
     std::optional<Roster> roster;
-    for (const std::string& file : options.public_keys) {
+    for (const std::string& given : options.public_keys) {
+        const std::string role = given.substr(0, given.find('='));
+        const bool for_a_role = role.size() < given.size() && is_role(role);
+        const std::string file = for_a_role ? given.substr(role.size() + 1) : given;
         const std::string who = std::filesystem::path(file).stem().string();
         if (!roster) roster.emplace();
-        append(*roster,
-               roster_of_public_key(read_handwritten(file), escape_for_message(who), file));
+        append(*roster, roster_of_public_key(read_handwritten(file), escape_for_message(who), file,
+                                             for_a_role ? role : "*"));
     }
     return roster;
 }
@@ -127,6 +131,7 @@ int verify(const VerifyOptions& options) {
     if (options.recompute)
         add_long_layer(result, options.keep_going, "recompute",
                        [&] { return verify_recomputation(run_dir, report); });
+    result.missing_sandbox = missing_sandbox();
     fmt::print("{}", options.json ? verification_json(result) : verification_text(result));
     return result.passed() ? 0 : 1;
 }
@@ -139,9 +144,11 @@ void add_options(CLI::App& command, VerifyOptions& options) {
     // One value each time, so that a folder may follow it.
     CLI::Option* keys =
         command
-            .add_option("--pubkey", options.public_keys,
-                        "public key of who signed (runcert keygen, minisign, OpenSSH); may be "
-                        "repeated")
+            .add_option(
+                "--pubkey", options.public_keys,
+                "public key of who signed (runcert keygen, minisign, OpenSSH), which counts "
+                "in every role, or as ROLE=KEY in that one; may be repeated. No roster "
+                "vouches for it")
             ->allow_extra_args(false);
     command
         .add_option("--roster", options.roster,
@@ -180,6 +187,8 @@ void add_verify(CLI::App& app, Command& chosen) {
         "YYYYMMDD,\nYYYYMMDDHHMM or YYYYMMDDHHMMSS, in UTC with a Z behind them (recommended), "
         "else in the local time of\nthe computer that verifies. Keys of type ssh-ed25519 serve for "
         "minisign's signatures too, others for\nthose of ssh-keygen alone.\n"
+        "A line \"#runcert signatures judge=2,measurer\" in it asks for these signatures, whatever "
+        "rule and\nattempt ask for; of each role the most counts.\n"
         "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"

@@ -111,6 +111,12 @@ void require_known_version(const Json& json, const std::string& where) {
     }
 }
 
+/// Of a time in UTC with a fraction of a second, which is cut off.
+std::optional<UtcSecond> whole_second(const std::string& time) {
+    constexpr std::size_t whole = 19;  // YYYY-MM-DDTHH:MM:SS
+    return parse_iso_utc(time.substr(0, whole) + "Z");
+}
+
 struct Subjects {
     std::map<std::string, std::string> sha256{};
     std::vector<std::string> names{};
@@ -185,6 +191,9 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);
+        if (const Json& end = predicate.value("certificate", Json::object());
+            end.contains("end_performance"))
+            facts.recorded_until = whole_second(end.at("end_performance").get<std::string>());
     } catch (const nlohmann::json::exception& error) {
         throw Failure(where, fmt::format("not a report: {}", escape_for_message(error.what(), 200)),
                       take_original);

@@ -5,8 +5,11 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "files/utc_second.h"
 
 namespace runcert {
 
@@ -28,6 +31,7 @@ struct ReportFacts {
     std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
     std::vector<std::string> subject_names{};       ///< in the report's own order
     std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
+    std::optional<UtcSecond> recorded_until{};      ///< the last epoch, by the report
 };
 
 /// Reads RUN_DIR/report.json. Failure where it is missing, longer than any report, not JSON, holds

@@ -133,6 +133,39 @@ RosterEntry read_line(std::string_view rest, std::size_t number, const std::stri
     return entry;
 }
 
+constexpr std::string_view own_comment = "#runcert";
+
+/// "#runcert signatures judge=2,measurer": a comment to ssh-keygen. One that is not understood is
+/// refused: who wrote it relies on it.
+void read_required(std::vector<RoleSignatures>& required, std::string_view line,
+                   const std::string& where) {
+    constexpr std::int64_t most = 99;
+    const char* const remedy = "Write it as #runcert signatures ROLE=COUNT,ROLE=COUNT";
+    line.remove_prefix(own_comment.size());
+    const bool understood =
+        line.find_first_of(blanks) == 0 && take_word(line, where) == "signatures";
+    const std::string_view list = understood ? take_word(line, where) : "";
+    if (list.empty() || !line.empty())
+        refuse_line(where, "this line for runcert is not understood", remedy);
+    for (std::size_t at = 0; at <= list.size();) {
+        const std::string_view entry = list.substr(at, list.find(',', at) - at);
+        at += entry.size() + 1;
+        const std::string role(entry.substr(0, entry.find('=')));
+        const auto count = role.size() == entry.size()
+                               ? std::optional<std::int64_t>(1)
+                               : parse_integer(entry.substr(role.size() + 1));
+        const bool known =
+            std::ranges::find(required, role, &RoleSignatures::role) != required.end();
+        if (!is_role(role) || !count || *count < 1 || *count > most || known)
+            refuse_line(where,
+                        fmt::format("\"{}\" is no role with a count of signatures from 1 to {}, "
+                                    "named once",
+                                    escape_for_message(entry), most),
+                        remedy);
+        required.push_back({.role = role, .count = *count});
+    }
+}
+
 }  // namespace
 
 std::string signature_namespace(std::string_view role) {
@@ -162,8 +195,9 @@ Roster parse_roster(std::string_view text, const std::string& where) {
     for (std::size_t i = 0; i < lines.size(); ++i) {
         std::string_view line = lines[i];
         skip_blanks(line);
-        if (line.empty() || line.starts_with('#')) continue;
         const std::string place = fmt::format("{}, line {}", where, i + 1);
+        if (line.starts_with(own_comment)) read_required(roster.required, line, place);
+        if (line.empty() || line.starts_with('#')) continue;
         if (!is_printable_line(line))
             refuse_line(place, "the line holds characters that do not print");
         roster.entries.push_back(read_line(line, i + 1, place));
@@ -174,8 +208,8 @@ Roster parse_roster(std::string_view text, const std::string& where) {
     return roster;
 }
 
-Roster roster_of_public_key(std::string_view text, const std::string& who,
-                            const std::string& where) {
+Roster roster_of_public_key(std::string_view text, const std::string& who, const std::string& where,
+                            const std::string& roles) {
     signature_text::start_libsodium();
     const std::string_view line = trim(text);
     if (is_ssh_key_type(line.substr(0, line.find(' '))) &&
@@ -183,9 +217,9 @@ Roster roster_of_public_key(std::string_view text, const std::string& who,
         refuse_line(where, "a public key is one line; what else stands there would count as well",
                     "Give each key a file of its own, or give them as a roster");
     if (is_ssh_key_type(line.substr(0, line.find(' '))))
-        return parse_roster("* " + std::string(line) + "\n", where);
+        return parse_roster(roles + " " + std::string(line) + "\n", where);
     const PublicKey key = parse_public_key(text, where);
-    Roster roster = parse_roster("* " + ssh_key_text(ssh_key_of(key.key)) + "\n", where);
+    Roster roster = parse_roster(roles + " " + ssh_key_text(ssh_key_of(key.key)) + "\n", where);
     roster.entries.front().key_id = key.key_id;
     roster.entries.front().who = who;
     return roster;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "files/utc_second.h"
+#include "schemas/common/role_signatures.h"
 #include "trust/signature.h"
 #include "trust/ssh_key.h"
 
@@ -39,16 +40,20 @@ struct RosterEntry {
 struct Roster {
     std::string text{};  ///< as ssh-keygen takes it
     std::vector<RosterEntry> entries{};
+    /// What the roster asks for, whatever rules and attempts do: its lines "#runcert signatures
+    /// judge=2,measurer", which ssh-keygen takes for comments.
+    std::vector<RoleSignatures> required{};
 };
 
 /// Reads a roster. Failure with the line where one is malformed, of an unknown type of key or
 /// option, or names a certificate authority: certificates are not read here.
 Roster parse_roster(std::string_view text, const std::string& where);
 
-/// A roster of one public key that may sign in every role at any time: the text of a file in
-/// minisign's or in OpenSSH's form. `who` names it. Failure where the text is neither.
-Roster roster_of_public_key(std::string_view text, const std::string& who,
-                            const std::string& where);
+/// A roster of one public key that may sign at any time in the roles (a pattern, "*" for every
+/// one): the text of a file in minisign's or in OpenSSH's form. `who` names it. Failure where the
+/// text is neither.
+Roster roster_of_public_key(std::string_view text, const std::string& who, const std::string& where,
+                            const std::string& roles = "*");
 
 /// Adds the lines of another roster.
 void append(Roster& roster, const Roster& more);

@@ -9,6 +9,7 @@
 #include "files/external_program.h"
 #include "trust/bundle_limits.h"
 #include "trust/page_comparison.h"
+#include "trust/ssh_key.h"
 
 namespace runcert {
 namespace {
@@ -70,6 +71,17 @@ std::string public_half(const fs::path& key) {
                                   first_words(described)),
                       "Make one: `openssl ecparam -name prime256v1 -genkey -noout -out KEY.pem`, "
                       "and have it certified. (Ed25519 keys sign report.json.)");
+    const bool rsa = described.find("Modulus:") != std::string::npos;
+    const std::size_t at = described.find("Public-Key: (");
+    const std::string bits = at == std::string::npos ? "" : described.substr(at + 13);
+    const auto strength = parse_integer(bits.substr(0, bits.find(' ')));
+    if (!strength || *strength < (rsa ? least_rsa_bits : least_curve_bits))
+        throw Failure(
+            key.string(),
+            fmt::format("this key is {}, which is too weak to seal with", first_words(described)),
+            fmt::format("Use RSA of at least {} bits, or ECDSA on a curve of at least {} "
+                        "bits (P-256)",
+                        least_rsa_bits, least_curve_bits));
     return require_openssl("pkey", key, {"-passin", "pass:", "-pubout"},
                            "openssl cannot read this private key",
                            "Give an RSA or ECDSA key in PEM form");

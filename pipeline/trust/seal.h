@@ -34,8 +34,9 @@ SealCheck seal_from_words(std::string_view output, std::uint64_t file_bytes);
 /// result, and only then replaces the PDF. `reason` is put into the signature, visible to readers.
 ///
 /// Failure where the PDF is missing, sealed already, or does not carry this folder's report.json;
-/// where the key is encrypted, readable by others, neither RSA nor ECDSA, or not the
-/// certificate's; where the certificate has expired; and where the seal made does not hold.
+/// where the key is encrypted, readable by others, neither RSA nor ECDSA, weaker than RSA of 3072
+/// bits or P-256, or not the certificate's; where the certificate has expired; and where the seal
+/// made does not hold.
 SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesystem::path& key,
                       const std::filesystem::path& certificate, const std::string& reason);
 

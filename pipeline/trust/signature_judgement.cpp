@@ -66,6 +66,19 @@ std::string objection_of(const RosterEntry& entry, const Signer& signer, const S
     return {};
 }
 
+/// What is odd of the times of a signature that holds: nobody signs what is not measured yet.
+void note_times(Signer& signer, const SignatureCase& one, const ReportFacts& report) {
+    if (!report.recorded_until) return;
+    const auto stated = parse_iso_utc(signer.stated_time);
+    for (const auto& [time, whose] : {std::pair(stated, "the time that its signer states"),
+                                      {one.stamped, "the time of its time stamp"}})
+        if (time && *time + clock_tolerance < *report.recorded_until)
+            signer.notes.push_back(fmt::format(
+                "{}, {}, is BEFORE THE END OF THE RECORDING, {}: one of these clocks is "
+                "wrong, or the recording is not what was measured",
+                whose, iso_text(*time), iso_text(*report.recorded_until)));
+}
+
 /// Whether a signature that holds counts: by the roster, and by the time.
 Signer apply_roster(Signer signer, const SshPublicKey& key, const SignatureCase& one,
                     const SignatureRules& rules) {
@@ -78,9 +91,12 @@ Signer apply_roster(Signer signer, const SshPublicKey& key, const SignatureCase&
     signer.who = entries.front()->who;
     if (signer.role.empty() && !rules.by_public_keys)
         return not_counted(std::move(signer), "it states no role to sign in");
-    std::string objection = fmt::format("the roster does not let this key sign as {}", signer.role);
+    std::string objection =
+        rules.by_public_keys
+            ? fmt::format("this key was given for the role {} alone", entries.front()->roles)
+            : fmt::format("the roster does not let this key sign as {}", signer.role);
     for (const RosterEntry* entry : entries) {
-        if (!rules.by_public_keys && !entry->allows(signer.role)) continue;
+        if (!entry->allows(signer.role)) continue;
         objection = objection_of(*entry, signer, one, rules);
         if (!objection.empty()) continue;
         signer.who = entry->who;
@@ -160,12 +176,14 @@ Signer judge_minisign(const SignatureCase& one, const ReportFacts& report,
     if (!tried->check.valid) return broken(std::move(signer), tried->check.reason);
     signer.stated_time = comment.signed_at;
     signer.not_recomputed = comment.recomputed == "no";
+    note_times(signer, one, report);
     if (is_role(comment.role)) signer.role = comment.role;
     return apply_roster(std::move(signer), ssh_key_of(tried->key.key), one, rules);
 }
 
 /// By ssh-keygen, which reads report.json itself.
-Signer judge_ssh(const SignatureCase& one, const SignatureRules& rules, Signer signer) {
+Signer judge_ssh(const SignatureCase& one, const ReportFacts& report, const SignatureRules& rules,
+                 Signer signer) {
     const SshSignature signature = parse_ssh_signature(one.file.text, one.file.name);
     signer.key = ssh_key_text(signature.key);
     const std::string& name_space = signature.name_space;
@@ -185,6 +203,10 @@ Signer judge_ssh(const SignatureCase& one, const SignatureRules& rules, Signer s
             std::move(signer),
             fmt::format("it is not a signature of this report.json by its key: {}", itself.said));
     signer.role = role;
+    if (const std::string weakness = weakness_of(signature.key); !weakness.empty())
+        signer.notes.push_back(fmt::format(
+            "its key is {}, weaker than any that signatures should be made with today", weakness));
+    note_times(signer, one, report);
     signer = apply_roster(std::move(signer), signature.key, one, rules);
     // ssh-keygen has the last word on a roster that is written in its own form.
     if (signer.valid)
@@ -210,7 +232,7 @@ Signer judge_signature(const SignatureCase& one, const ReportFacts& report,
     signer.time_source = one.stamped ? "time stamp" : rules.at_was_given ? "given" : "present";
     try {
         return one.file.kind == SignatureKind::minisign ? judge_minisign(one, report, rules, signer)
-                                                        : judge_ssh(one, rules, signer);
+                                                        : judge_ssh(one, report, rules, signer);
     } catch (const Failure& failure) {
         if (!failure.where().starts_with(one.file.name)) throw;
         return broken(signer, "it is not a signature: " + failure.problem());

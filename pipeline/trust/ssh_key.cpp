@@ -4,6 +4,7 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 
 #include "core/failure.h"
@@ -114,6 +115,20 @@ std::optional<Ed25519Key> ed25519_of(const SshPublicKey& key) {
 std::string ssh_key_text(const SshPublicKey& key) {
     return key.type + " " +
            signature_text::base64_of(signature_text::data_of(key.blob), key.blob.size());
+}
+
+std::string weakness_of(const SshPublicKey& key) {
+    if (key.type != "ssh-rsa") return {};
+    std::string_view rest = key.blob;
+    (void)take_wire_string(rest);  // the type
+    (void)take_wire_string(rest);  // the exponent
+    std::string_view modulus = take_wire_string(rest).value_or("");
+    modulus.remove_prefix(std::min(modulus.find_first_not_of('\0'), modulus.size()));
+    if (modulus.empty()) return {};
+    const auto bits =
+        8 * modulus.size() -
+        static_cast<std::size_t>(std::countl_zero(static_cast<unsigned char>(modulus.front())));
+    return bits < least_rsa_bits ? fmt::format("RSA of {} bits", bits) : "";
 }
 
 std::string ssh_fingerprint(const SshPublicKey& key) {

@@ -39,6 +39,14 @@ std::optional<Ed25519Key> ed25519_of(const SshPublicKey& key);
 /// "TYPE BASE64", as in an authorized_keys or allowed_signers line.
 std::string ssh_key_text(const SshPublicKey& key);
 
+/// What a key is that is weaker than Ed25519, ECDSA P-256 and RSA of 3072 bits, which are about as
+/// strong [NIST SP 800-57 part 1, table 2]: "RSA of 2048 bits"; else empty.
+std::string weakness_of(const SshPublicKey& key);
+
+/// The least bits of an RSA modulus and of an elliptic curve that anything is signed with here.
+inline constexpr unsigned least_rsa_bits = 3072;
+inline constexpr unsigned least_curve_bits = 256;
+
 /// "SHA256:...", as `ssh-keygen -l` prints it.
 std::string ssh_fingerprint(const SshPublicKey& key);
 

@@ -31,7 +31,7 @@ std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_d
 
 /// Whether every subject of the report is there with the bytes the report names, and nothing else
 /// but its companions: pages, signatures, time stamps, run.yaml, and what a bundle adds. A symbolic
-/// link is no file of a run folder.
+/// link is no file of a run folder, nor is what a killed program left (`.runcert-...`).
 VerificationStep verify_files(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether every stage file was made from the very files that the report names: the inputs in its
@@ -60,7 +60,8 @@ inline constexpr std::chrono::minutes clock_tolerance{5};
 struct SignatureRules {
     /// Keys and their roles; nothing where no key is known, so that no signature can count.
     std::optional<Roster> roster{};
-    bool by_public_keys = false;  ///< the roster was made of public keys given, not of a file
+    bool by_public_keys = false;  ///< the roster was made of public keys given, not of a file: it
+                                  ///< vouches for nobody
     bool roster_of_run = false;   ///< it lies in the run itself, and is the sender's word
     UtcSecond present{};          ///< the clock: nothing was signed after it
     UtcSecond at{};               ///< the time that counts where no time stamp does
@@ -84,6 +85,8 @@ struct Signer {
     bool valid = false;           ///< it holds, and counts
     bool broken = false;   ///< it is not a signature of this report: tampered with, or replayed
     std::string reason{};  ///< why it does not count
+    /// What a reader should know of it beside: a weak key, a time before the recording ended.
+    std::vector<std::string> notes{};
 };
 
 struct SignatureLayers {
@@ -93,8 +96,9 @@ struct SignatureLayers {
 };
 
 /// Judges every signature and time stamp of the folder, and whether they are all that the report
-/// needs. Yes where each role has its signatures by different keys (a key counts for one role) and
-/// no signature is broken; one that merely does not count is said.
+/// needs: by the rules and the attempt, as it states, and by the roster; of each role the most that
+/// one of them asks for. Yes where each role has its signatures by different keys (a key counts for
+/// one role) and no signature is broken; one that merely does not count is said.
 SignatureLayers verify_signatures(const std::filesystem::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules);
 

@@ -88,6 +88,8 @@ std::string time_words(const Signer& signer) {
         words += fmt::format("; its signer states {}", escape_for_message(signer.stated_time));
     if (signer.time_source == "time stamp") words += fmt::format("; time stamp {}", signer.time);
     if (signer.not_recomputed) words += "; signed without recomputing";
+    for (const std::string& note : signer.notes)
+        words += "; " + note;
     return words;
 }
 
@@ -108,13 +110,29 @@ std::int64_t signers_that_count(const std::vector<Signer>& signers) {
     return static_cast<std::int64_t>(keys.size());
 }
 
-/// What the report needs, in words; sets whether it has it.
-void judge_policy(const ReportFacts& report, const std::vector<Signer>& signers,
-                  VerificationStep& step) {
+/// What report and roster ask for together: none of the two lowers what the other asks for.
+std::vector<RequiredSignatures> required_by(const ReportFacts& report,
+                                            const SignatureRules& rules) {
+    std::vector<RequiredSignatures> required = report.required;
+    if (!rules.roster) return required;
+    for (const RoleSignatures& one : rules.roster->required) {
+        const auto count = static_cast<std::size_t>(one.count);
+        const auto known = std::ranges::find(required, one.role, &RequiredSignatures::role);
+        if (known == required.end())
+            required.push_back({.role = one.role, .count = count});
+        else
+            known->count = std::max(known->count, count);
+    }
+    return required;
+}
+
+/// What is needed, in words; sets whether it is there.
+void judge_policy(const std::vector<RequiredSignatures>& required,
+                  const std::vector<Signer>& signers, VerificationStep& step) {
     const auto valid = std::ranges::count_if(signers, &Signer::valid);
     const auto refused = std::ranges::count_if(signers, &Signer::broken);
     std::vector<std::string> missing;
-    for (const RoleState& state : fill_roles(report.required, signers)) {
+    for (const RoleState& state : fill_roles(required, signers)) {
         step.details.push_back(fmt::format("needed: {} in the role {}; there: {}", state.needed,
                                            state.role, state.there));
         if (state.there < state.needed)
@@ -184,7 +202,11 @@ SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& re
                         iso_text(rules.at), iso_text(rules.present)));
     for (std::string& note : shared_holders(layers.signers))
         step.details.push_back(std::move(note));
-    judge_policy(report, layers.signers, step);
+    if (rules.roster && rules.by_public_keys)
+        step.details.emplace_back(
+            "the keys were given one by one: no roster vouches for whose they are or for their "
+            "roles");
+    judge_policy(required_by(report, rules), layers.signers, step);
     if (layers.signers.empty())
         step.finding = "the report is UNSIGNED: nobody answers for it";
     else if (!rules.roster)

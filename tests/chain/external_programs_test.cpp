@@ -90,12 +90,49 @@ TEST(ExternalPrograms, VersionSaysWhichThereAreAndWhatCouldNotBeHad) {
     EXPECT_TRUE(holds(without, "gpsbabel    missing: install the package gpsbabel\n")) << without;
 }
 
+const std::string hidden = "mount --bind /dev/null /usr/bin/bwrap; ";
+
+bool can_hide_the_sandbox() {
+    return run_process({"unshare", "-m", "sh", "-c", hidden + "true"}).exit_status == 0 &&
+           isolation() == Isolation::full;
+}
+
+// Got through unsaid: only --version said it. What a converter made of a recording without a
+// sandbox is the same where it is computed again in one, and the report says how it was.
+TEST(AttacksOnPrograms, Sandbox01ThatThereWasNoneIsSaidByCertifyVerifyAndTheReport) {
+    if (!can_hide_the_sandbox() || external_program_file("gpsbabel").empty())
+        GTEST_SKIP() << "bubblewrap cannot be hidden here";
+    const TemporaryFolder folder;
+    const std::string run = (folder.path() / "run").string();
+    const auto without = [](const std::string& arguments) {
+        return run_process(
+            {"unshare", "-m", "sh", "-c", hidden + runcert_program + " " + arguments});
+    };
+    const ProcessResult made =
+        without("certify " + converted_attempt(folder.path()) + " --out " + run + " --no-pdf");
+    ASSERT_LT(made.exit_status, 2) << made.errors;
+    const std::string said = "The sandbox is not in force (bubblewrap is not installed)";
+    EXPECT_TRUE(holds(made.output, said)) << made.output;
+    EXPECT_TRUE(holds(without("verify " + run).output, said));
+    EXPECT_TRUE(holds(without("verify --json " + run).output, said));
+    EXPECT_TRUE(holds(read_file(run + "/report.html"), "Run without a sandbox"));
+    const ProcessResult verified = runcert({"verify", run, "--recompute"});
+    EXPECT_FALSE(holds(verified.output, said)) << verified.output;
+    EXPECT_TRUE(holds(verified.output, "gpsbabel ran without a sandbox where this was made"))
+        << verified.output;
+    EXPECT_TRUE(holds(verified.output, "yes  recompute")) << verified.output;
+    // And the other way: nothing is said of what ran in one.
+    const std::string inside = (folder.path() / "inside").string();
+    const ProcessResult again =
+        certify((folder.path() / "attempt.yaml").string(), inside, {"--no-pdf"});
+    ASSERT_LT(again.exit_status, 2) << again.errors;
+    EXPECT_FALSE(holds(read_file(inside + "/report.html"), "Run without a sandbox"));
+    EXPECT_FALSE(holds(again.output, "sandbox")) << again.output;
+}
+
 // In a container there may be neither bubblewrap nor namespaces.
 TEST(ExternalPrograms, TheSameBytesComeFromInsideAndOutsideOfTheSandbox) {
-    const std::string hidden = "mount --bind /dev/null /usr/bin/bwrap; ";
-    if (run_process({"unshare", "-m", "sh", "-c", hidden + "true"}).exit_status != 0 ||
-        isolation() != Isolation::full)
-        GTEST_SKIP() << "bubblewrap cannot be hidden here";
+    if (!can_hide_the_sandbox()) GTEST_SKIP() << "bubblewrap cannot be hidden here";
     const TemporaryFolder folder;
     const std::string attempt = (examples / "land_yacht" / "attempt.yaml").string();
     const auto certified = [&](const std::string& name, const std::vector<std::string>& before,
@@ -116,7 +153,7 @@ TEST(ExternalPrograms, TheSameBytesComeFromInsideAndOutsideOfTheSandbox) {
                   "");
     EXPECT_FALSE(holds(inside.output, "not in force")) << inside.output;
     EXPECT_TRUE(holds(no_network.output,
-                      "bubblewrap is not installed). These programs can read "
+                      "bubblewrap is not installed). Programs of others can read "
                       "your files."))
         << no_network.output << no_network.errors;
     EXPECT_TRUE(holds(limits.output, "and may reach the network.")) << limits.output;

@@ -10,10 +10,15 @@ namespace {
 
 constexpr const char* make_keys =
     "umask 077;"
-    "openssl req -x509 -newkey rsa:2048 -nodes -keyout rsa.pem -out rsa.crt -subj '/CN=RSA seal';"
+    "openssl req -x509 -newkey rsa:3072 -nodes -keyout rsa.pem -out rsa.crt -subj '/CN=RSA seal';"
     "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -keyout ec.pem "
     "-out ec.crt -subj '/CN=ECDSA seal';"
     "openssl req -x509 -newkey ed25519 -nodes -keyout ed.pem -out ed.crt -subj '/CN=Ed25519';"
+    "openssl req -x509 -newkey rsa:2048 -nodes -keyout weak.pem -out weak.crt -subj '/CN=weak';"
+    "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:secp224r1 -nodes -keyout curve.pem "
+    "-out curve.crt -subj '/CN=weak curve';"
+    "openssl req -x509 -newkey rsa-pss -pkeyopt rsa_keygen_bits:2048 -nodes -keyout pss.pem "
+    "-out pss.crt -subj '/CN=weak PSS';"
     "openssl pkey -in ec.pem -aes256 -passout pass:x -out encrypted.pem;"
     "openssl x509 -in ec.crt -signkey ec.pem -days -1 -out expired.crt;"
     "cp ec.pem open.pem; chmod 644 open.pem; sed -n 1,3p ec.crt > broken.crt";
@@ -135,6 +140,11 @@ TEST_F(Seal, KeysThatCannotOrMustNotSealAreRefused) {
     expect_untouched(seal("ed.pem", "ed.crt"), {"RSA or ECDSA", "ED25519"});
     expect_untouched(seal("encrypted.pem", "ec.crt"), {"encrypted", "openssl pkey"});
     expect_untouched(seal("open.pem", "ec.crt"), {"Others than its owner", "chmod 600"});
+    // Each got through before.
+    for (const std::string name : {"weak", "pss", "curve"})
+        expect_untouched(
+            seal(name + ".pem", name + ".crt"),
+            {name == "curve" ? "(224 bit)" : "(2048 bit)", "too weak to seal with", "3072"});
     expect_untouched(seal("ec.pem", "rsa.crt"), {"does not belong to the certificate"});
     expect_untouched(seal("ec.pem", "expired.crt"), {"has expired"});
     expect_untouched(seal("ec.pem", "broken.crt"), {"cannot read a certificate"});

@@ -18,6 +18,14 @@ namespace runcert {
 bool share_errors(std::span<const velocities::SpeedBesidePosition> first,
                   std::span<const velocities::SpeedBesidePosition> second, double offset_s);
 
+/// Whether recorded speeds are some weighted mean of the displacements between neighbouring rows,
+/// by which smoothing, differencing or filtering positions makes them: least squares finds the
+/// weights, over 8 or 32 rows on either side and in the direction of travel. Speeds measured on
+/// their own keep at least the white noise that their differences show (0.4 to 10 times it on
+/// recordings of receivers); made ones keep a hundredth of it. The bound is a fifth. Asked where
+/// the craft moves at half the speed of its fastest tenth or more; false where too few rows do.
+bool are_filtered_positions(std::span<const velocities::SpeedBesidePosition> rows);
+
 /// Whether integrated speeds keep to the positions as none that were measured do. Errors of
 /// measured ones add up: the best receivers seen leave 7 mm after a second, and that times the root
 /// of the time later. Less than 3 mm is not believed, of spans of 10 s and more; nor, of code

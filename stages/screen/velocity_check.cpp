@@ -234,7 +234,7 @@ Directions directions_of(const Motion& motion) {
     return directions;
 }
 
-/// Whether the device computed the velocities from the positions beside them.
+/// Whether the velocities were computed from the positions beside them.
 VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Directions& directions,
                          double position_resolution_m) {
     std::vector<SpeedBesidePosition> beside;
@@ -251,6 +251,7 @@ VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Direction
         else if (const auto velocity = recorded_velocity<2>(row, directions[i]))
             one.speed_m_s = velocity->norm();
     }
+    if (are_filtered_positions(beside)) return VelocityOrigin::positions;
     switch (origin_of_speeds(beside, position_resolution_m).origin) {
         case Origin::independent:
             return VelocityOrigin::independent;

@@ -85,6 +85,40 @@ TEST(SameOrigin, ACopyBetweenTheInstantsIsFound) {
     EXPECT_TRUE(share_errors(first, between, 0.0));
 }
 
+/// Speeds as a weighted mean of central differences over so many rows.
+Rows with_made_speeds(Rows rows, std::size_t either_side, bool smooth) {
+    for (std::size_t k = either_side; k + either_side < rows.size(); ++k) {
+        double sum = 0.0, weights = 0.0;
+        for (std::size_t h = smooth ? 1 : either_side; h <= either_side; ++h) {
+            const double weight = static_cast<double>(h * h * (either_side + 1 - h));
+            sum += weight * (rows[k + h].position_m - rows[k - h].position_m).norm() /
+                   (rows[k + h].time_s - rows[k - h].time_s);
+            weights += weight;
+        }
+        rows[k].speed_m_s = sum / weights;
+    }
+    return rows;
+}
+
+TEST(SameOrigin, SpeedsSmoothedFromThePositionsAreToldFromMeasuredOnes) {
+    const Rows rows = recorded(0.01, 1);
+    for (const std::size_t either_side : {1U, 2U, 6U, 15U, 30U})
+        for (const bool smooth : {false, true}) {
+            SCOPED_TRACE(either_side);
+            EXPECT_TRUE(are_filtered_positions(with_made_speeds(rows, either_side, smooth)));
+        }
+    for (const double noise_m_s : {0.003, 0.03, 0.3}) {
+        SCOPED_TRACE(noise_m_s);
+        RandomGenerator random(9);
+        Rows measured = rows;
+        for (SpeedBesidePosition& row : measured)
+            row.speed_m_s = 20.0 + noise_m_s * random.normal();
+        EXPECT_FALSE(are_filtered_positions(measured));
+    }
+    EXPECT_FALSE(are_filtered_positions(rows));
+    EXPECT_FALSE(are_filtered_positions({}));
+}
+
 TEST(SameOrigin, MeasuredSpeedsLeaveThePositionsAndMadeOnesDoNot) {
     const auto spread = [](double span_s, double sd_m) {
         return DisplacementSpread{.span_s = span_s, .sd_m = sd_m, .sd_upper_m = 1.2 * sd_m};

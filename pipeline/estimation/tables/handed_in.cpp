@@ -150,14 +150,15 @@ std::vector<velocities::SpeedBesidePosition> rows_of(std::span<const TimedPositi
     return rows;
 }
 
-/// Whether the wheel's speeds are differences of the positions as recorded.
-bool are_differences(std::span<const TimedValue> wheel, std::span<const TimedPosition<2>> positions,
-                     double scale, double delay_s) {
+/// Whether the wheel's speeds were computed from the positions as recorded.
+bool are_from_positions(std::span<const TimedValue> wheel,
+                        std::span<const TimedPosition<2>> positions, double scale, double delay_s) {
     std::vector<velocities::SpeedBesidePosition> rows = rows_of(positions);
     for (velocities::SpeedBesidePosition& row : rows)
         if (const auto speed = value_at(wheel, row.time_s + delay_s))
             row.speed_m_s = scale * *speed;
-    return velocities::origin_of_speeds(rows, 0.0).origin == velocities::Origin::positions;
+    return are_filtered_positions(rows) ||
+           velocities::origin_of_speeds(rows, 0.0).origin == velocities::Origin::positions;
 }
 
 }  // namespace
@@ -193,7 +194,7 @@ std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s
     VelocityErrorModel model = estimated.model;
     if (!model.is_known()) return std::nullopt;
     const bool made = keep_to_positions(estimated.spreads, false) ||
-                      are_differences(speeds_m_s, positions, fit.scale, delay.delay_s);
+                      are_from_positions(speeds_m_s, positions, fit.scale, delay.delay_s);
     model.sigma_scale = sigma_scale;
     return WheelWitness{.motion = VelocityWitness<2>(std::move(samples), model, jerk_density),
                         .scale = fit.scale,

@@ -111,7 +111,10 @@ class EntryReader {
             matches = matches_of(leading->name);
         check_id(matches.size());
         if (leading != files.end()) require_fitting(files, *leading);
-        check_keys(filled(files, matches[0]));
+        // Of a file whose name no attempt can hold it is said by itself.
+        const auto nameable = std::ranges::find_if(
+            matches, [&](const PatternMatch& match) { return !hidden_character(match.file); });
+        check_keys(filled(files, nameable == matches.end() ? matches[0] : *nameable));
         std::vector<ListedAttempt> attempts;
         for (const PatternMatch& match : matches)
             attempts.push_back({.attempt = made(files, match)});

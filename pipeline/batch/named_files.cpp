@@ -1,9 +1,12 @@
 #include "batch/named_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
+#include "core/plain_text.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -54,6 +57,9 @@ std::string fault_of_file(const fs::path& folder, const std::string& name) {
     } catch (const Json::exception&) {
         return "is not UTF-8, which is all that an attempt can name a file in";
     }
+    if (const auto hidden = hidden_character(name))
+        return fmt::format("holds {}, which cannot be shown as it stands: rename the file",
+                           *hidden);
     std::error_code error;
     if (!fs::exists(folder / name, error)) return "does not exist";
     const fs::path root = fs::weakly_canonical(folder, error);

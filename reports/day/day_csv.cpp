@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/csv_cell.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/day/day.h"
 
@@ -54,14 +55,15 @@ std::string row(const AttemptResult& attempt, const DayResult* result, const Day
     const DayCraft craft = attempt.craft.value_or(DayCraft{});
     const DayFailure failure = attempt.failure.value_or(DayFailure{});
     constexpr std::string_view no_result = ",,,,,,,,,,,,,,,,,";
-    return fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
-        csv_cell(attempt.source), attempt.state, csv_cell(craft.name), csv_cell(craft.craft_class),
-        result ? result_cells(*result, *place) : std::string(no_result),
-        csv_cell(result ? result->reason : attempt.reason),
-        csv_cell(result ? joined(result->replaced) : ""), csv_cell(failure.step),
-        csv_cell(failure.problem), csv_cell(failure.where), csv_cell(failure.remedy),
-        csv_cell(joined(attempt.notes)), attempt.report_id, csv_cell(attempt.report));
+    return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
+                       csv_cell(attempt.source), attempt.state, csv_cell(craft.name),
+                       csv_cell(craft.craft_class),
+                       result ? result_cells(*result, *place) : std::string(no_result),
+                       csv_cell(result ? result->reason : attempt.reason),
+                       csv_cell(result ? joined(result->replaced) : ""), csv_cell(failure.step),
+                       csv_cell(plain_text(failure.problem)), csv_cell(plain_text(failure.where)),
+                       csv_cell(plain_text(failure.remedy)), csv_cell(joined(attempt.notes)),
+                       attempt.report_id, csv_cell(attempt.report));
 }
 
 }  // namespace

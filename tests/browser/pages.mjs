@@ -55,10 +55,10 @@ export const hostileRun = () => {
   return certify("hostile", path.join(folder, "attempt.yaml"), ["--key", key("measurer").secret]);
 };
 export const hostileText = "</script><script>document.title='taken'</script><!-- {{report_id}} &amp; & \"'<b>⛵\\u003c";
-/** Marks that close what isolates them and turn what follows, line ends, control characters, no characters. */
-const steering = "\u2069\u202e\u200f\u061c\u2028\r\n\t\u0000\u001b\u009b\u007f\ufdd0\uffff";
+/** What an attempt may hold of what is no letter: marks that turn the direction, control characters and no characters are refused when it is read. */
+const steering = "\n\t";
 /** As the page shows them. */
-export const steeringShown = "\ufffd".repeat(5) + "   " + "\ufffd".repeat(6);
+export const steeringShown = "  ";
 
 /** A copy of a run folder, to be signed again. */
 function copyOf(run_folder, name) {

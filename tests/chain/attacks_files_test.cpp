@@ -81,7 +81,7 @@ TEST_F(AttacksOnFolders, Files02AWholeRunThatSomebodyMadeReadyIsNotPutInPlace) {
     expect_refused({".runcert-ready"});
 }
 
-// Had held of a link, which was not taken for a folder; a file of that name stood there for ever.
+// Got through: nothing was put in place, but the link was deleted by its name.
 TEST_F(AttacksOnFolders, Files03WhatIsReadyIsAFolderAndNoLinkToOne) {
     fs::create_directories(path("elsewhere") / "run");
     fs::create_symlink(path("elsewhere"), run() / ".runcert-ready");

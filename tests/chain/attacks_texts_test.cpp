@@ -115,7 +115,7 @@ TEST_F(AttacksOnTexts, Text03ItIsRefusedInRulesDaysAndSimulations) {
     EXPECT_TRUE(holds(result.errors, "U+FDD0")) << result.errors;
 }
 
-// Got through: a roster's lines were checked, and held; a bare character in an attempt too.
+// Had held: as a bare character it was refused, and in the lines of a roster.
 TEST_F(AttacksOnTexts, Text04ItIsRefusedAsItIsToo) {
     for (const char* bare : {"\xE2\x80\xAE", "\xF0\x9F\xBF\xBE", "\x1B[31m"}) {
         write("name: simulated land yacht", fmt::format("name: land {}yacht", bare));

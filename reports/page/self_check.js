@@ -91,7 +91,7 @@ async function findingsOfPage() {
   const valid = signatures.filter(({ state }) => state === "valid");
   const state = faults.length > 0 ? "tampered" : signatureFiles.length === 0 ? "unsigned"
     : valid.length > 0 ? "valid" : "unchecked";
-  return { state, faults, notes, valid };
+  return { state, faults, notes, valid, answered: standing.rules !== undefined };
 }
 
 function listFacts(facts) {
@@ -108,8 +108,9 @@ function describeSigner({ role, time, keyId, fingerprint, publicKey, file }) {
     makeElement("details", "", makeElement("summary", "", "The key, to compare it"), listFacts(more)));
 }
 
-function showFindings({ state, faults, notes, valid }) {
-  const { mark, title } = checkStates[state];
+function showFindings({ state, faults, notes, valid, answered }) {
+  const { mark, title: plain } = checkStates[state];
+  const title = state === "valid" && answered ? "This page shows what was signed, and a standing that was not." : plain;
   const sign = makeElement("span", "check-mark", mark);
   sign.setAttribute("aria-hidden", "true");
   const parts = [makeElement("p", "check-title", sign, " ", makeElement("strong", "", title))];

@@ -59,7 +59,7 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     Json facts = Json::array();
     facts.push_back(fact("Recording", recording["recording"].get<std::string>()));
     facts.push_back(fact("Format", observations.format));
-    if (const auto& processing = observations.processing) {
+    if (const auto& processing = observations.processing; processing && !observations.simulated) {
         facts.push_back(fact("Positions", processing_text(*processing)));
         if (!processing->begin.empty() && !processing->end.empty())
             facts.push_back(

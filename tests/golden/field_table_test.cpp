@@ -40,9 +40,8 @@ const Names without_unit{
     "screening.fix_types[].variance_factor", "screening.device.by_chance",
     "screening.largest_decision.share", "screening.largest_decision.statistic",
     "screening.largest_decision.threshold", "parameters.screen.decision_share_max",
-    "witnesses[].normalised_error", "witnesses[].share",
-    "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
-    "best.detection_power", "reliability[].size",
+    "witnesses[].normalised_error", "witnesses[].share", "screening.time.rate_deviation",
+    "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities
     "record.expanded_uncertainty", "records[].speed", "records[].expanded_uncertainty",
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",
@@ -59,8 +58,8 @@ bool may_lack_unit(const std::string& path) {
 }
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
-const Names known_keys{"type", "unit",     "required", "values", "min",
-                       "max",  "decimals", "default",  "since",  "description"};
+const Names known_keys{"type",     "unit",    "required", "values",      "min",   "max",
+                       "decimals", "default", "since",    "description", "limits"};
 
 std::vector<std::string> schema_names() {
     std::vector<std::string> names;

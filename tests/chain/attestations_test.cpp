@@ -166,9 +166,11 @@ TEST_F(Attestations, PagesShowThemAndAreHeldToThem) {
     EXPECT_TRUE(says(pages({"--roster", other})["finding"], "not given here"));
     EXPECT_EQ(pages({"--roster", other})["passed"], false);
     // A page whose standing was written by hand, and one that leaves out a no.
-    must_attest("judge2", "judge", {due("judge").front()}, {"--no"});
+    must_attest("judge2", "judge", {due("judge").front()},
+                {"--no", "--statement", "</script><b>Record beaten</b>"});
     EXPECT_EQ(pages({"--roster", roster()})["passed"], false);
     render({"--roster", roster()});
+    EXPECT_EQ(read_file(run() / "report.html").find("<b>Record beaten"), std::string::npos);
     EXPECT_EQ(pages({"--roster", roster()})["passed"], true);
     page = read_file(run() / "report.html");
     for (std::size_t at = page.find("answered no"); at != std::string::npos;

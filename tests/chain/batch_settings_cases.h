@@ -241,6 +241,8 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}, redoes: window}
 - {key: "clauses[].accepts[]", set: {/rules/time/clauses/5/accepts: [phases]}}
 - {key: "clauses[].unit", set: {/rules/time/clauses/3/unit: m/s}}
+- {key: "clauses[].answered_by.role", set: {/rules/time/clauses/0/answered_by: {role: board}}}
+- {key: "clauses[].answered_by.count", set: {/rules/time/clauses/0/answered_by: {count: 2}}}
 - {key: window.kind, set: {/rules/time/window: {kind: distance, distance_m: 100, definition: displacement}, /attempt/rules: null}, redoes: window}
 - {key: window.duration_s, set: {/rules/time/window/duration_s: 4}, redoes: window}
 - {key: window.distance_m, set: {/rules/alpha/window/distance_m: 250}, redoes: window}

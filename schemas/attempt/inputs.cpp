@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/text.h"
 
 namespace runcert {
 namespace {
@@ -48,7 +47,7 @@ void add(const Place& place, const YamlValue& value, std::vector<AttemptInput>& 
     if (origin == nullptr || origin->changes.empty()) return;
     const bool decides = std::ranges::count(origin->changes, "outcome") > 0;
     if (is_rule_of_the_program(place, value) || (is_default(rule, value) && !decides)) return;
-    std::string text = escape_for_message(value.text());
+    std::string text = value.text();
     if (!rule.unit.empty()) text += " " + rule.unit;
     // Items of one list of texts are one input.
     if (!inputs.empty() && inputs.back().name == place.name)

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "render_pages.h"
 #include "run_reader.h"
 
 namespace runcert {
@@ -16,6 +17,7 @@ struct ExplainOptions {
 };
 
 int explain(const ExplainOptions& options) {
+    require_own_roster(options.roster, options.run_dir);
     std::vector<std::string> arguments;
     if (options.profiles) arguments.emplace_back("--profiles");
     if (options.inputs) arguments.emplace_back("--inputs");

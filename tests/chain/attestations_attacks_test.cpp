@@ -20,6 +20,7 @@ TEST_F(Attestations, ARosterThatLiesInTheRunVouchesForNothing) {
         const ProcessResult listed =
             runcert({"attest", run().string(), "--roster", given.string()});
         EXPECT_EQ(listed.exit_status, 2);
+        EXPECT_EQ(runcert({"explain", run().string(), "--roster", given.string()}).exit_status, 2);
         EXPECT_NE(listed.errors.find("vouches for nothing"), std::string::npos) << listed.errors;
     }
 }

@@ -28,8 +28,8 @@ bool are_filtered_positions(std::span<const velocities::SpeedBesidePosition> row
 
 /// Whether integrated speeds keep to the positions as none that were measured do. Errors of
 /// measured ones add up: the best receivers seen leave 7 mm after a second, and that times the root
-/// of the time later. Less than 3 mm is not believed, of spans of 10 s and more; nor, of code
-/// positions (`of_code`), which wander by themselves, less than 0.1 m after 100 s.
+/// of the time later. Less than 3 mm is not believed, of spans of 10 s and more; nor, of
+/// positions by code (`of_code`), which wander by themselves, less than 0.1 m after 100 s.
 bool keep_to_positions(std::span<const DisplacementSpread> spreads, bool of_code);
 
 /// Whether differences in units of their own standard uncertainty are so small as chance makes them

@@ -117,8 +117,9 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
         text += fmt::format("{}\n", in_short(view));
     for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
         text += labelled(said.label, sentence(said.text));
+    if (!verdict.origins.empty()) text += "\n";
     const ProfileView& first = views.front();
-    return text + "\n" +
+    return text +
            wrapped(fmt::format("One clause in full: runcert explain RUN_DIR {}. How the outcome "
                                "was decided: runcert explain RUN_DIR decision.",
                                first.verdict.requirements.empty()

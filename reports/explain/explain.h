@@ -30,8 +30,8 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
                          const ExplainOptions& options = {});
 
 /// A table, in Markdown, of every field of an attempt that can change what is certified: who says
-/// it, what it can change, and the clauses in which an official answers for it. A field that does
-/// not stand here has what the one that it is in has.
+/// it, what it can change, and the clauses in which an official answers for it, with the role. A
+/// field that does not stand here has what the one that it is in has.
 std::string inputs_table_text();
 
 /// Id, title and body of each, and what it averages over.

@@ -353,12 +353,13 @@ std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
 
 /// Whether the velocities were made from the positions, which their integral then never leaves.
 bool follow_positions(const std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness) {
-    const bool of_code = std::ranges::none_of(rows, [](const ScreenedEpoch& row) {
-        return row.usable && (row.fix == FixType::fixed || row.fix == FixType::float_ambiguities ||
-                              row.fix == FixType::ppp);
-    });
-    const auto estimated =
-        estimate_velocity_errors<2>(witness, timed_positions<2>(rows), std::nullopt);
+    constexpr double of_code_m = 0.1;
+    const std::vector<TimedPosition<2>> positions = timed_positions<2>(rows);
+    std::vector<double> stated_m;
+    for (const TimedPosition<2>& one : positions)
+        stated_m.push_back(one.sigma_m);
+    const bool of_code = !stated_m.empty() && median(std::move(stated_m)) >= of_code_m;
+    const auto estimated = estimate_velocity_errors<2>(witness, std::span(positions), std::nullopt);
     return keep_to_positions(estimated.spreads, of_code);
 }
 

@@ -91,7 +91,8 @@ TEST_F(Attestations, OfAnotherHandThanTheStatementNamesAreRefused) {
         {[](Attestation& said) { said.answers.front().shown = "0.001 m"; },
          "other words or figures"},
         {[](Attestation& said) { said.answers.front().text = "All is well."; }, "other words"},
-        {[](Attestation& said) { said.answers.front().clause = "margin"; }, "still to be attested"},
+        {[](Attestation& said) { said.answers.front().clause = "average-over-3-s"; },
+         "still to be attested"},
         {[](Attestation& said) { said.answers.front().profile = "fisly"; }, "still to be attested"},
         {[](Attestation& said) { said.time = "2999-01-01T00:00:00Z"; }, "yet to come"},
     };

@@ -109,9 +109,13 @@ TEST_F(Attestations, StandWithAnUnchangedReportAndAreSupersededWithAnother) {
     std::string other = text;
     other.replace(other.find("id: ") + 4, 0, "re");
     write_file_atomically(attempt / "attempt.yaml", other);
+    const std::string earlier = sha256_hex(read_file(run() / "report.json")).substr(0, 16);
     certify(attempt / "attempt.yaml", run(), {"--no-render"});
     EXPECT_FALSE(fs::exists(run() / "attestations"));
-    EXPECT_TRUE(fs::exists(run() / "superseded" / fs::path(file).filename()));
+    // Beside the report that it answers for.
+    const fs::path kept = run() / "superseded" / earlier;
+    EXPECT_TRUE(fs::exists(kept / "report.json"));
+    EXPECT_TRUE(fs::exists(kept / file));
     EXPECT_TRUE(says(layer(found(), "attestations"), "1 attestation to an earlier report"));
 }
 

@@ -320,7 +320,8 @@ TEST_F(Origins, AWheelMadeFromThePositionsIsNotHeard) {
     const auto wheel = [](const Samples& samples, double scale) {
         std::string text = "time_s,speed_m_s\n";
         for (const Sample& one : samples)
-            text += fmt::format("{:.2f},{:.5f}\n", one.time_s, scale * one.speed_m_s);
+            text +=
+                fmt::format("{:.2f},{:.5f}\n", one.time_s, std::max(0.0, scale * one.speed_m_s));
         return text;
     };
     const std::string stated = "wheel: {file: wheel.csv, source: a sensor}\n";

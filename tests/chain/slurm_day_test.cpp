@@ -120,6 +120,9 @@ TEST_F(SlurmDay, OnlyTheRestIsSubmitted) {
     ASSERT_EQ(rest.exit_status, 0) << rest.errors;
     EXPECT_TRUE(holds(rest.output, "2 tasks for 2 runs")) << rest.output;
     ASSERT_TRUE(holds_within(600, [&] { return is_over(); }));
+    // What somebody had changed is kept.
+    EXPECT_TRUE(fs::exists(runs[9] / "superseded"));
+    fs::remove_all(runs[9] / "superseded");
     EXPECT_EQ(differences(results_of(out), expected), Words{});
 }
 

@@ -9,9 +9,10 @@ namespace {
 TEST(Origins, TheTableOfTheMethodIsMadeFromTheDeclarations) {
     const std::string table = inputs_table_text();
     for (const char* line :
-         {"| `record` | claimed | outcome | the rule's by `margin`, else record-to-beat |",
-          "| `gates.file` | handed in | uncertainty | gates-as-measured |",
-          "| `receivers[].solution` | claimed | uncertainty, requirements | kind-of-solution |"})
+         {"| `record` | claimed | outcome | the rule's by `margin`, else record-to-beat (judge) |",
+          "| `gates.file` | handed in | uncertainty | gates-as-measured (measurer) |",
+          "| `receivers[].solution` | claimed | uncertainty, requirements | kind-of-solution "
+          "(measurer) |"})
         EXPECT_NE(table.find(line), std::string::npos) << line;
     const std::string method = read_file(std::string(RUNCERT_SOURCE_DIR) + "/reports/METHOD.md");
     EXPECT_NE(method.find(table), std::string::npos)

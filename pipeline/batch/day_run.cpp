@@ -9,6 +9,7 @@
 
 #include "batch/memory_budget.h"
 #include "batch/run_files.h"
+#include "core/text.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -129,8 +130,9 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
 }
 
 void remove_half_written(const BatchFolders& folders) {
-    for (const auto& folder : {folders.out, folders.own(), folders.record("").parent_path(),
-                               folders.composed("").parent_path(), folders.slurm()})
+    for (const auto& folder :
+         {folders.out, folders.own(), folders.record("").parent_path(),
+          folders.work("").parent_path(), folders.composed("").parent_path(), folders.slurm()})
         remove_temporaries(folder);
 }
 

@@ -4,6 +4,7 @@
 #include <ctime>
 #include <exception>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "batch/run_making.h"
 #include "batch/step_reason.h"

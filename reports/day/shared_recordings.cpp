@@ -83,8 +83,7 @@ void SharedRecordings::add(std::uint32_t attempt, OpenTable<Observations> table)
 /// How many entries each attempt has in common with each other one.
 SharedRecordings::Shared SharedRecordings::shared_by(std::vector<Entry>& entries) const {
     std::ranges::sort(entries);
-    const auto repeated = std::ranges::unique(entries);
-    entries.erase(repeated.begin(), repeated.end());
+    entries.erase(std::unique(entries.begin(), entries.end()), entries.end());
     Shared recordings;
     for (std::size_t first = 0, last = 0; first < entries.size(); first = last) {
         while (last < entries.size() && entries[last].what == entries[first].what)

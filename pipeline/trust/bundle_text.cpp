@@ -140,7 +140,10 @@ std::string by_runcert(const BundleFacts& facts) {
         "   Every file against the report, each stage against the one before, the signatures; and "
         "with\n"
         "   --recompute, every stage is run again from the recordings and compared.\n"
-        "   `runcert audit {}` says in plain words what was decided and why.\n",
+        "   `runcert audit {}` says in plain words what was decided and why.\n"
+        "   Keys in keys/ are the sender's word, and vouch for nobody: take the body's own roster, "
+        "and\n"
+        "   give it with --roster, to see whether the record counts as beaten.\n",
         facts.attempt, options, facts.attempt);
 }
 

@@ -173,6 +173,7 @@ TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
     EXPECT_EQ(read_file(unpacked.run_dir / "keys" / "tsa-ca.pem"), read_file(ca));
     EXPECT_TRUE(holds(read_file(unpacked.run_dir / "VERIFY.txt"),
                       "--roster salt-lake/keys/roster --tsa-ca salt-lake/keys/tsa-ca.pem"));
+    EXPECT_TRUE(holds(read_file(unpacked.run_dir / "VERIFY.txt"), "vouch for nobody"));
     for (const char* option : {"--roster", "--tsa-ca", "--pubkey"})
         expect_refused(bundle(signed_->run(), there.path() / "p.tar.zst",
                               {option, (there.path() / "k.pem").string()}),

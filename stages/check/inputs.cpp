@@ -13,11 +13,13 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
 }
 
 /// The clauses that something is computed for or that the rule asks.
-std::vector<Clause> clauses_without_claims(const Profile& profile) {
-    std::vector<Clause> clauses = profile.clauses;
+std::vector<const Clause*> clauses_without_claims(const Profile& profile) {
+    std::vector<const Clause*> clauses;
+    for (const Clause& of_rule : profile.clauses)
+        clauses.push_back(&of_rule);
     for (const Clause& own : own_clauses())
         if (own.decided_by != Computation::claims && !asks(profile.clauses, own.decided_by))
-            clauses.push_back(own);
+            clauses.push_back(&own);
     return clauses;
 }
 
@@ -33,9 +35,9 @@ std::vector<std::string> clauses_answering(const AttemptInput& input, const Prof
                                            const Attempt& attempt) {
     std::vector<std::string> ids;
     if (!concerns(input, profile, attempt)) return ids;
-    for (const Clause& clause : clauses_without_claims(profile))
-        if (std::ranges::count(input.origin.decides, to_text(clause.decided_by)) > 0)
-            ids.push_back(clause.id);
+    for (const Clause* const clause : clauses_without_claims(profile))
+        if (std::ranges::count(input.origin.decides, to_text(clause->decided_by)) > 0)
+            ids.push_back(clause->id);
     if (ids.empty() && !input.origin.clause.empty()) ids.push_back(input.origin.clause);
     return ids;
 }
@@ -45,7 +47,9 @@ std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt
     for (const AttemptInput& input : attempt.inputs)
         for (std::string& id : clauses_answering(input, profile, attempt))
             answering.push_back(std::move(id));
-    std::vector<Clause> clauses = clauses_without_claims(profile);
+    std::vector<Clause> clauses;
+    for (const Clause* const clause : clauses_without_claims(profile))
+        clauses.push_back(*clause);
     for (const Clause& own : own_clauses())
         if (own.decided_by == Computation::claims && std::ranges::count(answering, own.id) > 0)
             clauses.push_back(own);

@@ -14,17 +14,6 @@ bool holds(const std::string& text, std::string_view part) {
 
 class AttacksOnFolders : public SignedRuns {
   protected:
-    /// The example, or the same with another report.
-    fs::path attempt(bool other = false) const {
-        const fs::path folder = path(other ? "attempt-2" : "attempt-1");
-        if (!fs::exists(folder)) {
-            fs::copy(examples / "salt_lake", folder, fs::copy_options::recursive);
-            if (other)
-                write_file_atomically(folder / "attempt.yaml",
-                                      read_file(folder / "attempt.yaml") + "attempts_made: 2\n");
-        }
-        return folder / "attempt.yaml";
-    }
     ProcessResult certify_again(bool other = true) const {
         return certify(attempt(other), run(), {"--no-render"});
     }

@@ -49,17 +49,6 @@ int without_exchange(Words command) {
 
 class RunFolders : public SignedRuns {
   protected:
-    /// The example, or the same with another report.
-    fs::path attempt(bool other = false) const {
-        const fs::path folder = path(other ? "attempt-2" : "attempt-1");
-        if (!fs::exists(folder)) {
-            fs::copy(examples / "salt_lake", folder, fs::copy_options::recursive);
-            if (other)
-                write_file_atomically(folder / "attempt.yaml",
-                                      read_file(folder / "attempt.yaml") + "attempts_made: 2\n");
-        }
-        return folder / "attempt.yaml";
-    }
     Words certify_words(bool other, const fs::path& to) const {
         return {RUNCERT_PROGRAMS "/runcert",
                 "certify",

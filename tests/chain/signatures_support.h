@@ -51,6 +51,17 @@ class SignedRuns : public testing::Test {
 
     fs::path run() const { return folder_.path() / "run"; }
     fs::path path(const std::string& name) const { return folder_.path() / name; }
+    /// The example, or the same with another report.
+    fs::path attempt(bool other = false) const {
+        const fs::path folder = path(other ? "attempt-2" : "attempt-1");
+        if (!fs::exists(folder)) {
+            fs::copy(examples / "salt_lake", folder, fs::copy_options::recursive);
+            if (other)
+                write_file_atomically(folder / "attempt.yaml",
+                                      read_file(folder / "attempt.yaml") + "attempts_made: 2\n");
+        }
+        return folder / "attempt.yaml";
+    }
 
     /// A roster of these lines, for one test.
     std::string roster_of(const std::vector<std::string>& lines) const {

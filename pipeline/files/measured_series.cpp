@@ -41,8 +41,9 @@ struct SeriesCell {
     std::size_t line = 1;
     std::size_t column = 1;  ///< byte in the line, from 1
 
+    std::string place() const { return fmt::format("{}:{}:{}", *where, line, column); }
     [[noreturn]] void fail(const std::string& what, const std::string& remedy) const {
-        throw Failure(fmt::format("{}:{}:{}", *where, line, column), what, remedy);
+        throw Failure(place(), what, remedy);
     }
     std::string quoted() const { return fmt::format("\"{}\"", escape_for_message(text)); }
 };
@@ -166,7 +167,7 @@ double read_number(const SeriesCell& cell, std::string_view meaning) {
     const auto number = parse_double(cell.text);
     if (!number)
         cell.fail(fmt::format("{} is not a {}", cell.quoted(), meaning),
-                  "Write a decimal number, or take the line out where nothing was measured");
+                  "Write a decimal number, as 12.5");
     return *number;
 }
 
@@ -177,7 +178,7 @@ double read_speed_m_s(const SeriesCell& cell, double mps_per_unit) {
                   "A speed is 0 or more, whichever way it is");
     if (speed_m_s > largest_m_s)
         cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_m_s),
-                  "Correct it, or the unit in the column's name");
+                  "See whether the column's name has the right unit");
     return speed_m_s;
 }
 
@@ -194,6 +195,70 @@ double read_direction_deg(const SeriesCell& cell) {
     return direction_deg;
 }
 
+/// One line in so many may be left out.
+constexpr std::size_t lines_to_one_left_out = 20;
+
+/// A line below the header, and what it says.
+struct SeriesLine {
+    SeriesCell line;
+    SeriesSample sample;
+};
+
+SeriesSample read_sample(const SeriesCell& line, const SeriesColumns& columns,
+                         const std::optional<GpsTime>& first_epoch, SeriesKind kind) {
+    const std::vector<SeriesCell> cells = split(line);
+    if (cells.size() != columns.count)
+        line.fail(fmt::format("the line has {} fields; the header line has {}", cells.size(),
+                              columns.count),
+                  "Hand in the file as the instrument wrote it");
+    return {
+        .time_s = read_time_s(cells[columns.time], columns.time_name, first_epoch),
+        .value = read_value(cells[columns.value], columns, kind),
+        .direction_deg = columns.direction ? read_direction_deg(cells[*columns.direction]) : 0.0};
+}
+
+/// Which of the lines are of the most whose times increase.
+std::vector<bool> longest_in_order(const std::vector<SeriesLine>& lines) {
+    std::vector<std::size_t> ends;  // of the best sequence of each length, the line it ends with
+    std::vector<std::size_t> before(lines.size());
+    const auto time_of = [&](std::size_t line) { return lines[line].sample.time_s; };
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const auto place = std::ranges::lower_bound(ends, time_of(i), {}, time_of);
+        before[i] = place == ends.begin() ? i : *std::prev(place);
+        if (place == ends.end())
+            ends.push_back(i);
+        else
+            *place = i;
+    }
+    std::vector<bool> in_order(lines.size(), false);
+    if (ends.empty()) return in_order;
+    for (std::size_t i = ends.back();; i = before[i]) {
+        in_order[i] = true;
+        if (before[i] == i) return in_order;
+    }
+}
+
+/// Failure at the first line whose time is not after that of the line before.
+[[noreturn]] void refuse_order(const std::vector<SeriesLine>& lines, const SeriesColumns& columns) {
+    std::size_t i = 1;
+    while (lines[i].sample.time_s > lines[i - 1].sample.time_s)
+        ++i;
+    const SeriesCell time = split(lines[i].line)[columns.time];
+    time.fail(fmt::format("the time {} is not after that of the line before", time.quoted()),
+              "Hand in the file as the instrument wrote it, its lines in the order of time");
+}
+
+void require_gates_in_order(const std::vector<SeriesLine>& gates, const SeriesColumns& columns) {
+    for (std::size_t i = 1; i < gates.size(); ++i) {
+        if (gates[i].sample.value > gates[i - 1].sample.value) continue;
+        const SeriesCell cell = split(gates[i].line)[columns.value];
+        cell.fail(
+            fmt::format("the distance {} is not beyond that of the gate before", cell.quoted()),
+            "Put the gates in their order along the course, each with its distance from the "
+            "first");
+    }
+}
+
 }  // namespace
 
 MeasuredSeries read_series(std::string_view text, const std::string& where,
@@ -207,32 +272,34 @@ MeasuredSeries read_series(std::string_view text, const std::string& where,
         lines.front().fail("it gives instants, but the recording's times are relative",
                            "Give the receiver's start_gps in the attempt, or the column time_s, "
                            "seconds from the recording's first epoch");
-    MeasuredSeries series{.where = where, .samples = {}};
+    MeasuredSeries series{.where = where, .samples = {}, .left_out = {}};
+    // Gates are few, and each of them counts.
+    const std::size_t lost_at_most =
+        kind == SeriesKind::gates ? 0 : (lines.size() - 1) / lines_to_one_left_out;
+    std::vector<SeriesLine> read;
+    std::vector<Failure> lost;
     for (std::size_t i = 1; i < lines.size(); ++i) {
-        const std::vector<SeriesCell> cells = split(lines[i]);
-        if (cells.size() != columns.count)
-            lines[i].fail(fmt::format("the line has {} fields; the header line has {}",
-                                      cells.size(), columns.count),
-                          "Correct the line, or take it out");
-        const SeriesCell& time = cells[columns.time];
-        const SeriesSample sample{
-            .time_s = read_time_s(time, columns.time_name, first_epoch),
-            .value = read_value(cells[columns.value], columns, kind),
-            .direction_deg =
-                columns.direction ? read_direction_deg(cells[*columns.direction]) : 0.0};
-        if (!series.samples.empty() && sample.time_s <= series.samples.back().time_s)
-            time.fail(
-                fmt::format("the time {} is not after that of the line before", time.quoted()),
-                "Put the lines in order of time, each time once");
-        if (kind == SeriesKind::gates && !series.samples.empty() &&
-            sample.value <= series.samples.back().value)
-            cells[columns.value].fail(
-                fmt::format("the distance {} is not beyond that of the gate before",
-                            cells[columns.value].quoted()),
-                "Put the gates in their order along the course, each with its distance from the "
-                "first");
-        series.samples.push_back(sample);
+        try {
+            read.push_back({lines[i], read_sample(lines[i], columns, first_epoch, kind)});
+        } catch (const Failure& failure) {
+            if (lost.size() >= lost_at_most) throw;
+            lost.push_back(failure);
+        }
     }
+    const std::vector<bool> in_order = longest_in_order(read);
+    for (std::size_t i = 0; i < read.size(); ++i) {
+        if (in_order[i])
+            series.samples.push_back(read[i].sample);
+        else if (lost.size() >= lost_at_most)
+            refuse_order(read, columns);
+        else
+            lost.emplace_back(read[i].line.place(), "its time leaves the order of the others", "");
+    }
+    if (kind == SeriesKind::gates) require_gates_in_order(read, columns);
+    if (!lost.empty())
+        series.left_out = fmt::format(
+            "{}: {} of {} lines were left out, the first because {} ({}).", where, lost.size(),
+            lines.size() - 1, lost.front().problem(), lost.front().where());
     if (series.samples.empty())
         throw Failure(where, "there is no sample below the header line",
                       "Give at least one sample before the window and one after it");

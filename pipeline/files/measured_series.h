@@ -27,6 +27,7 @@ struct SeriesSample {
 struct MeasuredSeries {
     std::string where;
     std::vector<SeriesSample> samples;
+    std::string left_out = {};  ///< a sentence on the lines that were left out; empty where none were
 };
 
 /// Reads a series from comma-separated text. Its header line names these columns, in any order:
@@ -35,10 +36,14 @@ struct MeasuredSeries {
 /// `speed_kn` or `speed_km_h`; of gates `distance_m`; and of a flow `direction_deg`, 0 to 360.
 /// Lines that are empty or begin with # are passed over.
 ///
-/// Failure at "where:line:column" (bytes, from 1) for anything else: an unknown, missing or second
-/// column, a cell that is not a number or time, a time not after the one before, a speed below 0
-/// or above 150 m/s, a distance not beyond the one before, no sample; and for instants where
-/// `first_epoch` is empty, the recording's times being relative.
+/// Of a flow or a wheel, lines that cannot be read, or whose times the most lines that follow one
+/// another in time leave no place for, are left out where they are at most one in twenty.
+///
+/// Failure at "where:line:column" (bytes, from 1) for more of them, the first one's, and for
+/// anything else: an unknown, missing or second column, of a line a cell that is not a number or
+/// time, a time not after the one before, a speed below 0 or above 150 m/s, a distance not beyond
+/// the one before, no sample; and for instants where `first_epoch` is empty, the recording's times
+/// being relative.
 MeasuredSeries read_series(std::string_view text, const std::string& where,
                            const std::optional<GpsTime>& first_epoch, SeriesKind kind);
 

@@ -140,9 +140,11 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
     switch (row.reason) {
         case Reason::other_fix:
             return fmt::format("{}: {}", words_of(row.reason), words_of(row.fix));
+        case Reason::repeated:
+            return one ? "it repeats another epoch" : "they repeat other epochs";
         case Reason::duplicate_time:
-            return one ? "its time is that of the epoch before it"
-                       : "their times are those of the epochs before them";
+            return one ? "its time is that of another epoch at another place"
+                       : "their times are those of other epochs at other places";
         case Reason::backward_time:
             return out_of_order(rows);
         case Reason::accuracy_absurd:

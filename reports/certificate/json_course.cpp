@@ -33,7 +33,11 @@ std::string ended_words(RunEdge ended) {
 }
 
 bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {
-    return window && run.first_epoch <= window->first_epoch && window->last_epoch <= run.last_epoch;
+    const auto end_ns = [](const WindowSpan& span) {
+        return span.start.nanoseconds + span.duration.nanoseconds;
+    };
+    return window && run.start.nanoseconds <= window->start.nanoseconds &&
+           end_ns(*window) <= end_ns(run);
 }
 
 Json run_json(const RunSummary& run, std::size_t number, const ProfileVerdict& verdict,

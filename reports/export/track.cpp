@@ -96,15 +96,12 @@ std::vector<TrackArc> arcs_of(const TrackInput& input, const ToTheEarth& earth) 
 std::vector<TrackPoint> points_between(const TrajectoryTable& trajectory, const WindowSpan& span,
                                        const ToTheEarth& earth) {
     std::vector<TrackPoint> points;
-    const auto at_or_after = [&](std::int64_t epoch) {
-        return std::lower_bound(
-            trajectory.rows.begin(), trajectory.rows.end(), epoch,
-            [](const TrajectoryEpoch& row, std::int64_t wanted) { return row.epoch < wanted; });
+    const auto row_of = [&](std::int64_t epoch) {
+        return std::ranges::find(trajectory.rows, epoch, &TrajectoryEpoch::epoch);
     };
-    const auto first = at_or_after(span.first_epoch);
-    const auto last = at_or_after(span.last_epoch);
-    if (first == trajectory.rows.end() || last == trajectory.rows.end() ||
-        first->epoch != span.first_epoch || last->epoch != span.last_epoch)
+    const auto first = row_of(span.first_epoch);
+    const auto last = row_of(span.last_epoch);
+    if (first == trajectory.rows.end() || last == trajectory.rows.end() || last < first)
         throw Failure(std::string(products::windows_file),
                       fmt::format("the window from epoch {} to {} is not in the trajectory",
                                   span.first_epoch, span.last_epoch),

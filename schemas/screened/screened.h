@@ -17,6 +17,12 @@ struct ScreenedTable {
     std::vector<ScreenedEpoch> rows;
 };
 
+/// Whether an epoch was left out for its time alone.
+constexpr bool is_out_of_time(const ScreenedEpoch& row) {
+    return row.reason == Reason::repeated || row.reason == Reason::duplicate_time ||
+           row.reason == Reason::backward_time;
+}
+
 /// Rows by reason, arcs and usable rows, counted from the rows; and how often each hypothesis was
 /// decided for: by the hypothesis of a row that a test rejected, by the break before a row (bridged
 /// is a step).

@@ -37,7 +37,8 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
             "was changed.",
             records.bad, records.total);
     for (const BadRecord& bad : records.bad_records)
-        if (bad.epoch >= window.first_epoch && bad.epoch <= window.last_epoch)
+        if (bad.epoch >= std::min(window.first_epoch, window.last_epoch) &&
+            bad.epoch <= std::max(window.first_epoch, window.last_epoch))
             return fmt::format(
                 "A record inside the window could not be read ({}{} {}, after epoch {}): {}.",
                 bad.file ? fmt::format("file {}, ", *bad.file) : "", bad.line ? "line" : "byte",
@@ -106,6 +107,54 @@ std::string refused_for_decision(const ClauseContext& context) {
         largest->statistic, largest->threshold);
 }
 
+/// What the recording shows in a window that cannot be certified, where that reaches the required
+/// speed; empty otherwise.
+std::string shown_though_refused(const ClauseContext& context) {
+    const auto& indicated = context.windows.indicated;
+    if (!indicated || indicated->refusals.empty() || !context.required_speed) return {};
+    const double shown_m_s = indicated->mean_m_s.value_or(indicated->speed_m_s);
+    if (shown_m_s < context.required_speed->speed_m_s) return {};
+    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
+    return fmt::format(
+        "The recording shows {} {} {}, at or above the required {} {}. That window cannot be "
+        "certified (it holds {}).",
+        context.shown ? beside(*context.shown, shown_m_s, SafeSide::down)
+                      : format_fixed(shown_m_s / metres_per_second(unit.name), 2),
+        unit.name, beginning_text(indicated->span),
+        context.shown
+            ? context.shown->required_speed
+            : format_fixed(context.required_speed->speed_m_s / metres_per_second(unit.name), 2),
+        unit.name, fmt::join(indicated->refusals, ", "));
+}
+
+/// The speed that the recording shows, whatever of it can be certified.
+std::string shown_anyhow(const ClauseContext& context) {
+    const auto& indicated = context.windows.indicated;
+    if (!indicated) return {};
+    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
+    return fmt::format(
+        " The recording shows {} {} {}.",
+        format_fixed(
+            indicated->mean_m_s.value_or(indicated->speed_m_s) / metres_per_second(unit.name), 2),
+        unit.name, beginning_text(indicated->span));
+}
+
+/// Why the times of a recording forbid a certificate: too many of them contradict the others.
+std::string refused_for_times(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    const std::int64_t left_out = judged.tests.time.left_out.value_or(0);
+    const std::int64_t epochs = std::ssize(judged.trajectory);
+    const double share = static_cast<double>(left_out) / static_cast<double>(epochs);
+    const double share_max =
+        context.input.attempt.parameters.at("screen").at("time_share_max").get<double>();
+    if (left_out == 0 || share <= share_max) return {};
+    return fmt::format(
+        "{} of {} epochs were left out for their times alone, more than {:g} % "
+        "(screen.time_share_max): which times are right cannot be told.{}",
+        left_out, epochs, 100.0 * share_max,
+        shown_though_refused(context).empty() ? shown_anyhow(context) : "");
+}
+
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const auto failed = failed_clauses(requirements);
@@ -123,6 +172,7 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     if (const auto& velocity = context.input.judged.tests.velocity;
         velocity && is_another_speed(*velocity))
         return another_speed_text(*velocity);
+    if (std::string refused = refused_for_times(context); !refused.empty()) return refused;
     if (std::string refused = refused_for_decision(context); !refused.empty()) return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
@@ -215,27 +265,12 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
     return figures;
 }
 
-/// Why a speed below the required speed does not show that the record was not beaten; empty where
-/// it does.
-std::string refused_but_fast_enough(const ClauseContext& context) {
-    const auto& indicated = context.windows.indicated;
-    if (!indicated || indicated->refusals.empty()) return {};
-    const double shown_m_s = indicated->mean_m_s.value_or(indicated->speed_m_s);
-    if (shown_m_s < context.required_speed->speed_m_s) return {};
-    const ShownFigures& shown = *context.shown;
-    return fmt::format(
-        "The recording shows {} {} {}, at or above the required {} {}. "
-        "That window cannot be certified (it holds {}). The fastest certifiable window, {}, "
-        "does not show that the record was not beaten.",
-        beside(shown, shown_m_s, SafeSide::down), shown.unit, beginning_text(indicated->span),
-        shown.required_speed, shown.unit, fmt::join(indicated->refusals, ", "),
-        measured_speed_text(shown));
-}
-
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
-    if (std::string refused = refusal_of(context, verdict.requirements); !refused.empty()) {
+    const std::string shown = shown_though_refused(context);
+    if (const std::string refused = refusal_of(context, verdict.requirements); !refused.empty()) {
         verdict.outcome = Outcome::not_certifiable;
-        verdict.reason = std::move(refused);
+        verdict.reason = refused;
+        if (!shown.empty()) verdict.reason += (refused.ends_with('.') ? " " : ". ") + shown;
     } else if (!context.decision) {
         verdict.outcome = Outcome::not_proven;
         verdict.reason = "The attempt names no record to beat.";
@@ -243,14 +278,19 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         Outcome outcome = decide(*context.speed, *context.required_speed, context.decision->level);
         if (outcome == Outcome::not_beaten && fastest_might_reach(context))
             outcome = Outcome::not_proven;
-        if (outcome == Outcome::not_beaten)
-            if (std::string doubt = refused_but_fast_enough(context); !doubt.empty()) {
-                verdict.outcome = Outcome::not_certifiable;
-                verdict.reason = std::move(doubt);
-                return;
-            }
+        // A speed below the required one does not show that the record was not beaten where the
+        // recording shows more.
+        if (outcome == Outcome::not_beaten && !shown.empty()) {
+            verdict.outcome = Outcome::not_certifiable;
+            verdict.reason = fmt::format(
+                "{} The fastest certifiable window, {}, does not show that the record was not "
+                "beaten.",
+                shown, measured_speed_text(*context.shown));
+            return;
+        }
         verdict.outcome = outcome;
         verdict.reason = reason_of(context, outcome);
+        if (outcome == Outcome::not_proven && !shown.empty()) verdict.reason += " " + shown;
         verdict.decision->risk = decision_risk(*context.speed, *context.required_speed, outcome);
     }
 }
@@ -319,10 +359,14 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
-    for (const ProfileWindows& entry : windows.profiles)
-        if (entry.best && row.epoch >= entry.best->span.first_epoch &&
-            row.epoch <= entry.best->span.last_epoch)
-            window_epochs[entry.profile].push_back(row);
+    // The rows are in the order of time, which need not be that of their numbers.
+    for (const ProfileWindows& entry : windows.profiles) {
+        if (!entry.best) continue;
+        std::vector<ScreenedEpoch>& epochs = window_epochs[entry.profile];
+        const bool begins = row.epoch == entry.best->span.first_epoch;
+        const bool inside = !epochs.empty() && epochs.back().epoch != entry.best->span.last_epoch;
+        if (begins || inside) epochs.push_back(row);
+    }
 }
 
 Verdict check(const CheckInput& input) {

@@ -33,8 +33,8 @@ Threshold required_speed_over(const Profile& profile, const Record& record) {
 
 /// The row of an epoch, if the trajectory is there and has it.
 std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std::int64_t epoch) {
-    const auto row = std::ranges::lower_bound(rows, epoch, {}, &TrajectoryEpoch::epoch);
-    if (row == rows.end() || row->epoch != epoch || !row->arc) return std::nullopt;
+    const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
+    if (row == rows.end() || !row->arc) return std::nullopt;
     return static_cast<std::size_t>(row - rows.begin());
 }
 

@@ -12,13 +12,19 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
     return std::ranges::find(clauses, computation, &Clause::decided_by) != clauses.end();
 }
 
+/// Whether there is something to compute an own clause from.
+bool is_computed(const Clause& own, const Attempt& attempt) {
+    if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
+    return own.decided_by != Computation::claims;
+}
+
 /// The clauses that something is computed for or that the rule asks.
-std::vector<const Clause*> clauses_without_claims(const Profile& profile) {
+std::vector<const Clause*> clauses_without_claims(const Profile& profile, const Attempt& attempt) {
     std::vector<const Clause*> clauses;
     for (const Clause& of_rule : profile.clauses)
         clauses.push_back(&of_rule);
     for (const Clause& own : own_clauses())
-        if (own.decided_by != Computation::claims && !asks(profile.clauses, own.decided_by))
+        if (is_computed(own, attempt) && !asks(profile.clauses, own.decided_by))
             clauses.push_back(&own);
     return clauses;
 }
@@ -35,7 +41,7 @@ std::vector<std::string> clauses_answering(const AttemptInput& input, const Prof
                                            const Attempt& attempt) {
     std::vector<std::string> ids;
     if (!concerns(input, profile, attempt)) return ids;
-    for (const Clause* const clause : clauses_without_claims(profile))
+    for (const Clause* const clause : clauses_without_claims(profile, attempt))
         if (std::ranges::count(input.origin.decides, to_text(clause->decided_by)) > 0)
             ids.push_back(clause->id);
     if (ids.empty() && !input.origin.clause.empty()) ids.push_back(input.origin.clause);
@@ -48,7 +54,7 @@ std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt
         for (std::string& id : clauses_answering(input, profile, attempt))
             answering.push_back(std::move(id));
     std::vector<Clause> clauses;
-    for (const Clause* const clause : clauses_without_claims(profile))
+    for (const Clause* const clause : clauses_without_claims(profile, attempt))
         clauses.push_back(*clause);
     for (const Clause& own : own_clauses())
         if (own.decided_by == Computation::claims && std::ranges::count(answering, own.id) > 0)

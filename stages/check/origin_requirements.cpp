@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/gps_time.h"
 #include "reports/words/recording.h"
 #include "stages/check/against_limit.h"
 #include "stages/check/inputs.h"
@@ -81,7 +82,47 @@ std::string unusual_steps(const ReceiverFindings& judged) {
         *time.departure_s, *time.usual_interval_s, *time.interval_s);
 }
 
+double days_of(double seconds) {
+    return std::floor(seconds / 86'400.0);
+}
+
+/// Days from the GPS epoch to the date at a place, by mean solar time.
+double days_there(const GpsTime& time, double longitude_deg) {
+    const double utc_s = GpsTime::from_calendar(utc_from_gps(time).time).seconds_since(GpsTime());
+    return days_of(utc_s + longitude_deg / 360.0 * 86'400.0);
+}
+
 }  // namespace
+
+Finding computation::recording_date(const Clause&, const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    const std::string& named = context.input.attempt.date;
+    if (named.empty()) return unknown("the attempt names no date");
+    if (!judged.facts.first_epoch || judged.trajectory.empty())
+        return {RequirementStatus::attest, "the recording has no date; the attempt names " + named};
+    const TrajectoryEpoch& middle = judged.trajectory[judged.trajectory.size() / 2];
+    const double longitude_deg = judged.facts.georeferenced && judged.origin
+                                     ? judged.origin->position.longitude.degrees()
+                                     : 0.0;
+    const double there = days_there(
+        judged.facts.first_epoch->plus_nanoseconds(middle.time.nanoseconds), longitude_deg);
+    const double days =
+        there - days_of(parse_gps_iso(named + "T00:00:00").seconds_since(GpsTime()));
+    const CalendarTime day =
+        GpsTime().plus_nanoseconds(std::llround(there) * GpsTime::nanoseconds_per_day).calendar();
+    const std::string date = fmt::format("{:04}-{:02}-{:02}", day.year, day.month, day.day);
+    const std::string what = fmt::format("the recording is of {}, the attempt of {}", date, named);
+    if (std::abs(days) <= 1.0) return {RequirementStatus::met, what};
+    constexpr double rollover_days = 1024.0 * 7.0;
+    const double rollovers = std::round(days / rollover_days);
+    const bool rolled = rollovers != 0.0 && std::abs(days - rollovers * rollover_days) <= 1.0;
+    return {RequirementStatus::not_met,
+            fmt::format("{}: {:.0f} days apart{}", what, std::abs(days),
+                        rolled ? ", which is the rollover of the GPS week after 1024 weeks: the "
+                                 "receiver's firmware, or what converted its file, is older than "
+                                 "the day; hand in what a current version writes"
+                               : "; hand in the recording of that day, or name its day")};
+}
 
 Finding computation::claims(const Clause& clause, const ClauseContext& context) {
     return {RequirementStatus::attest, stated_text(inputs_answered_in(clause, context))};

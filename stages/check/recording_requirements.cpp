@@ -67,8 +67,12 @@ Finding computation::sampling_rate(const Clause& clause, const ClauseContext& co
     const auto& rows = context.input.judged.epochs_of(context.profile.id);
     if (rows.size() < 2) return unknown("there is no certifiable window");
     double longest_s = 0.0;
-    for (std::size_t i = 1; i < rows.size(); ++i)
-        longest_s = std::max(longest_s, rows[i].time.seconds() - rows[i - 1].time.seconds());
+    double before_s = rows.front().time.seconds();
+    for (const ScreenedEpoch& row : rows) {
+        if (is_out_of_time(row)) continue;
+        longest_s = std::max(longest_s, row.time.seconds() - before_s);
+        before_s = row.time.seconds();
+    }
     // Stamps are written in decimals of a second: 0.2 s apart, as a difference, is not exactly so.
     const double rate_hz = 1.0 / (longest_s - 1e-9);
     return against_limit({.name = "lowest rate of epochs in the window",

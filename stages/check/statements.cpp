@@ -201,6 +201,15 @@ void add_time(const TimeStampSummary& time, Statements& statements) {
     if (time.sessions > 1)
         statements.push_back(
             fmt::format("The recording holds {} sessions, which were not joined.", time.sessions));
+    if (time.moved.value_or(0) > 0)
+        statements.push_back(fmt::format(
+            "The recording is not in the order of time: {} epochs were put in their place among "
+            "those of later times that were recorded before them.",
+            *time.moved));
+    if (time.left_out.value_or(0) > 0)
+        statements.push_back(fmt::format(
+            "{} epochs were left out for their times, for which the others leave no place.",
+            *time.left_out));
     for (const TimeFault& fault : time.faults)
         if (fault.kind == TimeFaultKind::whole_second_shift)
             statements.push_back(fmt::format(
@@ -383,6 +392,8 @@ std::vector<std::string> statements_of(const CheckInput& input) {
     add_undetected(input, statements);
     const auto& notes = judged.windows.witness_notes;
     statements.insert(statements.end(), notes.begin(), notes.end());
+    for (const MeasuredSeries* const series : {input.wind, input.current})
+        if (series != nullptr && !series->left_out.empty()) statements.push_back(series->left_out);
     const EstimationSummary& estimation = judged.estimation;
     if (estimation.arcs > 0) {
         add_fit(estimation.horizontal.noise, "horizontal", statements);

@@ -77,7 +77,9 @@ inline constexpr const char* says_simulated =
 /// by the mean of the vertical velocity. Of several epochs with one time, the first counts.
 Inspection inspect(const Observations& observations);
 
-/// The same for a person, about 20 lines, with what an official should look at.
-std::string inspection_text(const Inspection& inspection, const std::string& file_name);
+/// The same for a person, about 20 lines, with what an official should look at. `now`: later dates
+/// cannot be; empty where that is not asked.
+std::string inspection_text(const Inspection& inspection, const std::string& file_name,
+                            const std::optional<GpsTime>& now = std::nullopt);
 
 }  // namespace runcert

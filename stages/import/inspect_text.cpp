@@ -6,6 +6,8 @@
 
 #include "core/plain_text.h"
 #include "core/text.h"
+#include "stages/import/cell.h"
+#include "stages/import/day_clock.h"
 #include "stages/import/inspect.h"
 
 namespace runcert {
@@ -209,7 +211,8 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
                         it.gaps));
     if (it.repeated_times + it.backward_times > 0)
         concerns.push_back(
-            "Times repeat or run backwards: was the recording edited, or are there several in it?");
+            "Times repeat or run backwards. Stretches that were written out of order are put in "
+            "the order of time; what contradicts the rest is left out, and counted.");
     if (!it.time_source.empty() && it.time_source != "satellites")
         concerns.push_back(
             "Nothing says that the time stamps are the satellites' time: somebody must attest it "
@@ -217,6 +220,42 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
     if (!it.first)
         concerns.push_back("The time is relative: the recording does not show when it was made.");
     if (!it.georeferenced) concerns.push_back("The recording does not show where it was made.");
+}
+
+/// The first date in a text that names a firmware, as v2024.08.07 or 2024-08-07.
+std::optional<GpsTime> date_in(std::string_view text) {
+    constexpr std::size_t length = 10;
+    for (std::size_t at = 0; at + length <= text.size(); ++at) {
+        const auto year = digits_at(text, at, 4), month = digits_at(text, at + 5, 2),
+                   day = digits_at(text, at + 8, 2);
+        const char between = text[at + 4];
+        if (!year || !month || !day || (between != '.' && between != '-') ||
+            text[at + 7] != between)
+            continue;
+        if (const auto number = day_number(*year, *month, *day))
+            return GpsTime::from_nanoseconds(*number * GpsTime::nanoseconds_per_day);
+    }
+    return std::nullopt;
+}
+
+/// Dates that cannot be: before the firmware that wrote them, or still to come.
+void add_date_concerns(const Inspection& it, const std::optional<GpsTime>& now,
+                       std::vector<std::string>& concerns) {
+    if (!it.first || !it.last) return;
+    constexpr std::int64_t rollover_ns = 1024 * 7 * GpsTime::nanoseconds_per_day;
+    const auto date = [](const GpsTime& time) { return to_iso(time).substr(0, 10); };
+    std::optional<GpsTime> firmware = date_in(it.device);
+    for (const std::string& said : it.written_by)
+        if (!firmware) firmware = date_in(said);
+    if (firmware && *it.first < *firmware)
+        concerns.push_back(fmt::format(
+            "The recording is dated {}, before the firmware that wrote it ({}): the date is wrong. "
+            "1024 weeks later, the rollover of the GPS week, it would be {}.",
+            date(*it.first), date(*firmware), date(it.first->plus_nanoseconds(rollover_ns))));
+    if (now && *it.last > *now)
+        concerns.push_back(
+            fmt::format("The recording is dated {}, which is still to come: the date is wrong.",
+                        date(*it.last)));
 }
 
 void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns) {
@@ -244,7 +283,8 @@ std::string processing_text(const Processing& processing) {
 
 }  // namespace
 
-std::string inspection_text(const Inspection& it, const std::string& file_name) {
+std::string inspection_text(const Inspection& it, const std::string& file_name,
+                            const std::optional<GpsTime>& now) {
     std::string text = fmt::format(
         "{}: {}, {}, {}\n", plain_text(file_name),
         it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, plain_text(it.variant)),
@@ -279,6 +319,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
     add_record_concerns(it, concerns);
     add_quality_concerns(it, concerns);
     add_time_concerns(it, concerns);
+    add_date_concerns(it, now, concerns);
     add_speed_concerns(it, concerns);
     concerns.insert(
         concerns.end(), it.notes.begin(),

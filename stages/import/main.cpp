@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -21,6 +22,15 @@
 using namespace runcert;
 
 namespace {
+
+/// By the clock of this computer, to a second or a few.
+GpsTime gps_now() {
+    constexpr std::chrono::sys_days gps_epoch{std::chrono::year{1980} / 1 / 6};
+    const auto since = std::chrono::system_clock::now() - gps_epoch;
+    return gps_from_utc(GpsTime::from_nanoseconds(
+                            std::chrono::duration_cast<std::chrono::nanoseconds>(since).count())
+                            .calendar());
+}
 
 /// A receiver's files, opened.
 struct OpenFiles {
@@ -223,7 +233,7 @@ int inspect_file(const std::string& path, std::optional<std::string> navigation)
     if (!rinex::recognises(head)) {
         Observations observations = read_recording(receiver, recording);
         note_writers({recording}, observations);
-        fmt::print("{}", inspection_text(inspect(observations), path));
+        fmt::print("{}", inspection_text(inspect(observations), path, gps_now()));
         if (!has_phases(head)) return 0;
         fmt::print("\n");
     }

@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "estimation/tables/going_on.h"
+
 namespace runcert {
 namespace {
 
@@ -91,38 +93,32 @@ std::optional<Finding> check_witnesses(const ScreenedEpoch& row, const ScreenCon
     return std::nullopt;
 }
 
-/// What each row's time against the others' forbids. A row that is not later than one before it is
-/// out of order; but a single stamp ahead of those on both its sides is the one that is wrong.
-std::vector<std::optional<Finding>> check_times(const std::vector<ScreenedEpoch>& rows) {
-    std::vector<std::optional<Finding>> findings(rows.size());
-    std::optional<std::size_t> latest;
-    std::optional<std::size_t> before_latest;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (!latest || rows[i].time > rows[*latest].time) {
-            before_latest = latest;
-            latest = i;
-            continue;
-        }
-        const bool repeated = rows[i].time == rows[*latest].time;
-        const bool latest_is_ahead = !repeated && *latest + 1 == i && i + 1 < rows.size() &&
-                                     rows[i + 1].time <= rows[*latest].time &&
-                                     (!before_latest || rows[i].time > rows[*before_latest].time);
-        const double step_s = rows[i].time.seconds() - rows[*latest].time.seconds();
-        findings[latest_is_ahead ? *latest : i] =
-            Finding{repeated ? Reason::duplicate_time : Reason::backward_time, step_s, 0.0};
-        if (latest_is_ahead) latest = i;
+std::optional<Finding> check_time(TimeStanding standing, std::optional<double> step_s) {
+    switch (standing) {
+        case TimeStanding::in_order:
+            return std::nullopt;
+        case TimeStanding::repeated:
+            return Finding{Reason::repeated, {}, {}};
+        case TimeStanding::same_time:
+            return Finding{Reason::duplicate_time, 0.0, 0.0};
+        case TimeStanding::out_of_order:
+            break;
     }
-    return findings;
+    return Finding{Reason::backward_time, step_s, 0.0};
 }
 
 }  // namespace
 
-void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenConfig& config) {
-    const auto times = check_times(rows);
+void check_epochs(std::vector<ScreenedEpoch>& rows, const std::vector<TimeStanding>& standing,
+                  bool vertical, const ScreenConfig& config) {
     const auto middle = middle_of(rows);
+    const ScreenedEpoch* in_order = nullptr;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         ScreenedEpoch& row = rows[i];
-        std::optional<Finding> finding = times[i];
+        std::optional<double> step_s;
+        if (in_order != nullptr) step_s = seconds_between(*in_order, row);
+        if (standing[i] == TimeStanding::in_order) in_order = &row;
+        std::optional<Finding> finding = check_time(standing[i], step_s);
         if (!finding) finding = check_fix(row, config);
         if (!finding && (!row.east_m || !row.north_m || (vertical && !row.up_m)))
             finding = Finding{Reason::no_position, {}, {}};
@@ -136,29 +132,35 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenC
     }
 }
 
-void number_arcs(std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
-                 const ScreenConfig& config) {
-    const double longest_step_ns = config.bridged_s(nominal_interval_s) * 1e9;
-    // A clock that was set back and catches up again does not say how long that took.
-    constexpr int longest_disorder = 1;
+void number_arcs(std::vector<ScreenedEpoch>& rows, const std::vector<bool>& seam,
+                 double nominal_interval_s, const ScreenConfig& config) {
+    const double longest_step_s = config.bridged_s(nominal_interval_s);
     const ScreenedEpoch* previous = nullptr;
+    bool apart = false;
     int out_of_order = 0;
     std::int64_t arc = 0;
-    for (ScreenedEpoch& row : rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        ScreenedEpoch& row = rows[i];
         row.arc.reset();
         row.break_before.reset();
+        apart = apart || seam[i];
         if (row.reason == Reason::backward_time) ++out_of_order;
         if (!row.usable) continue;
-        if (!previous)
+        if (!previous) {
             row.break_before = ArcBreak::start;
-        else if (static_cast<double>(row.time.nanoseconds - previous->time.nanoseconds) >
-                     longest_step_ns ||
-                 out_of_order > longest_disorder)
-            row.break_before = ArcBreak::gap;
+        } else {
+            const double step_s = seconds_between(*previous, row);
+            // Where more was recorded out of order than there is room for, the stamps do not say
+            // how long that took.
+            const bool no_room =
+                out_of_order > 1 && step_s < (out_of_order + 0.5) * nominal_interval_s;
+            if (step_s > longest_step_s || no_room || apart) row.break_before = ArcBreak::gap;
+        }
         if (row.break_before) ++arc;
         row.arc = arc;
         previous = &row;
         out_of_order = 0;
+        apart = false;
     }
 }
 

@@ -15,6 +15,7 @@
 #include "estimation/tables/screened_phases.h"
 #include "estimation/witnessed_spans.h"
 #include "schemas/enu/measured_position.h"
+#include "stages/screen/time_order.h"
 
 namespace runcert {
 namespace {
@@ -45,13 +46,13 @@ void note_place(const PlacesSet& places, std::vector<std::string>& notes) {
 
 /// Positions of a recording as they are, in order of time.
 std::vector<TimedPosition<2>> recorded_positions(const EnuTable& table) {
+    const TimeOrder order =
+        order_by_time(table.rows, {.interval_s = table.facts.nominal_interval_s});
     std::vector<TimedPosition<2>> positions;
-    for (const EnuEpoch& row : table.rows) {
-        const double time_s = row.time.seconds();
-        if (!row.east_m || !row.north_m ||
-            (!positions.empty() && time_s <= positions.back().time_s))
-            continue;
-        positions.push_back({.time_s = time_s,
+    for (const std::size_t k : order.rows) {
+        const EnuEpoch& row = table.rows[k];
+        if (!row.east_m || !row.north_m || order.standing[k] != TimeStanding::in_order) continue;
+        positions.push_back({.time_s = row.time.seconds(),
                              .position = measured_position<2>(row),
                              .sigma_m = 0.0,
                              .stretch = 0});

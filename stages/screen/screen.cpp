@@ -233,18 +233,34 @@ struct ReceiverScreening {
     Motion motion;
 };
 
+std::vector<ScreenedEpoch> in_order_of_time(const std::vector<EnuEpoch>& rows,
+                                            const std::vector<std::size_t>& order) {
+    std::vector<ScreenedEpoch> ordered;
+    ordered.reserve(rows.size());
+    for (const std::size_t row : order)
+        static_cast<EnuEpoch&>(ordered.emplace_back()) = rows[row];
+    return ordered;
+}
+
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
                                const ScreeningWitnesses& beside) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
-    screened.rows.reserve(table.rows.size());
-    for (const EnuEpoch& row : table.rows)
-        static_cast<EnuEpoch&>(screened.rows.emplace_back()) = row;
     const double nominal_interval_s = table.facts.nominal_interval_s;
-
-    check_epochs(screened.rows, table.facts.vertical_measured, config);
-    number_arcs(screened.rows, nominal_interval_s, config);
+    const TimeOrder order = order_by_time(table.rows, {.interval_s = nominal_interval_s,
+                                                       .gap_factor = config.gap_factor,
+                                                       .session_gap_s = config.session_gap_s,
+                                                       .fewest = config.min_arc_epochs});
+    screened.rows = in_order_of_time(table.rows, order.rows);
+    const auto sorted = [&](const auto& of_rows) {
+        std::remove_cvref_t<decltype(of_rows)> result;
+        for (const std::size_t row : order.rows)
+            result.push_back(of_rows[row]);
+        return result;
+    };
+    check_epochs(screened.rows, sorted(order.standing), table.facts.vertical_measured, config);
+    number_arcs(screened.rows, sorted(order.seam), nominal_interval_s, config);
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
                       tests_of_an_epoch(config.burst_epochs_max),
@@ -255,9 +271,13 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     basis.test_size = plan.size();
     basis.power = plan.power();
     basis.burst_epochs_max = config.burst_epochs_max;
-    basis.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
-                                              .gap_factor = config.gap_factor,
-                                              .session_gap_s = config.session_gap_s});
+    basis.time = examine_time(table.rows, {.nominal_interval_s = nominal_interval_s,
+                                           .gap_factor = config.gap_factor,
+                                           .session_gap_s = config.session_gap_s});
+    basis.time.moved = order.moved;
+    basis.time.left_out = std::ranges::count_if(order.standing, [](TimeStanding standing) {
+        return standing == TimeStanding::same_time || standing == TimeStanding::out_of_order;
+    });
     basis.device = find_device_signs(screened.rows, nominal_interval_s,
                                      table.facts.position_resolution_m.value_or(0.0));
     finish_arcs(screened, config);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/statistics.h"
+#include "estimation/tables/going_on.h"
 #include "schemas/enu/measured_position.h"
 
 namespace runcert {
@@ -20,14 +21,7 @@ constexpr double time_coverage = 5.0;
 constexpr double stamp_rounding_s = 1e-3;
 constexpr double craft_acceleration_m_s2 = 10.0;
 
-double seconds_between(const ScreenedEpoch& earlier, const ScreenedEpoch& later) {
-    // As integers the difference of stamps centuries apart would overflow.
-    return (static_cast<double>(later.time.nanoseconds) -
-            static_cast<double>(earlier.time.nanoseconds)) *
-           1e-9;
-}
-
-double step_before(const std::vector<ScreenedEpoch>& rows, std::size_t row) {
+double step_before(const std::vector<EnuEpoch>& rows, std::size_t row) {
     return seconds_between(rows[row - 1], rows[row]);
 }
 
@@ -40,14 +34,14 @@ struct Rhythm {
     bool is_regular(double step_s) const { return step_s > 0.0 && step_s <= longest_s; }
 };
 
-double median_forward_step(const std::vector<ScreenedEpoch>& rows) {
+double median_forward_step(const std::vector<EnuEpoch>& rows) {
     std::vector<double> forward;
     for (std::size_t row = 1; row < rows.size(); ++row)
         if (const double step_s = step_before(rows, row); step_s > 0.0) forward.push_back(step_s);
     return forward.empty() ? 0.0 : median(std::move(forward));
 }
 
-Rhythm find_rhythm(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options) {
+Rhythm find_rhythm(const std::vector<EnuEpoch>& rows, const TimeCheckOptions& options) {
     Rhythm rhythm;
     rhythm.nominal_s =
         options.nominal_interval_s > 0.0 ? options.nominal_interval_s : median_forward_step(rows);
@@ -121,7 +115,7 @@ class Departure {
     int steps_ = 0;
 };
 
-double largest_departure(const std::vector<ScreenedEpoch>& rows, const Rhythm& rhythm,
+double largest_departure(const std::vector<EnuEpoch>& rows, const Rhythm& rhythm,
                          double interval_s) {
     Departure late, early;
     double largest_s = 0.0;
@@ -152,7 +146,7 @@ struct Ahead {
     std::size_t jump = 0;
 };
 
-std::vector<Jump> find_jumps(const std::vector<ScreenedEpoch>& rows, double longest_s,
+std::vector<Jump> find_jumps(const std::vector<EnuEpoch>& rows, double longest_s,
                              double session_gap_s) {
     std::vector<Jump> jumps;
     std::vector<Ahead> ahead;  // the earliest stamp last
@@ -173,7 +167,7 @@ std::vector<Jump> find_jumps(const std::vector<ScreenedEpoch>& rows, double long
     return jumps;
 }
 
-bool is_located(const ScreenedEpoch& row) {
+bool is_located(const EnuEpoch& row) {
     return row.fix != FixType::none && row.east_m && row.north_m && row.sigma_east_m &&
            row.sigma_north_m;
 }
@@ -187,7 +181,7 @@ struct Sides {
     double sigma_velocity_m_s = 0.0;  ///< of either velocity
 };
 
-std::optional<Sides> sides_of(const std::vector<ScreenedEpoch>& rows, std::size_t row,
+std::optional<Sides> sides_of(const std::vector<EnuEpoch>& rows, std::size_t row,
                               const Rhythm& rhythm) {
     if (row < 3 || row + 2 >= rows.size()) return std::nullopt;
     for (const std::size_t later : {row - 2, row - 1, row + 1, row + 2})
@@ -222,7 +216,7 @@ double least_displacement(double speed_m_s, double time_s) {
 }
 
 /// Whether the craft moved over the step as in one interval, and certainly not as in the step.
-bool goes_on(const Sides& sides, double step_s, double interval_s) {
+bool moved_as_in_one_interval(const Sides& sides, double step_s, double interval_s) {
     const double allowed_m =
         time_coverage * sides.sigma_m + craft_acceleration_m_s2 * interval_s * interval_s / 2.0;
     const Eigen::Vector2d expected = (sides.before + sides.after) / 2.0 * interval_s;
@@ -239,7 +233,7 @@ bool goes_on(const Sides& sides, double step_s, double interval_s) {
 }
 
 /// By how many whole seconds the clock jumped, where it was the clock.
-std::optional<double> clock_shift(const std::vector<ScreenedEpoch>& rows, const Jump& jump,
+std::optional<double> clock_shift(const std::vector<EnuEpoch>& rows, const Jump& jump,
                                   const Rhythm& rhythm) {
     const double size_s = jump.step_s - rhythm.mean_s;
     const double whole_s = std::round(size_s);
@@ -247,13 +241,13 @@ std::optional<double> clock_shift(const std::vector<ScreenedEpoch>& rows, const 
         std::min(std::max(time_coverage * rhythm.sd_s, stamp_rounding_s), rhythm.mean_s / 4.0);
     if (whole_s == 0.0 || std::abs(size_s - whole_s) > tolerance_s) return std::nullopt;
     const std::optional<Sides> sides = sides_of(rows, jump.row, rhythm);
-    if (!sides || !goes_on(*sides, jump.step_s, rhythm.mean_s)) return std::nullopt;
+    if (!sides || !moved_as_in_one_interval(*sides, jump.step_s, rhythm.mean_s))
+        return std::nullopt;
     return whole_s;
 }
 
 /// Whether the step leads to a stamp that is alone out of time, or back from it.
-bool is_of_one_stamp(const std::vector<ScreenedEpoch>& rows, std::size_t row,
-                     const Rhythm& rhythm) {
+bool is_of_one_stamp(const std::vector<EnuEpoch>& rows, std::size_t row, const Rhythm& rhythm) {
     const auto in_time = [&](std::size_t earlier, std::size_t later) {
         const double time_s = seconds_between(rows[earlier], rows[later]);
         return time_s > 0.0 && time_s <= rhythm.longest_s + rhythm.nominal_s;
@@ -262,14 +256,14 @@ bool is_of_one_stamp(const std::vector<ScreenedEpoch>& rows, std::size_t row,
            (row >= 2 && in_time(row - 2, row));
 }
 
-bool begins_session(const std::vector<ScreenedEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
+bool begins_session(const std::vector<EnuEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
                     double session_gap_s) {
     const bool far = jump.step_s > 0.0 ? jump.advance_s > session_gap_s
                                        : jump.for_good && -jump.step_s > session_gap_s;
     return far && !is_of_one_stamp(rows, jump.row, rhythm);
 }
 
-TimeFault fault_of(const std::vector<ScreenedEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
+TimeFault fault_of(const std::vector<EnuEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
                    const TimeCheckOptions& options) {
     const std::int64_t epoch = rows[jump.row].epoch;
     if (jump.step_s == 0.0) return {epoch, TimeFaultKind::duplicate, 0.0};
@@ -283,8 +277,7 @@ TimeFault fault_of(const std::vector<ScreenedEpoch>& rows, const Jump& jump, con
 
 }  // namespace
 
-TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
-                              const TimeCheckOptions& options) {
+TimeStampSummary examine_time(const std::vector<EnuEpoch>& rows, const TimeCheckOptions& options) {
     TimeStampSummary summary;
     const Rhythm rhythm = find_rhythm(rows, options);
     if (rhythm.mean_s > 0.0) summary.rate_deviation = rhythm.mean_s / set_interval(rhythm) - 1.0;

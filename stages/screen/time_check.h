@@ -59,7 +59,6 @@ struct TimeCheckOptions {
 /// row lead away from it to one side, less 1e-4 of their time: by more than 20 ms, or with at least
 /// five more steps to that side than to the other. Stamps that are rounded, or of a receiver whose
 /// clock is off at single epochs, come back before.
-TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
-                              const TimeCheckOptions& options);
+TimeStampSummary examine_time(const std::vector<EnuEpoch>& rows, const TimeCheckOptions& options);
 
 }  // namespace runcert

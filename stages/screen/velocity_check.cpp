@@ -240,9 +240,7 @@ VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Direction
     std::vector<SpeedBesidePosition> beside;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const ScreenedEpoch& row = rows[i];
-        if (!row.east_m || !row.north_m || row.reason == Reason::duplicate_time ||
-            row.reason == Reason::backward_time)
-            continue;
+        if (!row.east_m || !row.north_m || is_out_of_time(row)) continue;
         SpeedBesidePosition& one = beside.emplace_back();
         one.time_s = row.time.seconds();
         one.position_m = measured_position<2>(row);

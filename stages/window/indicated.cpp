@@ -27,6 +27,12 @@ struct Breaks {
     const ScreenedEpoch* first_step = nullptr;
 };
 
+/// Rows of a window, and the clock's jumps among them.
+struct WindowRows {
+    std::vector<const ScreenedEpoch*> rows;
+    std::vector<std::size_t> jumps;  ///< places among these
+};
+
 void add_break(const ScreenedEpoch& row, Breaks& breaks) {
     switch (*row.break_before) {
         case ArcBreak::start:
@@ -50,11 +56,14 @@ struct LongestStep {
     const ScreenedEpoch* after = nullptr;
 };
 
-LongestStep longest_step(const ScreenedTable& screened, std::size_t first, std::size_t last) {
+LongestStep longest_step(const std::vector<const ScreenedEpoch*>& rows) {
     LongestStep longest;
-    for (std::size_t i = first + 1; i <= last; ++i) {
-        const double step_s = screened.rows[i].time.seconds() - screened.rows[i - 1].time.seconds();
-        if (step_s > longest.length_s) longest = {step_s, &screened.rows[i]};
+    const ScreenedEpoch* before = nullptr;
+    for (const ScreenedEpoch* const row : rows) {
+        if (is_out_of_time(*row)) continue;
+        const double step_s = before ? row->time.seconds() - before->time.seconds() : 0.0;
+        if (step_s > longest.length_s) longest = {step_s, row};
+        before = row;
     }
     return longest;
 }
@@ -75,18 +84,17 @@ std::string gap_refusal(const ScreenedTable& screened, const LongestStep& step,
     return {};
 }
 
-std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t first,
-                                     std::size_t last, const Profile& profile,
-                                     const WindowConfig& config) {
+std::vector<std::string> refusals_of(const ScreenedTable& screened, const WindowRows& window,
+                                     const Profile& profile, const WindowConfig& config) {
     std::vector<Refused> reasons;
     std::vector<std::string> refusals;
     Breaks breaks;
     const auto instant = [&](const ScreenedEpoch& row) {
         return instant_text(screened.facts.first_epoch, row.time);
     };
-    for (std::size_t i = first; i <= last; ++i) {
-        const ScreenedEpoch& row = screened.rows[i];
-        if (!row.usable) {
+    for (const ScreenedEpoch* const one : window.rows) {
+        const ScreenedEpoch& row = *one;
+        if (!row.usable && row.reason != Reason::repeated) {
             auto known = std::ranges::find(reasons, row.reason, &Refused::reason);
             if (known == reasons.end()) {
                 reasons.push_back({row.reason, 0, &row});
@@ -94,14 +102,19 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
             }
             ++known->count;
         }
-        if (i != first && row.break_before) add_break(row, breaks);
+        if (one != window.rows.front() && row.break_before) add_break(row, breaks);
     }
+    const auto add_reasons = [&](bool out_of_time) {
+        for (const Refused& one : reasons)
+            if (out_of_time == is_out_of_time(*one.first))
+                refusals.push_back(
+                    fmt::format("{} {} {} ({}{})", one.count, one.count == 1 ? "epoch" : "epochs",
+                                phrase_of(one.reason), one.count == 1 ? "" : "the first ",
+                                instant(*one.first)));
+    };
     // What made most of it first.
     std::ranges::stable_sort(reasons, std::greater<>(), &Refused::count);
-    for (const Refused& one : reasons)
-        refusals.push_back(fmt::format("{} {} {} ({}{})", one.count,
-                                       one.count == 1 ? "epoch" : "epochs", phrase_of(one.reason),
-                                       one.count == 1 ? "" : "the first ", instant(*one.first)));
+    add_reasons(false);
     if (breaks.steps > 0)
         refusals.push_back(fmt::format(
             "{} {} that the motion cannot explain ({}): positions before and "
@@ -112,17 +125,26 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
             fmt::format("{} repaired {}: the recorded positions before and after belong together "
                         "only by an estimated offset",
                         breaks.bridged, breaks.bridged == 1 ? "step" : "steps"));
-    if (const LongestStep step = longest_step(screened, first, last); step.after != nullptr)
+    if (!window.jumps.empty())
+        refusals.push_back(fmt::format("{} of the clock while the positions go on ({})",
+                                       window.jumps.size() == 1
+                                           ? std::string("a jump")
+                                           : fmt::format("{} jumps", window.jumps.size()),
+                                       instant(*window.rows[window.jumps.front()])));
+    if (const LongestStep step = longest_step(window.rows); step.after != nullptr)
         if (std::string gap = gap_refusal(screened, step, profile, config); !gap.empty())
             refusals.push_back(std::move(gap));
+    // Epochs out of time are as if they were missing: they say why there is a gap.
+    if (!refusals.empty()) add_reasons(true);
     return refusals;
 }
 
 /// Expanded uncertainty (k = 2, m/s) of a window's speed by what its ends state of themselves.
-double stated_uncertainty(const ScreenedTable& screened, const std::vector<std::size_t>& rows,
-                          const Profile& profile, const FoundWindow& found) {
+double stated_uncertainty(const ScreenedTable& screened,
+                          const std::vector<std::vector<std::size_t>>& rows, const Profile& profile,
+                          const FoundWindow& found) {
     const auto variance = [&](std::size_t k) {
-        const ScreenedEpoch& row = screened.rows[rows[k]];
+        const ScreenedEpoch& row = screened.rows[rows[found.series][k]];
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
             const double sigma = speed ? speed->standard_uncertainty_m_s.value_or(0.0) : 0.0;
@@ -154,17 +176,27 @@ std::vector<FoundWindow> windows_as_recorded(const std::vector<SampleSeries>& se
     return windows;
 }
 
+/// By what the epochs are put in order: their times, or how they were recorded.
+enum class Order { time, recording };
+
 /// The windows that show most by one source of speeds, and the series that they are in.
 struct Shown {
     IndicatedSeries series;
     std::vector<FoundWindow> windows;
     SpeedSource source = SpeedSource::position;
+    Order order = Order::time;
 };
 
-Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource source,
+Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource source, Order order,
                const WindowConfig& config, const std::optional<CourseGates>& gates) {
     profile.speed_source = source;
-    Shown shown{.series = indicated_series(screened, profile), .windows = {}, .source = source};
+    Shown shown{.series = order == Order::time
+                              ? indicated_series(screened, profile)
+                              : indicated_by_pace(screened, profile, config.gap_factor),
+                .windows = {},
+                .source = source,
+                .order = order};
+    if (shown.series.series.empty()) return shown;
     WindowCriteria rule =
         window_criteria(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
     // Positions as recorded have no speeds to take the mean of; of speeds, their path is what there
@@ -190,15 +222,43 @@ bool velocities_may_show_more(const ScreenedTable& screened, const Profile& prof
 
 Shown most_shown(const ScreenedTable& screened, const Profile& profile, const WindowConfig& config,
                  const std::optional<CourseGates>& gates) {
-    Shown shown = shown_by(screened, profile, profile.speed_source, config, gates);
-    if (!velocities_may_show_more(screened, profile)) return shown;
+    Shown most = shown_by(screened, profile, profile.speed_source, Order::time, config, gates);
+    const auto take_more = [&](Shown shown) {
+        const bool more = !shown.windows.empty() &&
+                          (most.windows.empty() ||
+                           shown.windows.front().claim_m_s() > most.windows.front().claim_m_s());
+        if (more) most = std::move(shown);
+    };
+    take_more(shown_by(screened, profile, profile.speed_source, Order::recording, config, gates));
+    if (!velocities_may_show_more(screened, profile)) return most;
     Profile by_path = profile;
     by_path.definition = SpeedDefinition::path_length;
-    Shown by_velocity = shown_by(screened, by_path, SpeedSource::velocity, config, gates);
-    const bool more = !by_velocity.windows.empty() &&
-                      (shown.windows.empty() ||
-                       by_velocity.windows.front().claim_m_s() > shown.windows.front().claim_m_s());
-    return more ? by_velocity : shown;
+    for (const Order order : {Order::time, Order::recording})
+        take_more(shown_by(screened, by_path, SpeedSource::velocity, order, config, gates));
+    return most;
+}
+
+/// The rows from the first to the last of a window, in its order, those that show nothing too.
+WindowRows rows_of(const ScreenedTable& screened, const Shown& shown, std::size_t first,
+                   std::size_t last) {
+    WindowRows window;
+    if (shown.order == Order::time) {
+        for (std::size_t i = first; i <= last; ++i)
+            window.rows.push_back(&screened.rows[i]);
+        return window;
+    }
+    const auto in_window = [&](const ScreenedEpoch& row) {
+        return row.epoch >= screened.rows[first].epoch && row.epoch <= screened.rows[last].epoch;
+    };
+    for (const ScreenedEpoch& row : screened.rows)
+        if (in_window(row)) window.rows.push_back(&row);
+    std::ranges::sort(window.rows, {}, &ScreenedEpoch::epoch);
+    for (const std::size_t jump : shown.series.jumps)
+        if (screened.rows[jump].epoch != screened.rows[first].epoch &&
+            in_window(screened.rows[jump]))
+            window.jumps.push_back(
+                static_cast<std::size_t>(screened.rows[jump].epoch - window.rows.front()->epoch));
+    return window;
 }
 
 }  // namespace
@@ -209,8 +269,9 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
     const Shown shown = most_shown(screened, profile, config, gates);
     const std::vector<FoundWindow>& found = shown.windows;
     if (found.empty()) return std::nullopt;
-    const std::size_t first = shown.series.rows[found.front().first];
-    const std::size_t last = shown.series.rows[found.front().last];
+    const std::vector<std::size_t>& rows = shown.series.rows[found.front().series];
+    const std::size_t first = rows[found.front().first];
+    const std::size_t last = rows[found.front().last];
     IndicatedWindow window{
         .span = window_span(screened.facts, screened.rows[first].epoch, screened.rows[last].epoch,
                             found.front().start, found.front().end),
@@ -218,7 +279,7 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
         .speed_m_s = found.front().speed_m_s,
         .stated_expanded_uncertainty_m_s = found.front().allowance_m_s,
         .mean_m_s = std::nullopt,
-        .refusals = refusals_of(screened, first, last, profile, config)};
+        .refusals = refusals_of(screened, rows_of(screened, shown, first, last), profile, config)};
     if (profile.windows > 1 && std::ssize(found) == profile.windows) {
         double sum = 0.0;
         for (const FoundWindow& one : found)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/tangent_plane.h"
+#include "estimation/tables/going_on.h"
 
 namespace runcert {
 namespace {
@@ -86,23 +87,52 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
 }
 
 /// For each row of the table, how many up to it no window may hold. Every row counts, also one
-/// that belongs to no arc, as a repeated time stamp.
+/// that belongs to no arc; but one out of time is as if it were missing: the gap counts.
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
+    std::optional<double> before_s;
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
+        const bool out_of_time = is_out_of_time(screened.rows[i]);
         const bool step = !profile.repaired_steps && begins_after_step(row);
-        const bool gap = longest_s && i > 0 &&
-                         row.time.seconds() - trajectory.rows[i - 1].time.seconds() > *longest_s;
+        const bool gap = longest_s && before_s && row.time.seconds() - *before_s > *longest_s;
         const bool silent = profile.speed_source == SpeedSource::velocity &&
                             !recorded_speed(screened.rows[i], profile.dimension);
-        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
-                            (!row.usable || step || gap || silent ? 1 : 0));
+        const bool obstacle = !out_of_time && (!row.usable || step || gap || silent);
+        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (obstacle ? 1 : 0));
+        if (!out_of_time) before_s = row.time.seconds();
     }
     return obstacles;
+}
+
+/// What the receiver itself calls no fix says nothing of a speed, nor does a single position that
+/// those before and after it contradict: they show what there was to show.
+bool shows_something(const ScreenedEpoch& row, const Profile& profile) {
+    return row.east_m && row.north_m && (profile.dimension == Dimension::horizontal || row.up_m) &&
+           row.fix != FixType::none && row.reason != Reason::far_position &&
+           row.reason != Reason::outlier &&
+           (profile.speed_source != SpeedSource::velocity ||
+            recorded_speed(row, profile.dimension));
+}
+
+/// Adds a row that shows something, at a time, where another series begins to one of its own.
+void add_indicated(const ScreenedTable& screened, const Profile& profile, std::size_t row,
+                   ElapsedTime time, bool begins, IndicatedSeries& indicated) {
+    if (begins) {
+        indicated.series.emplace_back();
+        indicated.rows.emplace_back();
+    }
+    const ScreenedEpoch& epoch = screened.rows[row];
+    SampleSeries& series = indicated.series.back();
+    if (profile.speed_source == SpeedSource::velocity)
+        add_recorded(series, time, recorded_speed(epoch, profile.dimension)->speed_m_s);
+    series.times.push_back(time);
+    series.positions.push_back(counted({*epoch.east_m, *epoch.north_m, epoch.up_m.value_or(0.0)},
+                                       profile, screened.origin));
+    indicated.rows.back().push_back(row);
 }
 
 }  // namespace
@@ -184,29 +214,53 @@ std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
 
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile) {
     IndicatedSeries indicated;
-    SampleSeries series;
-    const bool needs_height = profile.dimension != Dimension::horizontal;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
-        if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
-        // What the receiver itself calls no fix says nothing of a speed, nor does a single position
-        // that those before and after it contradict: they show what there was to show.
-        if (row.fix == FixType::none || row.reason == Reason::far_position ||
-            row.reason == Reason::outlier)
-            continue;
-        if (!series.times.empty() && row.time <= series.times.back()) continue;
-        if (profile.speed_source == SpeedSource::velocity) {
-            const auto speed = recorded_speed(row, profile.dimension);
-            if (!speed) continue;
-            add_recorded(series, row.time, speed->speed_m_s);
-        }
-        series.times.push_back(row.time);
-        series.positions.push_back(
-            counted({*row.east_m, *row.north_m, row.up_m.value_or(0.0)}, profile, screened.origin));
-        indicated.rows.push_back(i);
+        if (is_out_of_time(row) || !shows_something(row, profile)) continue;
+        add_indicated(screened, profile, i, row.time, indicated.series.empty(), indicated);
     }
-    if (!series.times.empty()) indicated.series.push_back(std::move(series));
     return indicated;
+}
+
+IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& profile,
+                                  double gap_factor) {
+    std::vector<std::size_t> recorded;
+    for (std::size_t i = 0; i < screened.rows.size(); ++i)
+        if (screened.rows[i].reason != Reason::repeated &&
+            shows_something(screened.rows[i], profile))
+            recorded.push_back(i);
+    std::ranges::sort(recorded, {}, [&](std::size_t i) { return screened.rows[i].epoch; });
+    const double interval_s = screened.facts.nominal_interval_s;
+    const double regular_s = gap_factor * interval_s;
+    IndicatedSeries indicated;
+    std::optional<Eigen::Vector3d> velocity;
+    ElapsedTime time;
+    for (std::size_t k = 0; k < recorded.size(); ++k) {
+        const ScreenedEpoch& row = screened.rows[recorded[k]];
+        bool begins = k == 0;
+        if (k > 0) {
+            const ScreenedEpoch& before = screened.rows[recorded[k - 1]];
+            const double step_s = seconds_between(before, row);
+            RecordedStep step{.from = &before, .to = &row, .before = velocity, .after = {}};
+            if (k + 1 < recorded.size())
+                step.after = velocity_between(row, screened.rows[recorded[k + 1]], regular_s);
+            const bool out_of_time = is_out_of_time(before) || is_out_of_time(row);
+            const bool jumps =
+                (step_s <= 0.0 || step_s > regular_s) &&
+                (out_of_time ? goes_on(step, interval_s) : clock_jumped(step, step_s, interval_s));
+            begins = !jumps && step_s <= 0.0;
+            if (jumps) {
+                indicated.jumps.push_back(recorded[k]);
+                time.nanoseconds += std::llround(interval_s * 1e9);
+            } else {
+                time.nanoseconds += row.time.nanoseconds - before.time.nanoseconds;
+                velocity = velocity_between(before, row, regular_s);
+            }
+        }
+        if (begins) time = row.time;
+        add_indicated(screened, profile, recorded[k], time, begins, indicated);
+    }
+    return indicated.jumps.empty() ? IndicatedSeries{} : indicated;
 }
 
 }  // namespace runcert

@@ -10,6 +10,7 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
+#include "reports/words/figures.h"
 #include "stages/window/allowance.h"
 #include "stages/window/arc_part.h"
 #include "stages/window/certify.h"
@@ -53,7 +54,8 @@ class Certifier {
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
                                            const Beside& beside) const {
-        std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
+        std::vector<std::string> notes = beside.notes;
+        std::ranges::move(unheard(beside, horizontal_.witnesses), std::back_inserter(notes));
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
             if (witness.made_from_positions) continue;
@@ -236,6 +238,29 @@ Choice choose(const Candidates& among, const Allowance& allowance = {}) {
     return choice;
 }
 
+/// What of the recording as a whole leaves no window under the rule; empty where nothing does.
+std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
+    if (profile.speed_source == SpeedSource::velocity &&
+        std::ranges::none_of(screened.rows, [&](const ScreenedEpoch& row) {
+            return recorded_speed(row, profile.dimension).has_value();
+        }))
+        return "the recording has no speeds, which this rule measures";
+    const std::int64_t shared =
+        std::ranges::count(screened.rows, Reason::duplicate_time, &ScreenedEpoch::reason);
+    if (2 * shared > std::ssize(screened.rows))
+        return fmt::format(
+            "{} of {} epochs have the time of another at another place: several positions share "
+            "one time stamp",
+            shared, screened.rows.size());
+    const double interval_s = screened.facts.nominal_interval_s;
+    const auto longest_s = longest_step_of(profile, interval_s);
+    if (longest_s && interval_s > *longest_s)
+        return fmt::format(
+            "the recording has an epoch every {} s, and the rule asks for one every {} s",
+            significant_text(interval_s, 3), significant_text(*longest_s, 3));
+    return {};
+}
+
 FurtherWindow beside(const CertifiableWindow& window) {
     return {.span = window.span,
             .arc = window.arc,
@@ -358,6 +383,9 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
     const Choice choice = choose(among);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
+    if (choice.chosen.empty())
+        if (std::string unfit = unfit_for(screened, profile); !unfit.empty())
+            entry.missing = std::move(unfit);
     if (profile.window_kind == WindowKind::course && choice.chosen.empty() && entry.indicated)
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "

@@ -39,6 +39,7 @@ struct Beside {
     std::vector<TimedValue> wheel_m_s = {};              ///< speeds of a wheel
     std::vector<TimedValue> gates_m = {};                ///< passages: distances from the first
     GateErrors gate_errors = {};
+    std::vector<std::string> notes = {};  ///< on what was read of them, a sentence each
 };
 
 /// What was handed in and became no witness, a sentence each.

@@ -40,9 +40,9 @@ const Names without_unit{
     "screening.fix_types[].variance_factor", "screening.device.by_chance",
     "screening.velocity.sigma_ratio", "screening.largest_decision.share",
     "screening.largest_decision.statistic", "screening.largest_decision.threshold",
-    "parameters.screen.decision_share_max", "witnesses[].normalised_error", "witnesses[].share",
-    "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
-    "best.detection_power", "reliability[].size",
+    "parameters.screen.decision_share_max", "parameters.screen.time_share_max",
+    "witnesses[].normalised_error", "witnesses[].share", "screening.time.rate_deviation",
+    "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities
     "record.expanded_uncertainty", "records[].speed", "records[].expanded_uncertainty",
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",

@@ -48,6 +48,45 @@ TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
     EXPECT_EQ(other.clause("time_scale").text, "what time_scale asks");
 }
 
+TEST(RecordingDate, IsComparedWithThatOfTheAttempt) {
+    RuleScene dated = scene();
+    EXPECT_EQ(dated.clause("date-of-the-recording").clause, "") << "the attempt names no date";
+    // GPS week 2200 began on Sunday, 2022-03-06; the recording is of Monday.
+    dated.attempt.date = "2022-03-07";
+    EXPECT_EQ(dated.clause("date-of-the-recording").status, RequirementStatus::met);
+    dated.attempt.date = "2022-03-08";
+    EXPECT_EQ(dated.clause("date-of-the-recording").status, RequirementStatus::met);
+    dated.attempt.date = "2022-03-09";
+    const Requirement other = dated.clause("date-of-the-recording");
+    EXPECT_EQ(other.status, RequirementStatus::not_met);
+    EXPECT_TRUE(contains(other.evidence, "2022-03-07")) << other.evidence;
+    EXPECT_TRUE(contains(other.evidence, "2022-03-09")) << other.evidence;
+    EXPECT_FALSE(contains(other.evidence, "1024")) << other.evidence;
+    EXPECT_EQ(dated.verdict().outcome, Outcome::not_certifiable);
+    for (const char* const rolled : {"2041-10-21", "2041-10-22", "2002-07-22"}) {
+        dated.attempt.date = rolled;
+        EXPECT_TRUE(contains(dated.clause("date-of-the-recording").evidence, "1024 weeks"))
+            << rolled;
+    }
+    dated.judged.facts.first_epoch.reset();
+    EXPECT_EQ(dated.clause("date-of-the-recording").status, RequirementStatus::attest);
+}
+
+TEST(RecordingDate, IsThatOfThePlace) {
+    // Monday 23:00 GPS time: in New Zealand it is Tuesday; two days before is Sunday.
+    RuleScene far = scene();
+    far.judged.facts.first_epoch = GpsTime::from_week(2200, 169'200'000'000'000);
+    far.judged.facts.georeferenced = true;
+    far.judged.origin = FrameOrigin{.position = {.latitude = Angle::from_degrees(-40.0),
+                                                 .longitude = Angle::from_degrees(175.0),
+                                                 .height_m = 0.0},
+                                    .source = "attempt"};
+    far.attempt.date = "2022-03-06";
+    EXPECT_EQ(far.clause("date-of-the-recording").status, RequirementStatus::not_met);
+    far.judged.origin->position.longitude = Angle::from_degrees(0.0);
+    EXPECT_EQ(far.clause("date-of-the-recording").status, RequirementStatus::met);
+}
+
 TEST(TimeScale, OfSatellitesIsMet) {
     RuleScene stamped = scene();
     stamped.judged.facts.time_source = "satellites";

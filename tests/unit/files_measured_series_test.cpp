@@ -1,4 +1,7 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <map>
 
 #include "core/failure.h"
 #include "files/measured_series.h"
@@ -59,6 +62,40 @@ TEST(MeasuredSeries, SaysWhatIsWrongAndWhere) {
         EXPECT_NE(said.find(one.where), std::string::npos) << said;
         EXPECT_NE(said.find(one.words), std::string::npos) << said;
     }
+}
+
+/// A wheel of 100 samples, some of whose lines are replaced.
+std::string wheel_of_100(const std::map<int, std::string>& replaced) {
+    std::string text = "time_s,speed_m_s\n";
+    for (int k = 0; k < 100; ++k) {
+        const auto line = replaced.find(k);
+        text += (line == replaced.end() ? fmt::format("{}.5,20.0", k) : line->second) + "\n";
+    }
+    return text;
+}
+
+TEST(MeasuredSeries, IsNotLostForOneBadLine) {
+    for (const char* const line : {"9000,20.0", "3.5,20.0", "50.5,", "50.5,nan", ",20.0", "50.5",
+                                   "50.5,20.0,1", "x,20.0", "50.5,-3", "49.5,20.0", ""}) {
+        SCOPED_TRACE(line);
+        const MeasuredSeries series =
+            read_series(wheel_of_100({{50, line}}), "w.csv", GpsTime{}, SeriesKind::wheel);
+        EXPECT_EQ(series.samples.size(), 99U);
+        const bool empty = std::string_view(line).empty();  // passed over, as ever
+        EXPECT_EQ(series.left_out.find("w.csv: 1 of 100 lines"),
+                  empty ? std::string::npos : std::size_t{0})
+            << series.left_out;
+    }
+}
+
+TEST(MeasuredSeries, OfWhichMoreThanOneLineInTwentyIsBadIsRefused) {
+    std::map<int, std::string> bad;
+    for (int k = 10; k < 15; ++k)
+        bad[k] = "?,20.0";
+    EXPECT_EQ(read_series(wheel_of_100(bad), "w", GpsTime{}, SeriesKind::wheel).samples.size(),
+              95U);
+    bad[70] = "2.2,20.0";
+    EXPECT_THROW(read_series(wheel_of_100(bad), "w", GpsTime{}, SeriesKind::wheel), Failure);
 }
 
 }  // namespace

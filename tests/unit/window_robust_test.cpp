@@ -68,8 +68,8 @@ TEST(IndicatedSeries, LeavesOutSinglePositionsThatTheirNeighboursContradict) {
     for (const std::size_t row : {40U, 50U, 60U})
         screened.rows[row].usable = false;
     const IndicatedSeries indicated = indicated_series(screened, test::rule_over(3.0));
-    EXPECT_EQ(indicated.rows.size(), screened.rows.size() - 2);
-    EXPECT_NE(std::ranges::find(indicated.rows, 60U), indicated.rows.end());
+    EXPECT_EQ(indicated.rows.front().size(), screened.rows.size() - 2);
+    EXPECT_NE(std::ranges::find(indicated.rows.front(), 60U), indicated.rows.front().end());
 }
 
 TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {
@@ -87,9 +87,9 @@ TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {
     screened.rows[60].east_m.reset();
     const IndicatedSeries indicated = indicated_series(screened, test::rule_over(3.0));
     ASSERT_EQ(indicated.series.size(), 1U);
-    EXPECT_EQ(indicated.rows.size(), screened.rows.size() - 6);
-    EXPECT_EQ(indicated.series.front().positions.size(), indicated.rows.size());
-    for (const std::size_t row : indicated.rows) {
+    EXPECT_EQ(indicated.rows.front().size(), screened.rows.size() - 6);
+    EXPECT_EQ(indicated.series.front().positions.size(), indicated.rows.front().size());
+    for (const std::size_t row : indicated.rows.front()) {
         EXPECT_NE(screened.rows[row].fix, FixType::none);
         EXPECT_NE(row, 60U);
     }

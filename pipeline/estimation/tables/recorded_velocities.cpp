@@ -67,10 +67,9 @@ std::vector<TimedVelocity<Axes>> timed_velocities(const std::vector<ScreenedEpoc
     std::vector<TimedVelocity<Axes>> velocities;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto velocity = recorded_velocity<Axes>(rows[i], directions[i]);
-        if (!velocity) continue;
+        if (!velocity || is_out_of_time(rows[i])) continue;
         const double time_s = rows[i].time.seconds();
         const double step_s = velocities.empty() ? 0.0 : time_s - velocities.back().time_s;
-        if (!velocities.empty() && step_s <= 0.0) continue;
         const std::int64_t stretch =
             velocities.empty() ? 0 : velocities.back().stretch + (step_s > longest_s ? 1 : 0);
         velocities.push_back({.time_s = time_s, .velocity = *velocity, .stretch = stretch});

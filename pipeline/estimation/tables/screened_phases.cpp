@@ -58,21 +58,29 @@ void ReceiverPlaces::set_frame(const FrameOrigin& origin) {
 void ReceiverPlaces::add(const GpsTime& first_epoch, const EnuEpoch& row) {
     if (!row.east_m || !row.north_m || !row.up_m) return;
     const std::int64_t time_ns = first_epoch.nanoseconds() + row.time.nanoseconds;
-    if (!times_ns_.empty() && time_ns <= times_ns_.back()) return;
-    times_ns_.push_back(time_ns);
-    places_m_.push_back(origin_m_ + enu_from_ecef_.transpose() *
-                                        Eigen::Vector3d(*row.east_m, *row.north_m, *row.up_m));
+    places_m_.emplace_back(time_ns,
+                           origin_m_ + enu_from_ecef_.transpose() *
+                                           Eigen::Vector3d(*row.east_m, *row.north_m, *row.up_m));
+}
+
+void ReceiverPlaces::put_in_order() {
+    const auto time_of = [](const auto& place) { return place.first; };
+    std::ranges::stable_sort(places_m_, {}, time_of);
+    const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+    places_m_.erase(std::unique(places_m_.begin(), places_m_.end(), same), places_m_.end());
 }
 
 std::optional<Eigen::Vector3d> ReceiverPlaces::at(std::int64_t time_ns) const {
-    const auto after = std::ranges::lower_bound(times_ns_, time_ns);
-    if (after == times_ns_.end()) return std::nullopt;
-    const auto i = static_cast<std::size_t>(after - times_ns_.begin());
-    if (*after == time_ns) return places_m_[i];
-    if (i == 0 || *after - times_ns_[i - 1] > interpolated_ns) return std::nullopt;
-    const double share = static_cast<double>(time_ns - times_ns_[i - 1]) /
-                         static_cast<double>(*after - times_ns_[i - 1]);
-    return places_m_[i - 1] + share * (places_m_[i] - places_m_[i - 1]);
+    const auto time_of = [](const auto& place) { return place.first; };
+    const auto after = std::ranges::lower_bound(places_m_, time_ns, {}, time_of);
+    if (after == places_m_.end()) return std::nullopt;
+    if (after->first == time_ns) return after->second;
+    if (after == places_m_.begin()) return std::nullopt;
+    const auto& [before_ns, before_m] = *std::prev(after);
+    if (after->first - before_ns > interpolated_ns) return std::nullopt;
+    const double share =
+        static_cast<double>(time_ns - before_ns) / static_cast<double>(after->first - before_ns);
+    return before_m + share * (after->second - before_m);
 }
 
 PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions) {

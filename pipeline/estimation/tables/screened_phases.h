@@ -34,9 +34,10 @@ class ReceiverPlaces {
         set_frame(*origin);
         for (const EnuEpoch& row : rows)
             add(*first_epoch, row);
+        put_in_order();
     }
 
-    bool empty() const { return times_ns_.empty(); }
+    bool empty() const { return places_m_.empty(); }
 
     /// WGS 84, Earth-centred (m); interpolated between neighbours that are no more than three
     /// seconds apart, nothing outside of them.
@@ -45,11 +46,11 @@ class ReceiverPlaces {
   private:
     void set_frame(const FrameOrigin& origin);
     void add(const GpsTime& first_epoch, const EnuEpoch& row);
+    void put_in_order();
 
     Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
     Eigen::Matrix3d enu_from_ecef_ = Eigen::Matrix3d::Identity();
-    std::vector<std::int64_t> times_ns_;
-    std::vector<Eigen::Vector3d> places_m_;
+    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< by increasing times
 };
 
 /// How a record was placed.

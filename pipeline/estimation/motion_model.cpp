@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <boost/math/quadrature/gauss.hpp>
+#include <array>
 #include <cassert>
 #include <cmath>
 
@@ -15,39 +15,71 @@ double decay_mean(double x) {
     return x == 0.0 ? 1.0 : -std::expm1(-x) / x;
 }
 
-/// (x - 1 + exp(-x)) / x^2, by its series where the difference would lose digits.
-double decay_second_mean(double x) {
-    if (x > 1.0) return (1.0 - decay_mean(x)) / x;
-    double term = 0.5;
-    double sum = term;
-    for (int n = 3; std::abs(term) > 1e-18 * sum; ++n) {
-        term *= -x / n;
-        sum += term;
+/// Of the power series below: as many terms as reach a double's digits where x is at most 1.
+constexpr int terms = 21;
+using Coefficients = std::array<double, terms>;
+
+/// Of (x - 1 + exp(-x)) / x^2: (-1)^n / (n + 2)!.
+constexpr Coefficients response_coefficients() {
+    Coefficients of{};
+    double factorial = 2.0;
+    for (int n = 0; n < terms; ++n) {
+        of[static_cast<std::size_t>(n)] = (n % 2 == 0 ? 1.0 : -1.0) / factorial;
+        factorial *= n + 3;
     }
-    return sum;
+    return of;
 }
 
-/// What an acceleration of 1 at the beginning makes of position, velocity and acceleration after
-/// `s`, with decay rate `alpha`; any unit of time.
-Eigen::Vector3d acceleration_response(double alpha, double s) {
-    const double x = alpha * s;
-    return {s * s * decay_second_mean(x), s * decay_mean(x), std::exp(-x)};
+/// Of the integral over s from 0 to 1 of (x s - 1 + exp(-x s))^2 / x^4, the square multiplied out
+/// and integrated term by term: with m = n + 4, (-1)^m (2^m - 2 (m + 1)) / (m! (m + 1)).
+constexpr Coefficients response_square_coefficients() {
+    Coefficients of{};
+    double power = 16.0;
+    double factorial = 24.0;
+    for (int n = 0; n < terms; ++n) {
+        const int m = n + 4;
+        of[static_cast<std::size_t>(n)] =
+            (m % 2 == 0 ? 1.0 : -1.0) * (power - 2.0 * (m + 1)) / (factorial * (m + 1));
+        power *= 2.0;
+        factorial *= m + 1;
+    }
+    return of;
 }
 
-/// What white-noise jerk of density 1 does in a step of length 1: the integral over the step of the
-/// response times its transpose, by Gauss-Legendre quadrature with 15 points.
-Eigen::Matrix3d jerk_noise(double alpha) {
-    using Quadrature = boost::math::quadrature::gauss<double, 15>;
-    const auto at = [&](double s) -> Eigen::Matrix3d {
-        const Eigen::Vector3d one = acceleration_response(alpha, s);
-        return one * one.transpose();
-    };
-    const auto& points = Quadrature::abscissa();
-    const auto& weights = Quadrature::weights();
-    Eigen::Matrix3d sum = weights[0] * at(0.5);
-    for (std::size_t i = 1; i < points.size(); ++i)
-        sum += weights[i] * (at(0.5 + 0.5 * points[i]) + at(0.5 - 0.5 * points[i]));
-    return 0.5 * sum;
+/// What a step of length 1 does to acceleration and what this does to velocity and position.
+struct UnitStep {
+    Eigen::Vector3d response;  ///< of position, velocity, acceleration to an acceleration of 1
+    Eigen::Matrix3d noise;     ///< of white-noise jerk of density 1
+};
+
+/// With an acceleration that decays at the rate `alpha` (at most 1). Of the response at s,
+///     r0(s) = (alpha s - 1 + exp(-alpha s)) / alpha^2, r1 = s - alpha r0, r2 = 1 - alpha r1,
+/// each the derivative of the one before, the noise is the integral from 0 to 1 of r r'. All of it
+/// follows, by parts, from r0(1) and the integral of r0^2, which are series: nothing is divided by
+/// a small alpha, and no more than two bits are lost in a difference.
+UnitStep unit_step(double alpha) {
+    static constexpr Coefficients of_response = response_coefficients();
+    static constexpr Coefficients of_square = response_square_coefficients();
+    double r0 = of_response[0];
+    double square = of_square[0];
+    double power = alpha;
+    for (std::size_t n = 1; n < terms && power > 1e-17; ++n) {
+        r0 += of_response[n] * power;
+        square += of_square[n] * power;
+        power *= alpha;
+    }
+    const double r1 = 1.0 - alpha * r0;
+    const double r2 = 1.0 - alpha * r1;
+    const double r1_square = 1.0 / 3.0 - alpha * (r0 * r0 + alpha * square);
+    const double r0_r1 = 0.5 * r0 * r0;
+    const double r0_r2 = r0 * r1 - r1_square;
+    const double r1_r2 = 0.5 * r1 * r1;
+    UnitStep unit;
+    unit.response << r0, r1, r2;
+    unit.noise << square, r0_r1, r0_r2,  //
+        r0_r1, r1_square, r1_r2,         //
+        r0_r2, r1_r2, 0.5 * r1 * (1.0 + r2);
+    return unit;
 }
 
 /// Spreads a 3x3 matrix and the scalar of the error over the state of all axes.
@@ -92,9 +124,8 @@ GaussMarkovError GaussMarkovError::larger(const GaussMarkovError& one,
 }
 
 AxisStep axis_step(const EstimationModel& model, double dt_s) {
-    // A step long against the acceleration's time is made of two: the quadrature is for smooth
-    // integrands.
-    if (dt_s > 2.0 * model.motion.acceleration_time_s) {
+    // A step longer than the acceleration's time is made of two: the series are for short ones.
+    if (dt_s > model.motion.acceleration_time_s) {
         AxisStep step = axis_step(model, 0.5 * dt_s);
         const Eigen::Matrix3d carried =
             step.transition * step.process_noise * step.transition.transpose();
@@ -107,8 +138,7 @@ AxisStep axis_step(const EstimationModel& model, double dt_s) {
     }
     // In units of the step: position 1, velocity 1/dt, acceleration 1/dt^2.
     const double alpha = dt_s / model.motion.acceleration_time_s;
-    const Eigen::Vector3d response = acceleration_response(alpha, 1.0);
-    const Eigen::Matrix3d noise = jerk_noise(alpha);
+    const auto [response, noise] = unit_step(alpha);
     const double q = model.motion.jerk_density * model.motion.jerk_density;
     const Eigen::Vector3d unit(dt_s * dt_s, dt_s, 1.0);
     AxisStep step;

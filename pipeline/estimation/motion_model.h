@@ -96,8 +96,9 @@ struct AxisStep {
     double error_noise = 0.0;       ///< its variance, m^2
 };
 
-/// The step over `dt` seconds (> 0), exact for continuous time. The process noise is integrated by
-/// Gauss-Legendre quadrature in units of the step, so that short steps lose no digits.
+/// The step over `dt` seconds (> 0), exact for continuous time, in closed form, so that steps which
+/// are all different cost little more than equal ones; in units of the step, so that short ones
+/// lose no digits.
 AxisStep axis_step(const EstimationModel& model, double dt_s);
 
 /// The same of a step whose jerk density is that many times the model's.

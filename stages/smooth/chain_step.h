@@ -7,17 +7,6 @@
 
 namespace runcert {
 
-/// The blocks of positions, velocities, accelerations and errors, in place, carried over a step.
-template <int Axes, class Rows>
-void carry_rows(const AxisStep& axis, Rows& rows) {
-    const Eigen::Matrix3d& f = axis.transition;
-    rows.template topRows<Axes>() += f(0, 1) * rows.template middleRows<Axes>(Axes) +
-                                     f(0, 2) * rows.template middleRows<Axes>(2 * Axes);
-    rows.template middleRows<Axes>(Axes) += f(1, 2) * rows.template middleRows<Axes>(2 * Axes);
-    rows.template middleRows<Axes>(2 * Axes) *= f(2, 2);
-    rows.template bottomRows<Axes>() *= axis.error_transition;
-}
-
 /// One length of step of a chain of states, across a bridged step or not: the transition F of all
 /// axes, its noise Q, and the whitener W of that noise, W' W = inverse(Q), by their structure.
 template <int Axes>
@@ -32,35 +21,27 @@ class ChainStep {
         if (bridged) axis_.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
         motion_whitener_ = axis_process_whitener(axis_);
         error_whitener_ = 1.0 / std::sqrt(axis_.error_noise);
-        noise_ = process_noise<Axes>(axis_);
+        transition_ = kernel::Transition(axis_);
     }
 
     /// F x.
     State carried(const State& state) const {
         State after = state;
-        carry_rows<Axes>(axis_, after);
+        kernel::carry<Axes, 4>(transition_, after.data());
         return after;
     }
 
     /// F' x.
     State carried_back(const State& state) const {
-        const Eigen::Matrix3d& f = axis_.transition;
         State before = state;
-        before.template segment<Axes>(2 * Axes) *= f(2, 2);
-        before.template segment<Axes>(2 * Axes) +=
-            f(1, 2) * state.template segment<Axes>(Axes) + f(0, 2) * state.template head<Axes>();
-        before.template segment<Axes>(Axes) += f(0, 1) * state.template head<Axes>();
-        before.template tail<Axes>() *= axis_.error_transition;
+        kernel::carry_back<Axes, 4>(transition_, before.data());
         return before;
     }
 
-    /// F P F' + Q.
-    StateMatrix<Axes> predicted(const StateMatrix<Axes>& covariance) const {
-        StateMatrix<Axes> one_side = covariance;
-        carry_rows<Axes>(axis_, one_side);
-        StateMatrix<Axes> both = one_side.transpose();
-        carry_rows<Axes>(axis_, both);
-        return both + noise_;
+    /// P in place to F P F' + Q.
+    void predict(StateMatrix<Axes>& covariance) const {
+        kernel::carry_covariance<Axes, 4>(transition_, covariance.data());
+        kernel::add_noise<Axes, 4>(axis_, covariance.data());
     }
 
     /// W x.
@@ -88,7 +69,7 @@ class ChainStep {
     AxisStep axis_;
     Eigen::Matrix3d motion_whitener_;
     double error_whitener_ = 0.0;
-    StateMatrix<Axes> noise_;
+    kernel::Transition transition_;
 };
 
 }  // namespace runcert

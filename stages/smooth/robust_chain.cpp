@@ -1,6 +1,8 @@
 #include "stages/smooth/robust_chain.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -19,6 +21,11 @@ constexpr double square_of_a_last_step = 1e-12;
 /// deviation may be left, of all states together.
 constexpr double square_left_at_last = 1e-2;
 constexpr int halvings = 4;  // of a Newton step that is too long, before a reweighted one
+/// A step that is short by so much is lengthened, to no more than so many times.
+constexpr double lengthened_from = 1.5;
+constexpr double longest = 100.0;
+/// Of the cost: what a step falls by, for rounding to leave digits of what it is short by.
+constexpr double length_told_from = 1e-12;
 /// Newton's curvature of a far measurement is negative. Where little else is known of the state it
 /// would be left with less than this part of its information: there the step is a reweighted one.
 constexpr double least_information = 0.05;
@@ -35,6 +42,38 @@ template <int Axes>
 void add_seen(const PositionVector<Axes>& said, StateVector<Axes>& state) {
     state.template head<Axes>() += said;
     state.template tail<Axes>() += said;
+}
+
+/// What a measurement of information M changes where the position seen is known with covariance K
+/// before it.
+template <int Axes>
+struct Gain {
+    PositionMatrix<Axes> joint;  ///< inverse(inverse(M) + K)
+    double trace = 0.0;          ///< of M K
+    double least = 0.0;  ///< of C = I + L' M L, K = L L', the least square on its factor's diagonal
+};
+
+/// In closed form, with nothing subtracted where M is positive definite: M need have no inverse,
+/// and may be large where little is known. Of 2 x 2 matrices,
+/// inverse(inverse(M) + K) = (M + det(M) adj(K)) / det(C), det(C) = 1 + tr(M K) + det(M) det(K).
+template <int Axes>
+Gain<Axes> gain_of(const PositionMatrix<Axes>& information, double determinant,
+                   const PositionMatrix<Axes>& known) {
+    Gain<Axes> gain;
+    if constexpr (Axes == 1) {
+        gain.trace = information(0) * known(0);
+        gain.least = 1.0 + gain.trace;
+        gain.joint = information / gain.least;
+    } else {
+        gain.trace = information.cwiseProduct(known).sum();
+        const double of_c = 1.0 + gain.trace + determinant * known.determinant();
+        const double first = 1.0 + (known.col(0).dot(information * known.col(0))) / known(0, 0);
+        gain.least = std::min(first, of_c / first);
+        PositionMatrix<Axes> adjugate;
+        adjugate << known(1, 1), -known(0, 1), -known(0, 1), known(0, 0);
+        gain.joint = (information + determinant * adjugate) / of_c;
+    }
+    return gain;
 }
 
 }  // namespace
@@ -98,13 +137,19 @@ void RobustChain<Axes>::set_gradients() {
 /// with what changing the state changes of the weight, w I - 2 (w / scale)^2 r r' in whitened
 /// terms.
 template <int Axes>
-PositionMatrix<Axes> RobustChain<Axes>::information_of(const Link& link,
-                                                       Curvature curvature) const {
-    const double weight = 1.0 / (1.0 + link.missed.squaredNorm() / scale_squared_);
+typename RobustChain<Axes>::Information RobustChain<Axes>::information_of(
+    const Link& link, Curvature curvature) const {
+    const double square = link.missed.squaredNorm() / scale_squared_;
+    const double weight = 1.0 / (1.0 + square);
     PositionSquare white = weight * PositionSquare::Identity();
-    if (curvature == Curvature::newton)
+    double along = weight;  // the missed
+    if (curvature == Curvature::newton) {
         white -= (2.0 * weight * weight / scale_squared_) * link.missed * link.missed.transpose();
-    return link.whitener.transpose() * white * link.whitener;
+        along = weight * weight * (1.0 - square);
+    }
+    const double of_whitener = link.whitener.diagonal().prod();  // it is triangular
+    return {.matrix = link.whitener.transpose() * white * link.whitener,
+            .determinant = along * (Axes == 1 ? 1.0 : weight) * of_whitener * of_whitener};
 }
 
 /// From the first epoch to the last: each state's change and covariance given all that comes
@@ -115,7 +160,7 @@ void RobustChain<Axes>::pass_along(Curvature curvature) {
     State change = State::Zero();
     for (Link& link : links_) {
         if (link.step) {
-            covariance = link.step->predicted(covariance);
+            link.step->predict(covariance);
             change = link.step->carried(change);
         }
         State pull = -link.gradient;
@@ -124,33 +169,19 @@ void RobustChain<Axes>::pass_along(Curvature curvature) {
                 covariance.template leftCols<Axes>() + covariance.template rightCols<Axes>();
             const PositionSquare known =
                 columns.template topRows<Axes>() + columns.template bottomRows<Axes>();
-            // With known = L L' and information M, inverse(inverse(M) + known) is
-            // inverse(L') inverse(C) L' M, C = I + L' M L: M need have no inverse, and nothing
-            // large is subtracted where little is known.
-            const PositionSquare factor = known.llt().matrixL();
-            const auto gained = [&](const PositionSquare& information) {
-                return Eigen::LLT<PositionSquare>(PositionSquare::Identity() +
-                                                  factor.transpose() * information * factor);
-            };
-            link.information = information_of(link, curvature);
-            link.was_vague =
-                (factor.transpose() * link.information * factor).trace() > vague_before;
-            Eigen::LLT<PositionSquare> gain = gained(link.information);
-            if (gain.info() != Eigen::Success ||
-                gain.matrixLLT().diagonal().cwiseAbs2().minCoeff() < least_information) {
-                link.information = information_of(link, Curvature::reweighted);
-                gain = gained(link.information);
+            Information information = information_of(link, curvature);
+            Gain<Axes> gain = gain_of<Axes>(information.matrix, information.determinant, known);
+            link.was_vague = gain.trace > vague_before;
+            if (!(gain.least >= least_information)) {
+                information = information_of(link, Curvature::reweighted);
+                gain = gain_of<Axes>(information.matrix, information.determinant, known);
             }
-            const PositionSquare through = factor.transpose() * link.information;
-            const PositionSquare joint =
-                factor.transpose().template triangularView<Eigen::Upper>().solve(
-                    gain.solve(through));
+            link.information = information.matrix;
             const Eigen::Matrix<double, state_size<Axes>, Axes> weighted =
-                columns.lazyProduct(joint);
+                columns.lazyProduct(gain.joint);
             covariance -= weighted.lazyProduct(columns.transpose());
             add_seen<Axes>(-link.information * seen<Axes>(change), pull);
         }
-        covariance = (0.5 * (covariance + covariance.transpose())).eval();
         change += covariance.lazyProduct(pull);
         link.covariance = covariance;
         link.change = change;
@@ -165,7 +196,8 @@ template <int Axes>
 StateVector<Axes> RobustChain<Axes>::pull_on_prediction(std::size_t k, const State& after) const {
     const Link& link = links_[k];
     if (link.was_vague) {
-        const StateMatrix<Axes> covariance = link.step->predicted(links_[k - 1].covariance);
+        StateMatrix<Axes> covariance = links_[k - 1].covariance;
+        link.step->predict(covariance);
         const State inverse_sigma = covariance.diagonal().cwiseSqrt().cwiseInverse();
         const StateMatrix<Axes> scaled =
             inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
@@ -260,6 +292,34 @@ double RobustChain<Axes>::cost_after_shortened(Curvature curvature, double allow
     return then;
 }
 
+/// The cost after the changes, `then`, or after longer ones. Where Newton's curvature cannot be
+/// taken, the one that is makes steps too short, and those to come as short again: by hundreds, a
+/// twentieth of the way each. Along the step the cost is quadratic, with the slope of half of it
+/// `falls` at its beginning and with what was gained by its whole length: what it lowers most is
+/// falls / (2 falls - gained). A lengthened step disturbs what was right already, so that a whole
+/// one comes between two of them.
+template <int Axes>
+double RobustChain<Axes>::cost_after_lengthened(double stands, double then, double falls) {
+    if (lengthened_) {
+        lengthened_ = false;
+        return then;
+    }
+    if (falls > length_told_from * stands)
+        length_ = std::clamp(falls / std::max(2.0 * falls - (stands - then), falls / longest), 1.0,
+                             longest);
+    if (length_ < lengthened_from) return then;
+    const auto stretch_by = [&](double factor) {
+        for (Link& link : links_)
+            link.change *= factor;
+    };
+    stretch_by(length_);
+    const double longer = cost_after();
+    lengthened_ = longer <= then;
+    if (lengthened_) return longer;
+    stretch_by(1.0 / length_);
+    return then;
+}
+
 template <int Axes>
 bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
     Curvature curvature = Curvature::reweighted;
@@ -272,7 +332,7 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
         pass_along(curvature);
         const double falls = pass_back();
         const double allowed = stands * (1.0 + rounding_of_cost);
-        const double then = cost_after_shortened(curvature, allowed);
+        double then = cost_after_shortened(curvature, allowed);
         if (!std::isfinite(then) || !std::isfinite(falls)) return false;
         left = falls;
         const bool near = falls <= square_of_a_last_step;
@@ -283,6 +343,7 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
             curvature = Curvature::reweighted;
             continue;
         }
+        if (!near) then = cost_after_lengthened(stands, then, falls);
         take_changes();
         if (near && (curvature == Curvature::newton || newton_refused)) return true;
         newton_refused = false;

@@ -32,8 +32,9 @@ class RobustChain {
                 std::span<const StateVector<Axes>> start, double scale);
 
     /// Iterates until a whole Newton step, or a reweighted one where rounding hides what Newton's
-    /// gains, moves no state by more than 1e-6 of its standard deviation. Where rounding hides what is
-    /// gained, or so many steps are not enough, whether what is left moves none by more than 0.1.
+    /// gains, moves no state by more than 1e-6 of its standard deviation. Where rounding hides what
+    /// is gained, or so many steps are not enough, whether what is left moves none by more than
+    /// 0.1.
     bool solve(std::int64_t iterations_allowed);
 
     std::int64_t iterations() const { return iterations_; }
@@ -63,10 +64,16 @@ class RobustChain {
 
     enum class Curvature { reweighted, newton };
 
+    /// On the position seen, by a measurement.
+    struct Information {
+        PositionSquare matrix;
+        double determinant = 0.0;
+    };
+
     const ChainStep<Axes>& step_of(const StepKind& kind, bool bridged);
     State defect_gradient(std::size_t k) const;
     void set_gradients();
-    PositionSquare information_of(const Link& link, Curvature curvature) const;
+    Information information_of(const Link& link, Curvature curvature) const;
     void pass_along(Curvature curvature);
     State pull_on_prediction(std::size_t k, const State& after) const;
     double pass_back();
@@ -77,6 +84,7 @@ class RobustChain {
     double cost() const;
     double cost_after() const;
     double cost_after_shortened(Curvature curvature, double allowed);
+    double cost_after_lengthened(double stands, double then, double falls);
     void take_changes();
 
     std::span<const ArcEpoch<Axes>> stretch_;
@@ -87,6 +95,8 @@ class RobustChain {
         steps_;  ///< by nanoseconds; links refer to them
     std::vector<Link> links_;
     std::int64_t iterations_ = 0;
+    double length_ = 1.0;      ///< of the step that would have gained most, as last told
+    bool lengthened_ = false;  ///< the last step
 };
 
 }  // namespace runcert

@@ -201,5 +201,26 @@ TEST(RobustChain, EndsWhereThereIsHardlyAnyNoise) {
             }
 }
 
+TEST(RobustChain, TakesTensOfStepsWhereNewtonsCurvatureCannotBeTaken) {
+    // A recording that was smoothed before it was written, with motion that its noise says nothing
+    // of: many measurements stand far out of so little noise, each where little else is known.
+    RandomGenerator random(67);
+    const EstimationModel model{.motion = {.jerk_density = 6.0, .acceleration_time_s = 1.0},
+                                .measurement_scale = 0.0026,
+                                .error = GaussMarkovError::steady(0.09, 7.0)};
+    std::vector<ArcEpoch<2>> arc(2600);
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        const double t = 0.04 * static_cast<double>(k);
+        arc[k].time_s = t;
+        Eigen::Vector2d position(200.0 * std::sin(0.05 * t), 100.0 * std::cos(0.1 * t));
+        position += 0.002 * Eigen::Vector2d(random.normal(), random.normal());
+        if (k % 300 > 200) position += 0.03 * Eigen::Vector2d(random.normal(), random.normal());
+        arc[k].measurement = {position, Eigen::Matrix2d::Identity()};
+    }
+    RobustChain<2> chain(arc, model, smoothed_states<2>(arc, model), scale);
+    EXPECT_TRUE(chain.solve(robust_iterations_allowed));
+    EXPECT_LT(chain.iterations(), 120);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

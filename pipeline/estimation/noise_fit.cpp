@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -125,7 +126,8 @@ class Fit {
         }
         describe(best, fit);
         set_posterior(grid_about(std::isfinite(acceleration_time_s) ? best : maxima.white,
-                                 acceleration_time_s, by_part),
+                                 acceleration_time_s, by_part,
+                                 std::isfinite(acceleration_time_s) ? best.x : maxima.error.x),
                       fit);
         fit.converged = maxima.converged;
         fit.evaluations = whole_.evaluations() + part_.evaluations();
@@ -180,15 +182,20 @@ class Fit {
         return whole;
     }
 
-    /// Whether jerk density, scale and, where there is one, size of the error are within a factor
-    /// of two.
+    /// Whether jerk density, scale and, where there is an error, its diffusion are within a factor
+    /// of two. These the data tell; not how the others stand to the scale, which may be next to
+    /// nothing, nor the error's size, which trades against its correlation time.
     static bool are_alike(const Best& one, const Best& other) {
         constexpr double factor = 0.7;  // ln 2
         if (one.x.size() != other.x.size()) return false;
-        for (std::size_t i = 0; i < std::min<std::size_t>(2, one.x.size()); ++i)
-            if (std::abs(one.x[i] - other.x[i]) > factor) return false;
-        return std::abs(std::log(one.scale / other.scale)) <= factor;
+        const double scale = std::log(one.scale / other.scale);
+        const auto alike = [](double difference) { return std::abs(difference) <= factor; };
+        return alike(scale) && alike(one.x[0] - other.x[0] + scale) &&
+               (one.x.size() < 3 || alike(log_diffusion(one.x) - log_diffusion(other.x) + scale));
     }
+
+    /// Of an error, in units of the measurement scale, but for a constant.
+    static double log_diffusion(const Point& x) { return x[1] - 0.5 * x[2]; }
 
     /// The maxima of the whole recording, near those of its part.
     Maxima near(const Maxima& part) {
@@ -211,14 +218,18 @@ class Fit {
     }
 
     /// The grid for the posterior. What the part of a long recording says is out of the question,
-    /// all of it says the more.
-    std::vector<GridPoint> grid_about(const Best& best, double acceleration_time_s, bool by_part) {
+    /// all of it says the more, unless its own maximum, of an error as large as `told`, is next to
+    /// it.
+    std::vector<GridPoint> grid_about(const Best& best, double acceleration_time_s, bool by_part,
+                                      const Point& told) {
         const bool again = by_part || std::isfinite(acceleration_time_s);
         if (again) grid_ = (by_part ? part_ : whole_).evaluate_grid(best, acceleration_time_s);
         if (!by_part) return grid_;
+        constexpr double next = 0.35;  // a step of the grid's sizes
         const double highest = best_of(grid_).log_likelihood;
         std::erase_if(grid_, [&](const GridPoint& point) {
-            return point.best.log_likelihood < highest - hopeless_below;
+            return point.best.log_likelihood < highest - hopeless_below &&
+                   std::abs(log_diffusion(point.best.x) - log_diffusion(told)) > next;
         });
         return whole_.evaluate_at(grid_);
     }
@@ -266,40 +277,47 @@ class Fit {
         return std::sqrt(sum / static_cast<double>(count));
     }
 
-    /// Covariance of the logarithms of the free parameters (indices into y) by the inverse of the
-    /// likelihood's curvature, from central differences; empty where that is not positive definite.
-    std::optional<Eigen::MatrixXd> covariance_at(const Point& y,
-                                                 const std::vector<std::size_t>& free) {
+    /// The curvature of the likelihood over the logarithms of the free parameters (indices into y),
+    /// negative, from central differences: mixed ones along the diagonal alone, which takes two
+    /// points in place of four.
+    Eigen::MatrixXd information_at(const Point& y, const std::vector<std::size_t>& free) {
         constexpr double h = 0.05;
         std::vector<Point> points{y};
-        const auto add = [&](std::size_t i, double di, std::size_t j, double dj) {
+        const auto add = [&](std::size_t i, std::size_t j, double move) {
             Point& moved = points.emplace_back(y);
-            moved[i] += di;
-            moved[j] += dj;
+            moved[i] += move;
+            if (j != i) moved[j] += move;
         };
         const auto n = static_cast<Eigen::Index>(free.size());
         for (std::size_t a = 0; a < free.size(); ++a) {
-            const std::size_t i = free[a];
-            add(i, h, i, 0.0);
-            add(i, -h, i, 0.0);
-            for (std::size_t b = 0; b < a; ++b)
-                for (const auto& [di, dj] : {std::pair(h, h), {h, -h}, {-h, h}, {-h, -h}})
-                    add(i, di, free[b], dj);
+            for (std::size_t b = 0; b <= a; ++b) {
+                add(free[a], free[b], h);
+                add(free[a], free[b], -h);
+            }
         }
         const std::vector<double> seen = whole_.absolute_log_likelihoods(points);
         auto next = seen.begin();
         const double middle = *next++;
+        // At first by moves of one parameter, or of two together.
         Eigen::MatrixXd information(n, n);
-        for (Eigen::Index a = 0; a < n; ++a) {
-            information(a, a) = -(next[0] - 2.0 * middle + next[1]) / (h * h);
-            next += 2;
-            for (Eigen::Index b = 0; b < a; ++b, next += 4)
+        for (Eigen::Index a = 0; a < n; ++a)
+            for (Eigen::Index b = 0; b <= a; ++b, next += 2)
+                information(a, b) = -(next[0] - 2.0 * middle + next[1]) / (h * h);
+        for (Eigen::Index a = 0; a < n; ++a)
+            for (Eigen::Index b = 0; b < a; ++b)
                 information(a, b) = information(b, a) =
-                    -(next[0] - next[1] - next[2] + next[3]) / (4.0 * h * h);
-        }
-        const Eigen::LLT<Eigen::MatrixXd> factor(information);
+                    0.5 * (information(a, b) - information(a, a) - information(b, b));
+        return information;
+    }
+
+    /// Covariance of the parameters that an information is of, all others but `among` being known;
+    /// empty where that is not positive definite.
+    static std::optional<Eigen::MatrixXd> covariance_among(const Eigen::MatrixXd& information,
+                                                           const std::vector<Eigen::Index>& among) {
+        const Eigen::MatrixXd of_these = information(among, among);
+        const Eigen::LLT<Eigen::MatrixXd> factor(of_these);
         if (factor.info() != Eigen::Success) return std::nullopt;
-        return factor.solve(Eigen::MatrixXd::Identity(n, n));
+        return factor.solve(Eigen::MatrixXd::Identity(of_these.rows(), of_these.cols()));
     }
 
     /// Parameters, their uncertainties and the model of the maximum.
@@ -331,7 +349,10 @@ class Fit {
             if (!parameter.at_bound && (!of_error || fit.correlated_error_detected))
                 free.push_back(i);
         }
-        auto covariance = covariance_at(y, free);
+        const Eigen::MatrixXd information = information_at(y, free);
+        std::vector<Eigen::Index> among(free.size());
+        std::iota(among.begin(), among.end(), 0);
+        auto covariance = covariance_among(information, among);
         // Size and correlation time may trade against each other along a ridge on which the
         // likelihood is flat: then the correlation time is not told.
         const auto tau = std::find(free.begin(), free.end(), 2U);
@@ -339,7 +360,8 @@ class Fit {
             const auto k = static_cast<Eigen::Index>(tau - free.begin());
             if (!covariance || (*covariance)(k, k) > 1.0) {
                 free.erase(tau);
-                covariance = covariance_at(y, free);
+                among.erase(among.begin() + k);
+                covariance = covariance_among(information, among);
             }
         }
         if (covariance)

@@ -279,6 +279,24 @@ TEST(NoiseFit, OfALongArcIsTheMaximumOfAllOfIt) {
     EXPECT_NEAR(weights, 1.0, 1e-12);
 }
 
+TEST(NoiseFit, OfALongArcIsFoundByItsPartWhereSizeAndTimeOfTheErrorAreNotTold) {
+    // They trade against each other, and next to no white noise is beside them: the part's are
+    // others, the diffusion is not.
+    EstimationModel model{.motion = {.jerk_density = 3.0, .acceleration_time_s = 0.5},
+                          .measurement_scale = 0.003,
+                          .error = GaussMarkovError::steady(0.05, 0.5)};
+    RandomGenerator random(1);
+    const auto arc = simulate_arc<1>(model, 10'000, 0.04, 1.0, random).arc;
+    const NoiseFit fit = fit_of<1>(arc);
+    EXPECT_LT(fit.evaluations, 550);
+    expect_a_maximum<1>(arc, fit);
+    // The posterior has models next to the maximum of the whole, coarse as its grid is.
+    const std::span<const ArcEpoch<1>> arcs[] = {arc};
+    const auto heaviest = std::ranges::max_element(fit.posterior, {}, &WeightedModel::weight);
+    EXPECT_GT(innovation_sums<1>(arcs, heaviest->model).log_likelihood(),
+              innovation_sums<1>(arcs, fit.model).log_likelihood() - 20.0);
+}
+
 TEST(NoiseFit, OfALongArcThatStandsStillWhereItIsLookedAtFirstIsTheMaximumOfAllOfIt) {
     RandomGenerator random(7);
     std::vector<ArcEpoch<1>> arc(12'000);

@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::int64_t day_ns = GpsTime::nanoseconds_per_day;
 constexpr std::int64_t most_days = 36'500;
+constexpr std::int64_t near_midnight_ns = 60 * GpsTime::nanoseconds_per_second;
 
 }  // namespace
 
@@ -50,6 +51,17 @@ std::int64_t DayCount::next(std::int64_t time_of_day_ns) {
     return days_;
 }
 
+bool is_near_midnight(std::int64_t time_of_day_ns) {
+    return time_of_day_ns < near_midnight_ns || time_of_day_ns >= day_ns - near_midnight_ns;
+}
+
+void DayClock::set_date(std::int64_t dated, std::int64_t passed, std::int64_t time_of_day_ns) {
+    const std::int64_t ahead = first_day_ ? dated - *first_day_ - passed : 0;
+    const bool before_midnight = time_of_day_ns > day_ns / 2;
+    if (is_near_midnight(time_of_day_ns) && ahead == (before_midnight ? 1 : -1)) return;
+    first_day_ = dated - passed;
+}
+
 GpsTime DayClock::midnight_of(std::int64_t day) const {
     const GpsTime shown = GpsTime::from_nanoseconds(day * day_ns);
     return first_day_ ? gps_from_utc(shown.calendar()) : shown;
@@ -60,8 +72,8 @@ GpsTime DayClock::next(std::int64_t time_of_day_ns, std::optional<std::int64_t> 
     const std::int64_t passed = count.next(time_of_day_ns);
     if (std::abs(passed) > most_days)
         throw Failure("time", "midnight has passed more often than in a hundred years",
-                      "Take the recording as the logger wrote it");
-    if (dated) first_day_ = *dated - passed;
+                      "Hand in the recording as the logger wrote it");
+    if (dated) set_date(*dated, passed, time_of_day_ns);
     const std::int64_t day = first_day_.value_or(0) + passed;
     if (known_day_ != day) {
         midnight_ = midnight_of(day);
@@ -70,7 +82,8 @@ GpsTime DayClock::next(std::int64_t time_of_day_ns, std::optional<std::int64_t> 
     }
     // A day without a date may have had a leap second.
     if (first_day_ && time_of_day_ns >= length_ns_)
-        throw Failure("time", "that day had no second 60", "The line is damaged; take it out");
+        throw Failure("time", "that day had no second 60",
+                      "The record is unreadable; hand in the recording as the logger wrote it");
     count_ = count;
     return midnight_.plus_nanoseconds(time_of_day_ns);
 }

@@ -30,6 +30,10 @@ class DayCount {
     std::int64_t days_ = 0;
 };
 
+/// Whether a time of day is within a minute of midnight, where a date that stands beside it may be
+/// that of the other side: loggers write some a few records early or late.
+bool is_near_midnight(std::int64_t time_of_day_ns);
+
 /// Gives times of day of UTC, in the order of the recording, their instants.
 class DayClock {
   public:
@@ -37,12 +41,15 @@ class DayClock {
     /// before it as if that were the GPS epoch.
     explicit DayClock(std::optional<std::int64_t> first_day) : first_day_(first_day) {}
 
-    /// The instant of the next time of day, which is on `dated` where the record says so. Failure
-    /// at "time" where the day has no such second, or is out of span.
+    /// The instant of the next time of day, which is on `dated` where the record says so. Within a
+    /// minute before midnight the next day's date is early, within one after it that of the day
+    /// before is late: both days are counted on all the same. Failure at "time" where the day has
+    /// no such second, or is out of span.
     GpsTime next(std::int64_t time_of_day_ns, std::optional<std::int64_t> dated = {});
 
   private:
     GpsTime midnight_of(std::int64_t day) const;
+    void set_date(std::int64_t dated, std::int64_t passed, std::int64_t time_of_day_ns);
 
     std::optional<std::int64_t> first_day_;
     DayCount count_;

@@ -7,6 +7,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace nmea_test;
+using nmea_test::sentence;  // not core/text.h's
 
 Observation row_with_velocities(const std::string& vtg, const std::string& rmc_speed_course) {
     const Observations read = read_nmea(

@@ -10,6 +10,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace nmea_test;
+using nmea_test::sentence;  // not core/text.h's
 
 std::size_t distinct_gga_times(const std::string& text) {
     std::set<std::string> times;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
@@ -97,7 +99,8 @@ class Reader {
                       "Write start_date in the receiver, the UTC date of the first record");
         const std::int64_t of_day_ns = read_time_of_day(cell, layout_);
         TimedRow row = read_fix(cell, layout_, reference_);
-        row.instant = instant_of_record(recording_, line, [&] { return clock_->next(of_day_ns); });
+        row.instant = instant_of_record(
+            recording_, line, [&] { return clock_->next(of_day_ns, std::exchange(dated_, {})); });
         if (row.observation.fix == FixType::unknown) ++without_height_;
         return row;
     }
@@ -107,7 +110,8 @@ class Reader {
             if (cell.text[0] == 'I') {
                 layout_ = read_extensions(cell);
             } else if (const auto day = read_date(cell)) {
-                clock_.emplace(day);
+                dated_ = day;
+                if (!clock_) clock_.emplace(day);
             } else {
                 read_h(cell.text);
             }
@@ -173,7 +177,8 @@ class Reader {
 
     const RecordingBytes& recording_;
     RowCollector timed_;
-    std::optional<DayClock> clock_;  ///< once the date is known
+    std::optional<DayClock> clock_;      ///< once the date is known
+    std::optional<std::int64_t> dated_;  ///< by a record HFDTE since the last fix
     Layout layout_;
     AltitudeReference reference_ = AltitudeReference::not_stated;
     Identity identity_;

@@ -1,5 +1,8 @@
 #include "stages/import/nmea/date.h"
 
+#include <algorithm>
+#include <map>
+
 #include "stages/import/day_clock.h"
 #include "stages/import/nmea/row.h"
 
@@ -12,15 +15,24 @@ std::optional<FirstDay> find_first_day(const RecordingBytes& recording) {
     if (absent("RMC,") && absent("ZDA,")) return std::nullopt;
     EpochReader epochs(recording, nullptr);
     DayCount count;
-    std::optional<FirstDay> first;
+    std::optional<FirstDay> without_fix;
+    std::map<std::int64_t, int> first_days;  // by the dated epochs at midnight, which may be wrong
     while (const auto epoch = epochs.next()) {
         const std::int64_t days = count.next(epoch->time_of_day_ns);
         if (!epoch->date) continue;
-        const bool fix = has_fix(*epoch);
-        if (!first || fix) first = FirstDay{.day = *epoch->date - days, .without_fix = !fix};
-        if (fix) break;
+        const std::int64_t first = *epoch->date - days;
+        if (!has_fix(*epoch)) {
+            if (!without_fix) without_fix = FirstDay{.day = first, .without_fix = true};
+            continue;
+        }
+        if (!is_near_midnight(epoch->time_of_day_ns)) return FirstDay{.day = first};
+        ++first_days[first];
     }
-    return first;
+    if (first_days.empty()) return without_fix;
+    return FirstDay{
+        .day = std::max_element(first_days.begin(), first_days.end(),
+                                [](const auto& a, const auto& b) { return a.second < b.second; })
+                   ->first};
 }
 
 std::optional<std::int64_t> day_of(const Epoch& epoch, const std::optional<FirstDay>& first) {

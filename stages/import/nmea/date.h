@@ -15,8 +15,9 @@ struct FirstDay {
     bool without_fix = false;
 };
 
-/// The date of a recording's first epoch, by counting back from the first that is dated; nothing
-/// where none is. Reads no further than it must.
+/// The date of a recording's first epoch, by counting back from the first that is dated: not within
+/// a minute of midnight, where dates come early or late, unless all are, of which most decide.
+/// Nothing where none is dated. Reads no further than it must.
 std::optional<FirstDay> find_first_day(const RecordingBytes& recording);
 
 /// The day that an epoch says it is on, days since 1980-01-06; nothing where it says none that

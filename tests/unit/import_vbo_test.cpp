@@ -154,8 +154,8 @@ TEST(Vbo, BadLinesAreCountedAndListed) {
         {"150.00", "999.00", "heading of 999"},
         {"+00152.58", "1e400", "height"},
         {"137", "256", "count of satellites"},
-        {" -001.250", "", "7 fields; the header names 8"},
-        {"-001.250", "-001.250 4", "9 fields; the header names 8"},
+        {" -001.250", "", "7 fields; most rows have 8"},
+        {"-001.250", "-001.250 4", "9 fields; most rows have 8"},
     };
     for (const auto& bad : cases) {
         const Observations read =

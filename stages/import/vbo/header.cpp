@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <span>
 
@@ -48,26 +49,52 @@ struct Name {
     Column column;
 };
 
-/// Longer names before those that they begin with.
-constexpr std::array<Name, 16> names{{{"satellites", Column::satellites},
-                                      {"sats", Column::satellites},
-                                      {"time", Column::time},
-                                      {"latitude", Column::latitude},
-                                      {"lat", Column::latitude},
-                                      {"longitude", Column::longitude},
-                                      {"long", Column::longitude},
-                                      {"lon", Column::longitude},
-                                      {"velocity", Column::velocity},
-                                      {"heading", Column::heading},
-                                      {"height", Column::height},
-                                      {"altitude", Column::height},
-                                      {"verticalvelocity", Column::vertical_velocity},
-                                      {"verticalvel", Column::vertical_velocity},
-                                      {"vertvel", Column::vertical_velocity},
-                                      {"solutiontype", Column::solution_type}}};
+/// Racelogic's names, then those of other writers; of several columns for one meaning, the one
+/// whose name comes first here counts.
+constexpr std::array names{Name{"satellites", Column::satellites},
+                           Name{"sats", Column::satellites},
+                           Name{"time", Column::time},
+                           Name{"latitude", Column::latitude},
+                           Name{"lat", Column::latitude},
+                           Name{"longitude", Column::longitude},
+                           Name{"long", Column::longitude},
+                           Name{"lon", Column::longitude},
+                           Name{"lng", Column::longitude},
+                           Name{"velocity", Column::velocity},
+                           Name{"heading", Column::heading},
+                           Name{"height", Column::height},
+                           Name{"altitude", Column::height},
+                           Name{"verticalvelocity", Column::vertical_velocity},
+                           Name{"verticalvel", Column::vertical_velocity},
+                           Name{"vertvel", Column::vertical_velocity},
+                           Name{"solutiontype", Column::solution_type},
+                           Name{"satcount", Column::satellites},
+                           Name{"numsats", Column::satellites},
+                           Name{"numsv", Column::satellites},
+                           Name{"nsat", Column::satellites},
+                           Name{"utctime", Column::time},
+                           Name{"gpstime", Column::time},
+                           Name{"utc", Column::time},
+                           Name{"gpslatitude", Column::latitude},
+                           Name{"gpslat", Column::latitude},
+                           Name{"gpslongitude", Column::longitude},
+                           Name{"gpslong", Column::longitude},
+                           Name{"gpslon", Column::longitude},
+                           Name{"gpslng", Column::longitude},
+                           Name{"gpsspeed", Column::velocity},
+                           Name{"groundspeed", Column::velocity},
+                           Name{"speed", Column::velocity},
+                           Name{"vel", Column::velocity},
+                           Name{"gpsheading", Column::heading},
+                           Name{"course", Column::heading},
+                           Name{"bearing", Column::heading},
+                           Name{"gpsaltitude", Column::height},
+                           Name{"elevation", Column::height},
+                           Name{"alt", Column::height}};
 
 /// A channel by its name.
 struct Channel {
+    std::string_view name;  ///< of `names`
     Column column;
     std::string unit;  ///< empty where the name has none
 };
@@ -98,7 +125,7 @@ std::optional<Channel> channel_of(std::string_view text) {
         const std::string unit = name.substr(known.name.size());
         if (unit.empty() ||
             (is_speed(known.column) ? factor_of(unit, speed_units) : factor_of(unit, other_units)))
-            return Channel{known.column, unit};
+            return Channel{known.name, known.column, unit};
     }
     return std::nullopt;
 }
@@ -120,7 +147,7 @@ void set_unit(Layout& layout, Column column, const std::string& unit) {
     if (column == Column::velocity) layout.velocity_m_s = speed ? *speed : 1.0 / 3.6;
     if (column == Column::vertical_velocity) layout.vertical_velocity_m_s = speed;
     if (column == Column::longitude && unit.starts_with("deg"))
-        layout.coordinates = CoordinateUnit::degree;
+        layout.coordinates = Coordinates::degrees;
 }
 
 /// "[comments]" gives "comments"; nothing for a line that begins no section.
@@ -197,22 +224,38 @@ Layout find_layout(const Header& header, std::size_t fields, const RecordingByte
     const std::vector<std::string_view>& named =
         by_header || header.columns.empty() ? header.channels : header.columns;
     Layout layout;
-    layout.fields = named.size();
-    for (std::size_t field = 0; field < named.size(); ++field) {
-        const auto channel = channel_of(named[field]);
-        if (!channel || layout[channel->column]) continue;
-        layout[channel->column] = field;
-        set_unit(layout, channel->column, unit_of(header, *channel, field, named.size()));
+    layout.fields = fields > 0 ? fields : named.size();
+    layout.named = named.size();
+    for (const Name& name : names) {
+        if (layout[name.column]) continue;
+        for (std::size_t field = 0; field < named.size() && !layout[name.column]; ++field) {
+            const auto channel = channel_of(named[field]);
+            if (!channel || channel->name != name.name || field >= layout.fields) continue;
+            layout[name.column] = field;
+            set_unit(layout, name.column, unit_of(header, *channel, field, named.size()));
+        }
     }
     constexpr std::array<Name, 3> required{
         {{"time", Column::time}, {"lat", Column::latitude}, {"long", Column::longitude}}};
     for (const Name& name : required)
         if (!layout[name.column])
-            throw Failure(place_in(recording, header.names_line, 1),
-                          fmt::format("no column is named \"{}\"", name.name),
-                          "Take the recording as the logger wrote it, with its section "
-                          "[column names]");
+            throw Failure(
+                place_in(recording, header.names_line, 1),
+                fmt::format("no column is named \"{}\", or as other writers call it, among {} "
+                            "names for {} fields in a row",
+                            name.name, named.size(), layout.fields),
+                "Export the recording again with time, latitude and longitude, or as CSV "
+                "with columns: in the receiver");
     return layout;
+}
+
+std::optional<double> degrees_of(double written, Coordinates coordinates) {
+    if (coordinates == Coordinates::degrees) return written;
+    if (coordinates == Coordinates::minutes) return written / 60.0;
+    const double degrees = std::trunc(written / 100.0);
+    const double minutes = written - 100.0 * degrees;
+    if (std::abs(minutes) >= 60.0) return std::nullopt;
+    return degrees + minutes / 60.0;
 }
 
 std::string device_of(const Header& header) {

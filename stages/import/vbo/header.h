@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "stages/import/fields.h"
-#include "stages/import/resolution.h"
 
 namespace runcert::vbo {
 
@@ -36,9 +35,20 @@ struct Header {
     std::int64_t names_line = 1;             ///< of the first of `columns`, or of [header]
 };
 
+/// What coordinates are written in.
+enum class Coordinates {
+    minutes,  ///< of arc, the rule of the format
+    degrees,
+    packed  ///< degrees times 100, plus minutes: DDMM.MMMM
+};
+
+/// A coordinate in degrees. Nothing for a packed one of 60 minutes or more.
+std::optional<double> degrees_of(double written, Coordinates coordinates);
+
 /// How a row of data is laid out.
 struct Layout : ColumnPlaces<Column> {
-    CoordinateUnit coordinates = CoordinateUnit::arc_minute;
+    Coordinates coordinates = Coordinates::minutes;
+    std::size_t named = 0;                        ///< columns that the header names, of `fields`
     std::optional<double> velocity_m_s;           ///< of one unit; empty without such a column
     std::optional<double> vertical_velocity_m_s;  ///< the same; also empty for an unknown unit
 };
@@ -46,10 +56,11 @@ struct Layout : ColumnPlaces<Column> {
 /// Reads up to and with the line [data]. Failure where there is none.
 Header read_header(LineReader& lines, const RecordingBytes& recording);
 
-/// The layout of rows whose first has so many fields. The columns are named by [column names], or
-/// by [header] where only that has as many; units of speed stand behind the names, or in
-/// [channel units]; a velocity without one is in km/h. Coordinates are minutes of arc unless their
-/// names say degrees. Failure where time, latitude or longitude is not named.
+/// The layout of rows of so many fields. The columns are named by [column names], or by [header]
+/// where only that has as many; where neither has, by the one that names time and place, from the
+/// left. Units of speed stand behind the names, or in [channel units]; a velocity without one is in
+/// km/h. Coordinates are minutes of arc unless their names say degrees. Failure where time,
+/// latitude or longitude is not named, or stands behind the fields.
 Layout find_layout(const Header& header, std::size_t fields, const RecordingBytes& recording);
 
 /// The device that the comments name, with its serial number and firmware.

@@ -6,6 +6,7 @@
 
 #include "core/decimal_time.h"
 #include "core/failure.h"
+#include "core/text.h"
 #include "stages/import/earth.h"
 
 namespace runcert::vbo {
@@ -77,6 +78,16 @@ void read_velocity(const Row& fields, const Layout& layout, RecordedVelocity& ve
     set_speed(velocity, speed * *layout.velocity_m_s, read_heading(fields));
 }
 
+double coordinate(const Row& fields, const Layout& layout, Column column,
+                  std::string_view meaning) {
+    const auto degrees = degrees_of(fields.real(column, meaning), layout.coordinates);
+    if (!degrees)
+        fields.cell(column).fail(fmt::format("the {} \"{}\" has 60 minutes or more", meaning,
+                                             escape_for_message(fields.text(column))),
+                                 "Take the recording as the logger wrote it");
+    return *degrees;
+}
+
 }  // namespace
 
 std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
@@ -112,10 +123,9 @@ TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive) {
     row.written.time = fields.text(Column::time);
     read_quality(fields, layout, row.observation);
     if (row.observation.fix == FixType::none) return row;
-    const double per_degree = layout.coordinates == CoordinateUnit::degree ? 1.0 : 60.0;
-    const double latitude_deg = fields.real(Column::latitude, "latitude") / per_degree;
+    const double latitude_deg = coordinate(fields, layout, Column::latitude, "latitude");
     const double longitude_deg =
-        fields.real(Column::longitude, "longitude") / (east_positive ? per_degree : -per_degree);
+        (east_positive ? 1.0 : -1.0) * coordinate(fields, layout, Column::longitude, "longitude");
     if (latitude_deg == 0.0 && longitude_deg == 0.0) {
         row.observation.fix = FixType::none;
         return row;
@@ -129,7 +139,8 @@ TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive) {
                          fields.cell(has_height ? Column::height : Column::latitude));
     set_position(row.observation, position);
     if (!has_height) row.observation.height_m.reset();
-    row.written.unit = layout.coordinates;
+    row.written.unit = layout.coordinates == Coordinates::degrees ? CoordinateUnit::degree
+                                                                  : CoordinateUnit::arc_minute;
     row.written.coordinates = {fields.text(Column::latitude), fields.text(Column::longitude)};
     read_velocity(fields, layout, row.observation);
     return row;

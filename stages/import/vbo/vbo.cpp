@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -17,12 +18,33 @@
 namespace runcert::vbo {
 namespace {
 
-/// Fields of the first row of data from here on; 0 where there is none.
-std::size_t fields_of_first_row(LineReader lines, const RecordingBytes& recording) {
-    std::size_t fields = 0;
-    for (auto line = lines.next(); line && fields == 0; line = lines.next())
-        fields = split(*line, recording).size();
-    return fields;
+constexpr int rows_counted = 100;
+
+/// Fields that most of the first whole rows of data from here on have; 0 where there is none.
+std::size_t fields_of_rows(LineReader lines, const RecordingBytes& recording) {
+    std::map<std::size_t, int> count;
+    int rows = 0;
+    for (auto line = lines.next(); line && rows < rows_counted; line = lines.next())
+        if (const std::size_t fields = split(*line, recording).size(); fields > 0 && line->ended) {
+            ++count[fields];
+            ++rows;
+        }
+    const auto most =
+        std::max_element(count.begin(), count.end(),
+                         [](const auto& a, const auto& b) { return a.second < b.second; });
+    return most == count.end() ? 0 : most->first;
+}
+
+/// Failure for rows whose columns are named otherwise than from the left, as far as speeds show it.
+void require_named(const Layout& layout, const Survey& surveyed, const Header& header,
+                   const RecordingBytes& recording) {
+    if (layout.named == layout.fields || surveyed.speeds_fit.value_or(true)) return;
+    throw Failure(
+        place_in(recording, header.names_line, 1),
+        fmt::format("rows have {} fields, the header names {}, and with the names from the "
+                    "left the speeds are not those of the positions",
+                    layout.fields, layout.named),
+        "Export the recording again, or as CSV with columns: in the receiver");
 }
 
 [[noreturn]] void refuse_time(const Cell& cell) {
@@ -39,7 +61,7 @@ RowCollector read_rows(LineReader lines, const RecordingBytes& recording, const 
         timed.add_record(*line, [&] {
             const std::vector<Cell> cells = split(*line, recording);
             require_count(cells.size(), layout.fields, *line, recording, lines.at_end(),
-                          "the header names", "Take the recording as the logger wrote it");
+                          "most rows have", "Take the recording as the logger wrote it");
             const Row fields(cells, layout);
             TimedRow row = read_row(fields, layout, east_positive);
             const auto time_ns = time_of_day_ns(fields.text(Column::time));
@@ -56,6 +78,11 @@ RowCollector read_rows(LineReader lines, const RecordingBytes& recording, const 
 }
 
 void note_columns(Observations& observations, const Layout& layout) {
+    if (layout.named != layout.fields)
+        observations.notes.push_back(
+            fmt::format("Rows have {} fields, and the header names {} columns: these were counted "
+                        "from the left.",
+                        layout.fields, layout.named));
     if (layout[Column::height]) observations.notes.emplace_back(note_heights_above_sea_level);
     if (layout[Column::vertical_velocity] && !layout.vertical_velocity_m_s)
         observations.notes.push_back(
@@ -91,8 +118,11 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     LineReader lines(recording);
     const Header header = read_header(lines, recording);
-    const Layout layout = find_layout(header, fields_of_first_row(lines, recording), recording);
+    Layout layout = find_layout(header, fields_of_rows(lines, recording), recording);
     const Survey surveyed = survey(lines, recording, layout);
+    require_named(layout, surveyed, header, recording);
+    const std::string coordinates = coordinates_note(surveyed, layout);
+    layout.coordinates = surveyed.coordinates;
     const FirstDay first_day = find_first_day(
         receiver, header.created, surveyed.first_time_ns.value_or(0), surveyed.first_longitude_deg);
     Observations observations;
@@ -104,6 +134,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
                                      surveyed.longitudes == LongitudeSense::east_positive,
                                      DayClock(first_day.utc)));
     observations.notes.push_back(first_day.note);
+    if (!coordinates.empty()) observations.notes.push_back(coordinates);
     note_longitudes(observations, surveyed.longitudes);
     note_columns(observations, layout);
     apply_attempt(observations, receiver, first_day.by_start_gps);

@@ -25,6 +25,44 @@ const std::string second_row =
     "$GNSS,2023-08-20T18:09:07.400Z,37.5000125,-121.2500375,7.309,3.00,-4.00,12.50,2.000,3.500,"
     "0.30,10\r\n";
 
+TEST(Flysight, NegativeMillisecondsAreBeforeTheSecond) {
+    const struct {
+        const char* written;
+        const char* gps;
+    } times[] = {{"18:09:20.-002Z", "18:09:37.998"},
+                 {"18:09:20.-02Z", "18:09:37.998"},
+                 {"18:09:00.-100Z", "18:09:17.900"},
+                 {"18:09:20.000Z", "18:09:38.000"},
+                 {"00:00:00.-001Z", "00:00:17.999"}};
+    for (const auto& time : times) {
+        SCOPED_TRACE(time.written);
+        const Observations read = import_text(
+            pos_receiver(), second_header + replaced(second_row, "18:09:07.400Z", time.written));
+        EXPECT_EQ(to_iso(*read.facts.first_epoch), std::string("2023-08-20T") + time.gps);
+        EXPECT_DOUBLE_EQ(*read.facts.time_resolution_s, 0.001);
+    }
+    for (const char* bad : {"18:09:20.-Z", "18:09:20.--2Z", "18:09:20.-2", "18:09:20.-0002Z"})
+        EXPECT_NE(complaint_of(pos_receiver(), second_header + second_row + second_row +
+                                                   replaced(second_row, "18:09:07.400Z", bad)),
+                  "read")
+            << bad;
+}
+
+TEST(Flysight, AnAccuracyOfSpeedMayBeLabelledMetres) {
+    const Observations read =
+        import_text(pos_receiver(),
+                    replaced(first_header, "(m),(m),(m/s),(deg)", "(m),(m),(m),(deg)") + first_row);
+    EXPECT_DOUBLE_EQ(*read.rows.at(0).sigma_recorded_velocity_north_m_s, 0.3 / std::sqrt(3.0));
+    EXPECT_TRUE(has(failure_of(pos_receiver(), replaced(first_header, "(m),(m),(m/s),(deg)",
+                                                        "(m),(m),(ft/s),(deg)") +
+                                                   first_row),
+                    "\"sAcc\" is in \"ft/s\""));
+    EXPECT_TRUE(
+        has(failure_of(pos_receiver(),
+                       replaced(first_header, "(m/s),(m/s),(m/s)", "(m),(m/s),(m/s)") + first_row),
+            "\"velN\" is in \"m\""));
+}
+
 TEST(Flysight, BothVersionsSayTheSame) {
     for (const bool first : {true, false}) {
         const Observations read = import_text(

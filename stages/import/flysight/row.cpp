@@ -35,8 +35,32 @@ constexpr std::array<ColumnName, column_count> column_names{{{"time", ""},
                                                              {"numSV", ""},
                                                              {"gpsFix", ""}}};
 
+constexpr std::int64_t ns_per_ms = 1'000'000;
+
 /// What a receiver writes where it has no idea: the largest count of millimetres.
 constexpr double saturated = 4'294'967.0;
+
+/// How loggers that write FlySight's columns (Deep and Steep Insight) label a speed's accuracy.
+bool is_speed_in_metres(std::size_t column, std::string_view unit) {
+    return static_cast<Column>(column) == Column::speed_accuracy && unit == "m";
+}
+
+/// The whole second and the signed milliseconds of a FlySight 2's time "2026-03-06T00:49:20.-002Z";
+/// nothing for any other time. The instant is their sum, before the second.
+struct SignedTime {
+    Cell second;
+    std::int64_t milliseconds = 0;  ///< as the firmware prints them: "-02" and "-002" are two
+};
+std::optional<SignedTime> signed_time(const Cell& time) {
+    const std::size_t point = time.text.find(".-");
+    if (point == std::string_view::npos || !time.text.ends_with('Z')) return std::nullopt;
+    const std::string_view digits = time.text.substr(point + 2, time.text.size() - point - 3);
+    const auto count = digits_at(digits, 0, digits.size());
+    if (digits.empty() || digits.size() > 3 || !count) return std::nullopt;
+    Cell second = time;
+    second.text = time.text.substr(0, point);
+    return SignedTime{second, *count};
+}
 
 std::string_view name_of(Column column) {
     return column_names[static_cast<std::size_t>(column)].name;
@@ -135,7 +159,7 @@ void require_units(const SourceLine& line, const RecordingBytes& recording, cons
         if (unit.starts_with('(') && unit.ends_with(')')) unit = unit.substr(1, unit.size() - 2);
         for (std::size_t column = 0; column < column_count; ++column)
             if (layout.place[column] == i - skipped + skipped_in_rows &&
-                unit != column_names[column].unit)
+                unit != column_names[column].unit && !is_speed_in_metres(column, unit))
                 cell.fail(fmt::format("the column \"{}\" is in \"{}\"; FlySight has it in \"{}\"",
                                       column_names[column].name, escape_for_message(unit),
                                       column_names[column].unit),
@@ -150,8 +174,15 @@ TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const
                   "Take the recording as the FlySight wrote it");
     const Row cells(fields, layout);
     TimedRow row;
-    row.instant = read_iso(cells.cell(Column::time), Clock::utc);
-    row.written.time = cells.cell(Column::time).text;
+    const Cell& time = cells.cell(Column::time);
+    row.written.time = time.text;
+    if (const auto before = signed_time(time)) {
+        row.instant = read_iso(before->second, Clock::utc)
+                          .plus_nanoseconds(-ns_per_ms * before->milliseconds);
+        row.written.time = "0.000";
+    } else {
+        row.instant = read_iso(time, Clock::utc);
+    }
     row.observation.satellites = read_satellites(cells.cell(Column::satellites));
     if (cells.has(Column::fix))
         row.observation.fix = read_fix(cells.cell(Column::fix));

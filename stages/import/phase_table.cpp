@@ -62,6 +62,7 @@ TakeMeasurements hold_in(Held& held) {
 
 Held hold(const Receiver& receiver, const RecordingBytes& phase,
           const std::vector<RecordingBytes>& navigation) {
+    require_readable(phase);
     Held held;
     // A signal takes at least so many bytes of either format, most of the time: less copying.
     held.signals.reserve(phase.bytes.size() / 64);

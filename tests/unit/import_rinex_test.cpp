@@ -212,7 +212,7 @@ TEST(RinexMeasurements, HeadersThatAreNotUnderstoodAreRefusedWithTheirLine) {
     EXPECT_TRUE(has(observation_failure(head_3()), "no epochs"));
     EXPECT_TRUE(has(observation_failure(head_2("     1    C1")), "no carrier phase"));
     EXPECT_TRUE(has(observation_failure("x"), "no RINEX file"));
-    EXPECT_TRUE(has(observation_failure(""), "no RINEX file"));
+    EXPECT_TRUE(has(observation_failure(""), "the recording is empty"));
 }
 
 TEST(RinexMeasurements, Version2OfManySatellitesGoesOnInASecondLine) {

@@ -47,6 +47,31 @@ TEST(Rinex, IsRecognisedByItsHeaderLine) {
     EXPECT_FALSE(rinex::recognises(""));
 }
 
+const std::string compact =
+    "1.0                 COMPACT RINEX FORMAT                    CRINEX VERS   / TYPE\n"
+    "RNX2CRX ver.4.0.7                       14-Mar-26 10:00     CRINEX PROG / DATE\n"
+    "     2.11           OBSERVATION DATA    M (MIXED)           RINEX VERSION / TYPE\n";
+
+TEST(Rinex, CompactFilesAreRefusedByNameInEachRole) {
+    const std::string plain =
+        "     2.11           OBSERVATION DATA    M (MIXED)           RINEX VERSION / TYPE\n";
+    for (const std::size_t role : {0, 1, 2}) {
+        Pair pair{plain, plain, plain};
+        std::string* files[] = {&pair.rover, &pair.base, &pair.navigation};
+        *files[role] = compact;
+        try {
+            (void)solve(rinex_receiver(), pair);
+            FAIL();
+        } catch (const Failure& failure) {
+            const char* names[] = {"rover.obs:1:1", "base.obs:1:1", "rover.nav:1:1"};
+            EXPECT_EQ(failure.where(), names[role]);
+            EXPECT_TRUE(has(failure.what(), "compact RINEX (Hatanaka)")) << failure.what();
+            EXPECT_TRUE(has(failure.remedy(), "CRX2RNX"));
+        }
+    }
+    EXPECT_TRUE(has(failure_of(pos_receiver(), compact), "CRX2RNX"));
+}
+
 // The README of the data says: 203 epochs, nearly all float.
 TEST(Rinex, APairIsSolvedForwardsAndBackwardsApart) {
     REQUIRE_PAIR(pair);

@@ -30,6 +30,7 @@ std::string_view label_of(std::string_view line) {
 }
 
 FirstLine read_first_line(Lines& lines) {
+    require_readable(lines.recording());
     const auto line = lines.next();
     const auto version =
         line ? parse_double(trim(characters(line->text, 0, 9))) : std::optional<double>();

@@ -119,6 +119,10 @@ std::string difference_text(const Observations& chosen, const Observations& othe
 
 Solution solve(const Receiver& receiver, const RecordingBytes& rover, const RecordingBytes& base,
                const std::vector<RecordingBytes>& navigation) {
+    require_readable(rover);
+    require_readable(base);
+    for (const RecordingBytes& file : navigation)
+        require_readable(file);
     const TemporaryFolder folder;
     std::vector<std::string> inputs{"rover.obs", "base.obs"};
     write_file_atomically(folder.path() / inputs[0], rover.bytes);

@@ -142,6 +142,12 @@ std::string shown(std::string_view name) {
 }
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
+    std::string_view begun;
+    for (const std::string_view candidate : candidates)
+        if (word.size() >= 2 && lower_case(candidate).starts_with(lower_case(word)) &&
+            (begun.empty() || candidate.size() < begun.size()))
+            begun = candidate;
+    if (!begun.empty()) return begun;
     const auto found = std::min_element(candidates.begin(), candidates.end(),
                                         [word](std::string_view a, std::string_view b) {
                                             return edit_distance(word, a) < edit_distance(word, b);

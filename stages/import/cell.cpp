@@ -13,6 +13,8 @@ namespace runcert {
 namespace {
 
 constexpr double largest_deviation = 1e9;
+constexpr const char* unreadable =
+    "Hand in the recording as the logger wrote it, or describe its columns otherwise";
 
 bool is_nan_or_inf(std::string_view text) {
     const std::string lower =
@@ -34,15 +36,28 @@ std::optional<std::string> with_decimal_point(std::string_view text) {
     const std::string quoted = escape_for_message(cell.text);
     if (cell.text.empty())
         cell.fail(fmt::format("the {} is missing", meaning),
-                  "Take the line out, or the recording as the receiver wrote it");
+                  "Hand in the recording as the receiver wrote it, or another export");
     if (is_nan_or_inf(cell.text))
         cell.fail(fmt::format("the {} is \"{}\", which is no number", meaning, quoted),
-                  "Take the line out; a program wrote it where it had no value");
+                  "A program wrote it where it had no value: hand in what the logger itself wrote");
     if (const auto number = with_decimal_point(cell.text))
         cell.fail(fmt::format("the {} \"{}\" has a decimal comma", meaning, quoted),
-                  fmt::format("Write {}: export the recording with decimal points", *number));
-    cell.fail(fmt::format("the {} \"{}\" is not a number", meaning, quoted),
-              "Correct the line, or the description of the columns");
+                  fmt::format("Export the recording with decimal points ({})", *number));
+    cell.fail(fmt::format("the {} \"{}\" is not a number", meaning, quoted), unreadable);
+}
+
+/// A decimal number whose point is to stand `shift` digits further to the left.
+std::optional<std::int64_t> parse_shifted(std::string_view text, int shift) {
+    if (shift == 0) return parse_decimal_nanoseconds(text);
+    const bool negative = text.starts_with('-');
+    if (negative) text.remove_prefix(1);
+    const std::size_t point = std::min(text.find('.'), text.size());
+    const auto decimals = static_cast<std::size_t>(shift);
+    std::string number(text.substr(0, point));
+    if (number.size() <= decimals) number.insert(0, decimals + 1 - number.size(), '0');
+    number.insert(number.size() - decimals, 1, '.');
+    number += text.substr(std::min(point + 1, text.size()));
+    return parse_decimal_nanoseconds(negative ? "-" + number : number);
 }
 
 }  // namespace
@@ -82,7 +97,7 @@ std::int64_t read_whole(const Cell& cell, std::string_view meaning, std::int64_t
         value > static_cast<double>(most))
         cell.fail(fmt::format("the {} \"{}\" is not a whole number from {} to {}", meaning,
                               escape_for_message(cell.text), least, most),
-                  "Correct the line, or the description of the columns");
+                  unreadable);
     return static_cast<std::int64_t>(value);
 }
 
@@ -94,14 +109,14 @@ double read_deviation(const Cell& cell, std::string_view meaning) {
     return value;
 }
 
-std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning) {
-    const std::optional<std::int64_t> value = parse_decimal_nanoseconds(cell.text);
+std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning, int shift) {
+    const std::optional<std::int64_t> value = parse_shifted(cell.text, shift);
     if (value) return *value;
     if (parse_double(cell.text))
         cell.fail(fmt::format("the {} \"{}\" is not a plain count of seconds with at most nine "
                               "decimals",
                               meaning, escape_for_message(cell.text)),
-                  "Write it without exponent, rounded to the nanosecond or coarser");
+                  "A program or spreadsheet has rounded it: hand in what the logger itself wrote");
     refuse_number(cell, meaning);
 }
 

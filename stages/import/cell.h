@@ -41,8 +41,9 @@ std::int64_t read_whole(const Cell& cell, std::string_view meaning, std::int64_t
 /// that it is unknown. A negative one, or one above 1e9, fails.
 double read_deviation(const Cell& cell, std::string_view meaning);
 
-/// Seconds with at most nine decimals, as an exact count of nanoseconds.
-std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning);
+/// Seconds with at most nine decimals, as an exact count of nanoseconds; milliseconds where `shift`
+/// is 3: that many more digits are decimals.
+std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning, int shift = 0);
 
 /// An empty cell is nothing; any other is read.
 template <class Value, class... More>

@@ -20,7 +20,7 @@ void read_date(const Cell& cell, CalendarTime& calendar) {
         text.size() == 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4];
     if (!separated || !year || !month || !day)
         cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(text)),
-                  "Write dates as 2023-07-11 or 2023/07/11: year, month, day");
+                  "Export dates as 2023-07-11 or 2023/07/11: year, month, day");
     calendar.year = *year;
     calendar.month = *month;
     calendar.day = *day;
@@ -36,7 +36,7 @@ void read_time_of_day(const Cell& cell, CalendarTime& calendar) {
         nanoseconds = parse_decimal_nanoseconds(text.substr(6));
     if (!hour || !minute || !nanoseconds)
         cell.fail(fmt::format("\"{}\" is not a time of day", escape_for_message(text)),
-                  "Write times as 06:04:30.000: two digits each, at most nine decimals");
+                  "Export times as 06:04:30.000: two digits each, at most nine decimals");
     calendar.hour = *hour;
     calendar.minute = *minute;
     calendar.second = static_cast<int>(*nanoseconds / GpsTime::nanoseconds_per_second);
@@ -75,18 +75,18 @@ GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock) {
     CalendarTime calendar;
     read_date(date, calendar);
     read_time_of_day(time_of_day, calendar);
-    return at(time_of_day, [&] { return instant(calendar, clock); });
+    return instant_of(calendar, clock, time_of_day);
 }
 
 GpsTime read_iso(const Cell& cell, Clock clock) {
     std::string_view text = cell.text;
     if (text.size() < 11 || (text[10] != 'T' && text[10] != ' '))
         cell.fail(fmt::format("\"{}\" is not a date and time", escape_for_message(text)),
-                  "Write them as 2023-07-11T06:04:30.000");
+                  "Export them as 2023-07-11T06:04:30.000");
     if (text.ends_with('Z')) {
         if (clock != Clock::utc)
-            cell.fail(fmt::format("\"{}\" ends in Z, which is UTC, but the attempt says GPS time",
-                                  escape_for_message(text)),
+            cell.fail(fmt::format("\"{}\" ends in Z, which is UTC, but the attempt says {} time",
+                                  escape_for_message(text), clock.is_gps ? "GPS" : "local"),
                       "Write time_scale: utc in the attempt");
         text.remove_suffix(1);
     }
@@ -122,8 +122,12 @@ GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
     return instant_of_record(recording, place, [&] { return gps_from_utc(utc); });
 }
 
-GpsTime read_unix(const Cell& cell) {
-    const std::int64_t nanoseconds = read_nanoseconds(cell, "unix time");
+GpsTime instant_of(const CalendarTime& shown, Clock clock, const Cell& cell) {
+    return at(cell, [&] { return instant(shown, clock); });
+}
+
+GpsTime read_unix(const Cell& cell, int shift) {
+    const std::int64_t nanoseconds = read_nanoseconds(cell, "unix time", shift);
     return at(cell, [&] { return from_unix(nanoseconds); });
 }
 

@@ -45,8 +45,12 @@ GpsTime instant_of_record(const RecordingBytes& recording, const RecordPlace& pl
 GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
                        const RecordPlace& place);
 
-/// The instant of a count of seconds since 1970-01-01 UTC, without leap seconds.
-GpsTime read_unix(const Cell& cell);
+/// The instant of a count of seconds since 1970-01-01 UTC, without leap seconds; of milliseconds
+/// where `shift` is 3, as in read_nanoseconds.
+GpsTime read_unix(const Cell& cell, int shift = 0);
+
+/// The instant at which the clock shows a calendar time. Failure at the cell where there is none.
+GpsTime instant_of(const CalendarTime& shown, Clock clock, const Cell& cell);
 
 /// The same of nanoseconds that a binary record gives. Failure at its place.
 GpsTime instant_of_unix(std::int64_t nanoseconds, const RecordingBytes& recording,

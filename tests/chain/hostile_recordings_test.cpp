@@ -192,9 +192,9 @@ std::vector<HostileCase> contents() {
 
 std::vector<HostileCase> other_formats() {
     std::vector<HostileCase> all;
-    for (const char* format :
-         {"nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "csv", "rinex",
-          "novatel", "septentrio", "fit", "racechrono", "racebox", "trackaddict", "aim"})
+    for (const char* format : {"nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc",
+                               "csv", "rinex", "novatel", "septentrio", "fit", "racechrono",
+                               "racebox", "trackaddict", "columbus", "aim"})
         all.push_back(named(
             fmt::format("a .pos said to be {}", format), format, good_recording(),
             {std::string(format) == "csv" || std::string(format) == "rinex" ? "attempt.yaml:5:"

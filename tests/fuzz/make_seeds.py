@@ -23,7 +23,7 @@ def save(target, name, content):
 
 
 FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel", "septentrio", "fit",
-           "racechrono", "racebox", "trackaddict", "aim"]
+           "racechrono", "racebox", "trackaddict", "columbus", "aim"]
 
 
 def rtklib_pos():
@@ -100,6 +100,8 @@ def vbo():
     rows = "".join(f"137 16223{5 + i // 10}.{i % 10}0 +03119.0{9973 - i * 11} +00058.49277 072.000 150.00 +00152.58 -001.250\r\n" for i in range(4))
     save("vbo", "full", head + rows)
     save("vbo", "local", head.replace("17:55", "02:10") + "8 71500.1 -3119.09 -58.4 10 20 30 1\n8 71500.2 -3119.08 -58.4 10 20 30 1\n")
+    degrees = "".join(f"10000{i}.00 {52.1 + i * 1.8e-4:.6f} 5.100000 72.0 0.0 3.0 16 9\n" for i in range(30))
+    save("vbo", "degrees", "[column names]\ntime lat lng speed course alt sats\n[data]\n" + degrees)
     save("vbo", "few", "[header]\ntime\nlatitude\nlongitude\n[column names]\ntime lat long\n[data]\n235959.9 +3100.0 -0050.0\n000000.1 +3100.0 -0050.1\n")
 
 
@@ -201,6 +203,10 @@ def tables():
     save("racebox", "units", box)
     save("trackaddict", "four", addict + "# Session End\n")
     save("aim", "three", aim)
+    columbus = "INDEX,TAG,DATE,TIME,LATITUDE N/S,LONGITUDE E/W,HEIGHT,SPEED,HEADING,VOX\r\n"
+    for i in range(4):
+        columbus += f"{i}\0\0\0\0\0,T,140613,10111{i},45.25{i}012N,009.125000E,12{i}\0\0,3{i}\0\0,90\0,\0\0\0\0\0\0\0\0\0\r\n"
+    save("columbus", "padded", columbus)
     save("auto", "utf16", chrono.encode("utf-16"))
 
 

@@ -92,6 +92,10 @@ TEST(Nearest, FindsTheSmallestEditDistance) {
     EXPECT_EQ(nearest("", names), "csv");
     EXPECT_EQ(nearest("vbx", names), "ubx");  // as near as vbo, and earlier
     EXPECT_EQ(nearest("x", {}), "");
+    const std::string_view columns[] = {"Date", "Altitude", "Alt(m)", "GAlt"};
+    EXPECT_EQ(nearest("Alt", columns), "Alt(m)");  // the shortest that begins so
+    EXPECT_EQ(nearest("alti", columns), "Altitude");
+    EXPECT_EQ(nearest("Dote", columns), "Date");
 }
 
 TEST(Escape, QuotesAnyBytes) {

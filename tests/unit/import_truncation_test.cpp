@@ -80,7 +80,8 @@ INSTANTIATE_TEST_SUITE_P(
                     WholeFile{"sbn", "log"}, WholeFile{"gpx", "one_one"}, WholeFile{"igc", "full"},
                     WholeFile{"novatel", "best"}, WholeFile{"novatel", "inertial"},
                     WholeFile{"racechrono", "three"}, WholeFile{"racebox", "units"},
-                    WholeFile{"trackaddict", "four"}, WholeFile{"aim", "three"}),
+                    WholeFile{"trackaddict", "four"}, WholeFile{"columbus", "padded"},
+                    WholeFile{"aim", "three"}),
     [](const testing::TestParamInfo<WholeFile>& one) {
         std::string name = fmt::format("{}_{}", one.param.format, one.param.name);
         for (char& c : name)

@@ -72,12 +72,14 @@ void for_each_row(const Layout& layout, const RecordingBytes& recording, RowColl
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number < layout.head.first_row || is_skipped(*line)) continue;
         try {
-            const std::vector<Cell> cells = split(*line, recording, layout.head.delimiter);
+            std::vector<Cell> cells = split(*line, recording, layout.head.delimiter);
+            // Some writers end each row, but not the header, with a delimiter.
+            if (cells.size() == layout.fields + 1 && cells.back().text.empty()) cells.pop_back();
             require_count(cells.size(), layout.fields, *line, recording,
                           lines.at_end() && !line->ended, "the first line of the table has",
                           cells.size() > layout.fields && layout.head.delimiter == ','
-                              ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
-                              : "Correct the line, or take it out");
+                              ? "If numbers have a decimal comma (\"1,5\"), export them with points"
+                              : "Hand in the table as the logger wrote it, or another export");
             take(*line, cells);
         } catch (const Failure& failure) {
             timed.count_bad(*line, failure);
@@ -106,12 +108,13 @@ Observations observations_of_table(const Receiver& receiver, const Description& 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Description description = describe(receiver);
     require_text(recording);
-    const Layout layout = read_layout(receiver, description, recording);
+    Layout layout = read_layout(receiver, description, recording);
     // What ends in Z says itself that it is UTC.
     if (receiver.time_scale.empty() && description.time_format == TimeFormat::iso &&
         layout[Column::time] &&
         in_first_row(layout.head, *layout[Column::time], recording).ends_with('Z'))
         description.clock = Clock::utc;
+    settle_times(layout, description, receiver, recording);
     RowCollector timed(recording);
     std::size_t repeated = 0;
     for_each_row(layout, recording, timed,

@@ -98,7 +98,7 @@ void refuse_useless(const Receiver& receiver, std::span<const Column> useful,
             fail(receiver,
                  fmt::format("a column is named for \"{}\", which is of no use with {}",
                              name_of(column), setting),
-                 "Take it out, or correct the frame or time format");
+                 "Remove it from columns, or write another frame or time_format");
 }
 
 void check_position(const Receiver& receiver, Description& description) {
@@ -163,7 +163,7 @@ void check_time(const Receiver& receiver, Description& description) {
     if (description.time_format == TimeFormat::seconds ||
         description.time_format == TimeFormat::unix)
         fail(receiver, fmt::format("time_scale local is of no use with {}", setting),
-             "Take it out, or correct time_format");
+             "Remove it, or write another time_format");
     if (!receiver.utc_offset_h)
         fail(receiver, "times are local, and nobody says what they are ahead of UTC by",
              "Write utc_offset_h: 9.5, say: local time less UTC in hours on that day");

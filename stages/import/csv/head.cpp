@@ -70,15 +70,24 @@ std::optional<Head> find_head(const RecordingBytes& recording, std::optional<cha
     return std::nullopt;
 }
 
-std::string_view in_first_row(const Head& head, std::size_t column,
-                              const RecordingBytes& recording) {
+void look_at_rows(const Head& head, const RecordingBytes& recording,
+                  const std::function<bool(std::span<const Cell> cells)>& look) {
     LineReader lines = head_lines(recording);
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number < head.first_row || is_skipped(*line)) continue;
         const std::vector<Cell> cells = cells_of(*line, recording, head.delimiter);
-        return column < cells.size() ? cells[column].text : std::string_view();
+        if (!cells.empty() && look(cells)) return;
     }
-    return {};
+}
+
+std::string_view in_first_row(const Head& head, std::size_t column,
+                              const RecordingBytes& recording) {
+    std::string_view text;
+    look_at_rows(head, recording, [&](std::span<const Cell> cells) {
+        if (column < cells.size()) text = cells[column].text;
+        return true;
+    });
+    return text;
 }
 
 void take_lines_under(Head& head, const RecordingBytes& recording,

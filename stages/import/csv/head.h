@@ -38,6 +38,11 @@ std::optional<Head> find_head(const RecordingBytes& recording, std::optional<cha
 void take_lines_under(Head& head, const RecordingBytes& recording,
                       std::span<const std::size_t> columns);
 
+/// Gives the cells of each row to `look`, until it returns true. Rows whose quotation marks do not
+/// pair are passed over.
+void look_at_rows(const Head& head, const RecordingBytes& recording,
+                  const std::function<bool(std::span<const Cell> cells)>& look);
+
 /// The text of a column, counted from 0, in the first row; empty where there is none.
 std::string_view in_first_row(const Head& head, std::size_t column,
                               const RecordingBytes& recording);

@@ -110,7 +110,7 @@ Head named_head(const Receiver& receiver, const Description& description,
                            "Give the columns by number, counted from 1");
     cells.front().fail(fmt::format("the header line has no column \"{}\" (for {})",
                                    escape_for_message(name), meaning),
-                       fmt::format("Did you mean \"{}\"? Correct columns in the attempt",
+                       fmt::format("Did you mean \"{}\"? Write the header's name in columns",
                                    escape_for_message(nearest(name, names))));
 }
 
@@ -131,8 +131,8 @@ std::size_t find_column(const std::string& source, std::string_view meaning,
     if (static_cast<std::uint64_t>(*number) > cells.size())
         cells.front().fail(fmt::format("there is no column {} (for {}): the line has {}", *number,
                                        meaning, cells.size()),
-                           "Columns are counted from 1; correct columns or delimiter in the "
-                           "attempt");
+                           "Columns are counted from 1: write other numbers in columns, or the "
+                           "delimiter");
     return static_cast<std::size_t>(*number - 1);
 }
 
@@ -221,13 +221,15 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
         const auto column = static_cast<Column>(i);
         const auto quantity = quantity_of(column);
         if (!layout.place[i] || !quantity) continue;
-        // Dates and times of day have no unit, whatever a name says.
-        if (column == Column::time && (description.time_format == TimeFormat::iso ||
-                                       description.time_format == TimeFormat::time_of_day))
+        // Dates and times of day have no unit, whatever a name says; that of counts is settled
+        // later.
+        if (column == Column::time && description.time_format != TimeFormat::seconds_of_week &&
+            description.time_format != TimeFormat::seconds)
             continue;
         const Cell& name = layout.head.names[*layout.place[i]];
         std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i]);
         if (unit && unit->quantity != *quantity) unit.reset();
+        if (unit && unit->name == "ms" && description.time_format == TimeFormat::seconds) continue;
         if (unit && keeps_its_unit(column) && unit->factor != 1.0)
             name.fail(
                 fmt::format("the {} \"{}\" is in {}",
@@ -239,7 +241,7 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
             if (unit && unit->name != description.speed_unit->name)
                 name.fail(fmt::format("the header says {}, and the attempt's speed_unit {}",
                                       unit->name, receiver.speed_unit),
-                          "Take speed_unit out of the attempt, or correct it");
+                          "Remove speed_unit from the receiver, or write that unit");
             unit = description.speed_unit;
         }
         if (!unit) continue;
@@ -280,6 +282,12 @@ Layout read_layout(const Receiver& receiver, const Description& description,
         if (found != receiver.columns.end())
             layout.place[i] = find_column(found->second, meaning, cells, !numbered);
     }
+    layout.both_in_one =
+        layout[Column::latitude] && layout[Column::latitude] == layout[Column::longitude];
+    if (layout.both_in_one)
+        layout.notes.push_back(
+            fmt::format("The column \"{}\" holds both coordinates: latitude, then longitude.",
+                        escape_for_message(cells[*layout[Column::latitude]].text)));
     if (!numbered) {
         std::vector<std::size_t> columns{*layout[Column::time]};
         for (const auto& place : layout.place)

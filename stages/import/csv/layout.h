@@ -9,6 +9,7 @@
 
 #include "schemas/attempt/attempt.h"
 #include "stages/import/clock.h"
+#include "stages/import/csv/date_time.h"
 #include "stages/import/csv/head.h"
 #include "stages/import/csv/unit.h"
 #include "stages/import/fields.h"
@@ -62,6 +63,9 @@ struct Description {
     bool has_up = false;                      ///< a height or third plane coordinate is recorded
     std::optional<Unit> speed_unit;           ///< of speeds and velocities, where it is stated
     bool between_fixes = false;  ///< rows between fixes are interpolated, satellite counts too
+    /// Of counts of time: so many more digits are decimals (3: milliseconds).
+    int time_shift = 0;
+    std::optional<DateOrder> date_order;  ///< of dates and times that are not ISO 8601
 };
 
 /// Failure at the receiver's place in the attempt.
@@ -74,6 +78,7 @@ struct Layout : ColumnPlaces<Column> {
     Head head;
     /// Of each column's numbers, in metres or metres a second.
     std::array<double, static_cast<std::size_t>(Column::count)> factor{};
+    bool both_in_one = false;        ///< one column holds latitude, then longitude
     std::vector<std::string> notes;  ///< on what was passed over, and on units
 };
 
@@ -89,6 +94,11 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
 
 /// The unit that header and lines under it give a column; nothing where they do not.
 std::optional<Unit> unit_of_column(const Head& head, std::size_t column);
+
+/// Finds how the rows write their times: the unit of counts, and the order of dates that are not
+/// ISO 8601. Failure where that order shows neither in the dates nor in the attempt's start_date.
+void settle_times(Layout& layout, Description& description, const Receiver& receiver,
+                  const RecordingBytes& recording);
 
 /// Notes what of the head was passed over.
 void note_head(Layout& layout);

@@ -92,6 +92,11 @@ Receiver described(const Preset& preset, const Receiver& given, const Layout& la
             receiver.columns[std::string(name_of(static_cast<Column>(i)))] =
                 fmt::format("{}", *layout.place[i] + 1);
     const std::string_view time = in_first_row(layout.head, *layout[Column::time], recording);
+    if (preset.time_format == TimeFormat::time_of_day) {
+        receiver.time_format = "time_of_day";
+        if (given.time_scale.empty()) receiver.time_scale = "utc";
+        return receiver;
+    }
     if (preset.time_format == TimeFormat::iso) {
         receiver.time_format = "iso";
         if (time.ends_with('Z'))
@@ -236,7 +241,10 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
     const Receiver receiver = described(preset, given, layout, recording);
     Description description = describe(receiver);
     description.between_fixes = preset.interpolates;
+    description.date_order = preset.date_order;
+    if (!description.speed_unit) description.speed_unit = find_unit(preset.speed_unit);
     set_units(layout, description, receiver);
+    settle_times(layout, description, receiver, recording);
     note_head(layout);
     const bool unit_is_unknown = layout[Column::speed] && !description.speed_unit &&
                                  !unit_of_column(layout.head, *layout[Column::speed]);

@@ -27,10 +27,13 @@ struct Preset {
     /// Of several names for one meaning, the first that the header has counts. Of several columns
     /// of one name, that whose source is the satellite receiver, else the first.
     std::span<const PresetColumn> columns;
-    /// iso; or unix, of which those recordings are in plain seconds whose times are smaller.
+    /// iso or time_of_day; or unix, of which those recordings are in plain seconds whose times are
+    /// smaller.
     TimeFormat time_format = TimeFormat::unix;
-    bool interpolates = false;   ///< between fixes, where other sensors have rows
-    std::string_view note = {};  ///< on its rows
+    bool interpolates = false;                 ///< between fixes, where other sensors have rows
+    std::string_view note = {};                ///< on its rows
+    std::string_view speed_unit = {};          ///< where it is known and the header has none
+    std::optional<DateOrder> date_order = {};  ///< of dates whose order no header says
 };
 
 bool recognises(const Preset& preset, std::string_view bytes);

@@ -9,6 +9,7 @@
 #include "core/geodesy.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
+#include "stages/import/csv/coordinate.h"
 #include "stages/import/earth.h"
 #include "stages/import/fix.h"
 
@@ -29,6 +30,13 @@ class Fields : public RowCells<Column> {
     std::optional<double> optional_real(Column column) const {
         if (!has(column)) return std::nullopt;
         return real(column);
+    }
+    /// Latitude or longitude, each a half of its cell where one column holds both.
+    Coordinate coordinate(Column column) const {
+        const bool north = column == Column::latitude;
+        const Cell& whole = cell(column);
+        return coordinate_in(layout_.both_in_one ? halves_of(whole)[north ? 0 : 1] : whole,
+                             name_of(column), north ? "ns" : "ew");
     }
     /// Empty, and zero, are unknown.
     std::optional<double> deviation(Column column) const {
@@ -52,8 +60,12 @@ std::int16_t read_count(const Cell& cell, bool between_fixes) {
     return read_satellites(whole);
 }
 
-GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
-    const std::int64_t nanoseconds = read_nanoseconds(cell, "time");
+GpsTime read_seconds(const Cell& cell, const Receiver& receiver, int shift) {
+    if (unix_shift(cell.text).value_or(0) > 0)
+        cell.fail(fmt::format("the time \"{}\" counts milliseconds or less since 1970",
+                              escape_for_message(cell.text)),
+                  "Write time_format: unix in the receiver");
+    const std::int64_t nanoseconds = read_nanoseconds(cell, "time", shift);
     try {
         return receiver.start_gps.value_or(GpsTime()).plus_nanoseconds(nanoseconds);
     } catch (const Failure& failure) {
@@ -63,9 +75,10 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
 
 /// Failure for a time that shows itself to be of another format than the attempt says.
 void require_described(const Cell& time, TimeFormat described) {
-    const std::string_view separator =
-        time.text.substr(std::min<std::size_t>(4, time.text.size()), 1);
-    const bool has_date = digits_at(time.text, 0, 4) && (separator == "-" || separator == "/");
+    const std::string_view date = split_date_time(time)[0].text;
+    const auto days = days_of(date);
+    const bool has_date =
+        date.find_first_of("/-.") != std::string_view::npos && (days[0] || days[1] || days[2]);
     const bool has_colon = time.text.find(':') != std::string_view::npos;
     if (has_date && described != TimeFormat::iso)
         time.fail(fmt::format("\"{}\" is a date and time, and the attempt describes another format",
@@ -84,20 +97,26 @@ GpsTime read_instant(const Fields& fields, const Description& description,
     const Cell& time = fields.cell(Column::time);
     if (time.text.empty())
         time.fail("the time is missing",
-                  "Take the line out; if it holds units or other notes under the header, too");
+                  "Hand in the table as the logger wrote it, or another export");
     require_described(time, description.time_format);
     switch (description.time_format) {
         case TimeFormat::seconds:
-            return read_seconds(time, receiver);
+            return read_seconds(time, receiver, description.time_shift);
         case TimeFormat::seconds_of_week:
             return read_week_time(fields.cell(Column::week), time, clock);
         case TimeFormat::unix:
-            return read_unix(time);
+            return read_unix(time, description.time_shift);
         case TimeFormat::iso:
+            if (description.date_order) {
+                const auto [date, time_of_day] = split_date_time(time);
+                return read_date_time(date, time_of_day, *description.date_order, clock);
+            }
             return read_iso(time, clock);
         case TimeFormat::time_of_day:
             break;
     }
+    if (description.date_order)
+        return read_date_time(fields.cell(Column::date), time, *description.date_order, clock);
     return read_calendar(fields.cell(Column::date), time, clock);
 }
 
@@ -126,9 +145,10 @@ Geodetic read_place(const Fields& fields, const Description& description,
     const Cell& first = fields.cell(utm ? Column::east : Column::latitude);
     const Geodetic position =
         utm ? read_utm(fields, receiver, height_m)
-            : Geodetic{.latitude = Angle::from_degrees(fields.real(Column::latitude)),
-                       .longitude = Angle::from_degrees(fields.real(Column::longitude)),
-                       .height_m = height_m};
+            : Geodetic{
+                  .latitude = Angle::from_degrees(fields.coordinate(Column::latitude).value()),
+                  .longitude = Angle::from_degrees(fields.coordinate(Column::longitude).value()),
+                  .height_m = height_m};
     return checked_geodetic(position, first, fields.cell(utm ? Column::north : Column::longitude),
                             description.has_up ? fields.cell(height) : first);
 }
@@ -191,7 +211,8 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
     switch (frame) {
         case CoordinateFrame::geodetic:
             written.unit = CoordinateUnit::degree;
-            written.coordinates = {text(Column::latitude), text(Column::longitude)};
+            written.coordinates = {fields.coordinate(Column::latitude).number.text,
+                                   fields.coordinate(Column::longitude).number.text};
             break;
         case CoordinateFrame::ecef:
             written.coordinates = {text(Column::x), text(Column::y), text(Column::z)};
@@ -203,15 +224,26 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
     }
 }
 
+/// What of a time shows its decimals.
+std::string_view written_time(std::string_view text, const Description& description) {
+    if (description.date_order) return seconds_text(text);
+    if (description.time_shift == 0) return text;
+    constexpr std::string_view pattern = "0.000000000";
+    const std::size_t point = text.find('.');
+    const std::size_t decimals = point == std::string_view::npos ? 0 : text.size() - point - 1;
+    return pattern.substr(0, 2 + decimals + static_cast<std::size_t>(description.time_shift));
+}
+
 FixType read_fix(const Fields& fields) {
     if (!fields.has(Column::fix)) return FixType::unknown;
     const Cell& cell = fields.cell(Column::fix);
     FixType fix{};
-    if (from_text(cell.text, fix)) return fix;
+    if (from_text(lower_case(cell.text), fix)) return fix;
+    if (cell.text == "SPS") return FixType::single;  // standard positioning service, by Columbus
     if (parse_double(cell.text)) return read_rtklib_quality(cell);
     cell.fail(fmt::format("the fix \"{}\" is not known", escape_for_message(cell.text)),
-              "Write fixed, float, ppp, dgps, sbas, single, dead_reckoning, none, unknown, or "
-              "RTKLIB's number Q");
+              "Words that are read: fixed, float, ppp, dgps, sbas, single, dead_reckoning, none, "
+              "unknown; or RTKLIB's number Q");
 }
 
 }  // namespace
@@ -228,7 +260,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     TimedRow row;
     Observation& observation = row.observation;
     row.instant = read_instant(fields, description, receiver);
-    row.written.time = fields.cell(Column::time).text;
+    row.written.time = written_time(fields.cell(Column::time).text, description);
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
         observation.satellites =

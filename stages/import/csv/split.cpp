@@ -22,7 +22,8 @@ std::size_t closing_mark(std::string_view text, std::size_t at, const Cell& star
         if (i + 1 == text.size() || text[i + 1] != '"') return i;
         ++i;
     }
-    start.fail("a quotation mark is not closed on its line", "Close it, or take it out");
+    start.fail("a quotation mark is not closed on its line",
+               "Hand in the table as the logger wrote it, or another export");
 }
 
 }  // namespace
@@ -68,7 +69,7 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording,
             if (at < text.size() && !delimits(at))
                 cell(at, at + 1)
                     .fail("something follows a closing quotation mark",
-                          "Put the whole field in quotation marks");
+                          "Hand in the table as the logger wrote it, or another export");
         } else {
             const std::size_t from = at;
             while (at < text.size() && !delimits(at))

@@ -152,7 +152,11 @@ void find_bests(const Observations& observations, Inspection& inspection) {
 void count_steps(const Observations& observations, Inspection& inspection) {
     const double gap_s = gap_factor * observations.facts.nominal_interval_s;
     const auto& rows = observations.rows;
+    std::size_t at_one_time = 1;
+    inspection.most_at_one_time = std::min<std::size_t>(rows.size(), 1);
     for (std::size_t i = 1; i < rows.size(); ++i) {
+        at_one_time = rows[i].time == rows[i - 1].time ? at_one_time + 1 : 1;
+        inspection.most_at_one_time = std::max(inspection.most_at_one_time, at_one_time);
         const std::int64_t step_ns = rows[i].time.nanoseconds - rows[i - 1].time.nanoseconds;
         const double step_s = static_cast<double>(step_ns) * 1e-9;
         inspection.repeated_times += step_ns == 0 ? 1 : 0;

@@ -43,7 +43,8 @@ struct Inspection {
     std::size_t fix_changes = 0;
     std::size_t gaps = 0;  ///< steps longer than 1.5 nominal intervals
     double longest_gap_s = 0.0;
-    std::size_t repeated_times = 0;  ///< steps of zero
+    std::size_t repeated_times = 0;    ///< steps of zero
+    std::size_t most_at_one_time = 0;  ///< epochs of one time that follow one another
     std::size_t backward_times = 0;
     std::size_t with_velocity = 0;      ///< epochs with a recorded velocity or speed
     std::size_t speeds_alone = 0;       ///< those of them without a course

@@ -21,8 +21,8 @@ constexpr std::int64_t phase_window_ns = 3'000'000'000;
 constexpr double phase_gap_factor = 1.5;
 /// A receiver whose median window moves less stands still (m).
 constexpr double still_m = 0.03;
-constexpr double kmh_per_m_s = 3.6;
-constexpr std::size_t most_notes = 6;
+constexpr double kmh_of_m_s = 3.6;
+constexpr std::size_t most_phase_notes = 6;
 
 void line(std::string& text, std::string_view name, const std::string& value) {
     text += fmt::format("  {:<10}{}\n", name, value);
@@ -106,13 +106,13 @@ struct Fastest {
     std::size_t first = 0, satellites = 0;
 };
 
-struct Motion {
+struct PhaseMotion {
     std::vector<double> displacements_m;
     Fastest fastest;
 };
 
-Motion motion_of(const PhaseRecord& record, const PhaseScreening& screening) {
-    Motion motion;
+PhaseMotion motion_of(const PhaseRecord& record, const PhaseScreening& screening) {
+    PhaseMotion motion;
     for (std::size_t a = 0; a < record.epochs.size(); ++a) {
         const auto b = epoch_after(record, a, phase_window_ns);
         if (!b) continue;
@@ -135,7 +135,7 @@ Motion motion_of(const PhaseRecord& record, const PhaseScreening& screening) {
 
 void motion_lines(std::string& text, const PhaseTable& head, const PhaseRecord& record,
                   const PhaseScreening& screening) {
-    const Motion motion = motion_of(record, screening);
+    const PhaseMotion motion = motion_of(record, screening);
     if (motion.displacements_m.empty()) {
         line(text, "Motion", "not enough unbroken phases of six satellites over 3 s to say");
         return;
@@ -149,8 +149,8 @@ void motion_lines(std::string& text, const PhaseTable& head, const PhaseRecord& 
     const GpsTime start = head.first_epoch.plus_nanoseconds(record.epochs[best.first].time_ns);
     line(text, "Best 3 s",
          fmt::format("{} km/h ± {} km/h by carrier phase, {} satellites, from {} GPS time",
-                     format_fixed(best.speed_m_s * kmh_per_m_s, 2),
-                     format_fixed(2.0 * best.deviation_m_s * kmh_per_m_s, 2), best.satellites,
+                     format_fixed(best.speed_m_s * kmh_of_m_s, 2),
+                     format_fixed(2.0 * best.deviation_m_s * kmh_of_m_s, 2), best.satellites,
                      to_iso(start)));
 }
 
@@ -178,10 +178,10 @@ std::string phase_inspection_text(const StreamedPhases& phases, const std::strin
          fmt::format("{} mm of a phase's change at the zenith",
                      format_fixed(screening.noise.white_m * 1e3, 1)));
     motion_lines(text, head, record, screening);
-    for (std::size_t i = 0; i < head.notes.size() && i < most_notes; ++i)
+    for (std::size_t i = 0; i < head.notes.size() && i < most_phase_notes; ++i)
         text += fmt::format("  - {}\n", plain_text(head.notes[i]));
-    if (head.notes.size() > most_notes)
-        text += fmt::format("  - and {} more\n", head.notes.size() - most_notes);
+    if (head.notes.size() > most_phase_notes)
+        text += fmt::format("  - and {} more\n", head.notes.size() - most_phase_notes);
     return text;
 }
 

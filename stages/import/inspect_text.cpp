@@ -187,6 +187,13 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
             "...}).");
     if (it.with_accuracy > 0 && (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001))
         concerns.push_back("Some stated standard deviations are implausible.");
+    if (it.with_velocity == 0)
+        concerns.push_back(fmt::format(
+            "The recording has no speeds, its positions {}: a rule that measures "
+            "recorded speeds cannot be met.",
+            it.nominal_interval_s > 0.0
+                ? fmt::format("come {} times a second", fixed(1.0 / it.nominal_interval_s, 2))
+                : "at unknown times"));
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
         concerns.push_back(
             *it.velocity_delay_s > 0.0
@@ -209,7 +216,13 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
             fmt::format("Epochs are missing in {} places; a speed is certified across a gap only "
                         "where the rule and screen.gap_max_s allow it.",
                         it.gaps));
-    if (it.repeated_times + it.backward_times > 0)
+    const bool shared = 3 * it.repeated_times >= it.epochs;
+    if (shared)
+        concerns.push_back(
+            fmt::format("Up to {} positions share one time stamp: the recording does not say when "
+                        "each was taken.",
+                        it.most_at_one_time));
+    if ((it.repeated_times > 0 && !shared) || it.backward_times > 0)
         concerns.push_back(
             "Times repeat or run backwards. Stretches that were written out of order are put in "
             "the order of time; what contradicts the rest is left out, and counted.");

@@ -10,10 +10,13 @@
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/import/claims.h"
+#include "stages/import/encoding.h"
 #include "stages/import/gpsbabel/convert.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
 #include "stages/import/inspect_phases.h"
+#include "stages/import/inspect_table.h"
+#include "stages/import/not_read.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/rinex/solve.h"
@@ -111,12 +114,14 @@ StreamedRecording held(Observations observations) {
 /// Reads a receiver's recording, through another program where it needs one.
 StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open,
                                 const std::vector<RecordingBytes>& recordings) {
+    for (const RecordingBytes& recording : recordings)
+        require_readable(recording);
     if (rinex::is_chosen(receiver, recordings.front()))
         return held(import_rinex(run, receiver, open));
     if (!receiver.base.empty() || (!receiver.navigation.empty() && receiver.phase.empty()))
         throw Failure(
             receiver.place, "base and navigation are of use with RINEX alone",
-            "Take them out, or name the rover's RINEX file as the recording, or as phase");
+            "Remove these keys, or name the rover's RINEX file as the recording, or as phase");
     if (recordings.size() == 1)
         if (auto by_row = import_streamed(receiver, recordings.front())) {
             note_origins_of_head(receiver, by_row->head);
@@ -230,6 +235,17 @@ int inspect_file(const std::string& path, std::optional<std::string> navigation)
     receiver.place = path;
     const RecordingBytes recording{.name = path, .bytes = file.bytes()};
     const std::string_view head = recording.bytes.substr(0, recognised_by);
+    const std::string utf8 = is_utf16(recording.bytes) ? utf8_of_utf16(recording) : std::string();
+    const RecordingBytes readable{.name = path, .bytes = utf8.empty() ? recording.bytes : utf8};
+    if (!is_read_by_itself(receiver, readable) && !rinex::recognises(head) &&
+        !gpsbabel::recognises(head)) {
+        refuse_not_read(readable, false);
+        require_text(readable);
+        if (const auto text = table_text(readable)) {
+            fmt::print("{}", *text);
+            return 0;
+        }
+    }
     if (!rinex::recognises(head)) {
         Observations observations = read_recording(receiver, recording);
         note_writers({recording}, observations);

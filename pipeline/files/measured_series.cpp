@@ -166,8 +166,9 @@ double read_time_s(const SeriesCell& cell, std::string_view column,
 double read_number(const SeriesCell& cell, std::string_view meaning) {
     const auto number = parse_double(cell.text);
     if (!number)
-        cell.fail(fmt::format("{} is not a {}", cell.quoted(), meaning),
-                  "Write a decimal number, as 12.5");
+        cell.fail(
+            fmt::format("{} is not a {}", cell.quoted(), meaning),
+            "Each line holds a measured number with a decimal point: export the series again");
     return *number;
 }
 
@@ -178,7 +179,7 @@ double read_speed_m_s(const SeriesCell& cell, double mps_per_unit) {
                   "A speed is 0 or more, whichever way it is");
     if (speed_m_s > largest_m_s)
         cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_m_s),
-                  "See whether the column's name has the right unit");
+                  "The unit is that of the column's name (speed_km_h): export the series again");
     return speed_m_s;
 }
 
@@ -210,7 +211,7 @@ SeriesSample read_sample(const SeriesCell& line, const SeriesColumns& columns,
     if (cells.size() != columns.count)
         line.fail(fmt::format("the line has {} fields; the header line has {}", cells.size(),
                               columns.count),
-                  "Hand in the file as the instrument wrote it");
+                  "Each line has a field for each name of the header: export the series again");
     return {
         .time_s = read_time_s(cells[columns.time], columns.time_name, first_epoch),
         .value = read_value(cells[columns.value], columns, kind),

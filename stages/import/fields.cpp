@@ -32,7 +32,8 @@ std::vector<Cell> split_words(const SourceLine& line, std::string_view text,
     };
     for (std::size_t at = skip_blanks(0); at < text.size();) {
         if (separator != '\0' && text[at] == separator)
-            cell(at, at + 1).fail("a field is empty", "Correct the line, or take it out");
+            cell(at, at + 1)
+                .fail("a field is empty", "Hand in the recording as the logger wrote it");
         std::size_t end = at;
         while (end < text.size() && !is_blank(text[end]) &&
                (separator == '\0' || text[end] != separator))
@@ -52,7 +53,7 @@ void require_count(std::size_t count, std::size_t expected, const SourceLine& li
     const Cell start{line.text, &recording, line.number, 1};
     if (count < expected && last)
         start.fail(fmt::format("the last line is cut off: it has {} fields of {}", count, expected),
-                   "Take the whole recording, or take that line out");
+                   "Hand in the whole recording, as the logger wrote it");
     start.fail(fmt::format("the line has {} fields; {} {}", count, header_has, expected), remedy);
 }
 

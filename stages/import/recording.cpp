@@ -24,10 +24,11 @@ void refuse_nul(const RecordingBytes& recording, std::size_t at) {
     const std::string_view before = recording.bytes.substr(0, at);
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
     const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
-    throw Failure(fmt::format("{}:{}:{}", recording.name, line, at - line_start + 1),
-                  fmt::format("byte {} is NUL: the file is binary, or damaged", at),
-                  "Export the recording as text; after a crash of the logger, cut the file before "
-                  "that line");
+    throw Failure(
+        fmt::format("{}:{}:{}", recording.name, line, at - line_start + 1),
+        fmt::format("byte {} is NUL: the file is binary, or damaged", at),
+        "Export the recording as text, or hand in the logger's own file: after a crash its "
+        "program can save what is whole");
 }
 
 }  // namespace

@@ -116,7 +116,8 @@ void RowChanges::apply(Observation& row) const {
 void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
     if (place.line && *place.line > std::numeric_limits<std::int32_t>::max())
         throw Failure(place_in(recording_, place), "the recording has too many lines to count",
-                      "Cut it into several files, and list them in the attempt");
+                      "Hand it in as several files, as the logger can split it, and list them in "
+                      "the attempt");
     if (rows_.size() == rows_to_estimate && place.byte > 0) {
         const double bytes_each = static_cast<double>(place.byte) / rows_to_estimate;
         rows_.reserve(static_cast<std::size_t>(1.02 * static_cast<double>(recording_.bytes.size()) /
@@ -145,11 +146,12 @@ void set_rows(Observations& observations, RowCollector timed) {
     const RowSummary& rows = timed.summary_;
     if (rows.rows == 0)
         throw Failure(place_in(recording, 1, 1), "the recording has no epochs",
-                      "It holds a header at most; take the whole recording");
+                      "It holds a header at most; hand in the whole recording");
     if (rows.line_of_another_age)
-        throw Failure(place_in(recording, *rows.line_of_another_age, 1),
-                      "the time is more than 292 years from another in the recording",
-                      "Correct or take out the line");
+        throw Failure(
+            place_in(recording, *rows.line_of_another_age, 1),
+            "the time is more than 292 years from another in the recording",
+            "Hand in the recording as the logger wrote it, or each session in a file of its own");
     observations.facts.nominal_interval_s = rows.steps.median_s();
     for (Observation& row : timed.rows_)
         row.time.nanoseconds -= rows.first.nanoseconds();

@@ -203,6 +203,35 @@ TEST(Voice, TermsAreTheFields) {
     }
 }
 
+// A recording is evidence: nobody is told to change it, only what is unreadable and what to hand
+// in.
+TEST(Voice, NoMessageAsksToChangeARecording) {
+    static const std::regex asks(
+        "(?:correct|edit|rewrite|repair|fix|cut|delete|remove|drop) (?:or take out "
+        ")?(?:the|that|this|"
+        "a) (?:line|row|point|record|file)|take (?:the|that|this|a) (?:line|row|point|record)s? "
+        "out|"
+        "take out (?:the|that|this|a) (?:line|row|point|record)|[,;] (?:or )?take it out|cut it|"
+        "^take it out|^correct it|^close it|^write (?:it|them|dates|times|\\{)|cut the file",
+        std::regex::icase | std::regex::optimize);
+    std::vector<Phrase> phrases;
+    std::vector<std::string> places{"stages/import", "stages/enu", "stages/screen",
+                                    "pipeline/files/measured_series.cpp"};
+    for (const fs::path& file : files_of(places))
+        if (file.extension() == ".cpp" || file.extension() == ".h") add_literals(file, phrases);
+    EXPECT_GT(phrases.size(), 1000U);
+    for (const Phrase& phrase : phrases) {
+        // What the attempt says is the official's own.
+        if (phrase.text == "Write it as 2023-07-11: year, month, day") continue;
+        EXPECT_FALSE(std::regex_search(phrase.text, asks)) << phrase.where << ": " << phrase.text;
+    }
+    for (const char* forbidden :
+         {"Correct the line, or take it out", "Take the line out", "Take it out",
+          "The line is damaged; take it out", "Correct or take out the line",
+          "Cut it into several files", "Write {}: export it", "Close it, or take it out"})
+        EXPECT_TRUE(std::regex_search(forbidden, asks)) << forbidden;
+}
+
 /// The arguments of a call whose opening parenthesis is at `at`, as they are written.
 std::vector<std::string> arguments(const std::string& text, std::size_t at) {
     std::vector<std::string> all(1);

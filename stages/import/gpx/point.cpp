@@ -60,8 +60,9 @@ int read_zone(const Cell& zone) {
     const auto hours = digits_at(zone.text, 1, 2);
     const auto minutes = digits_at(zone.text, colon ? 4 : 3, 2);
     if (zone.text.size() != (colon ? 6 : 5) || !hours || !minutes || *hours > 14 || *minutes > 59)
-        zone.fail(fmt::format("\"{}\" is not an offset from UTC", escape_for_message(zone.text)),
-                  "Write hours and minutes, at most 14 hours: +02:00 or +0200; or Z for UTC");
+        zone.fail(
+            fmt::format("\"{}\" is not an offset from UTC", escape_for_message(zone.text)),
+            "Offsets are read as +02:00, +0200 or Z, at most 14 hours: hand in another export");
     return (zone.text[0] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
 }
 
@@ -96,7 +97,7 @@ pugi::xml_node PointReader::parse(const Piece& piece) {
         throw Failure(
             place_in(recording_, *piece.place.line, piece.column),
             fmt::format("the track point is not well-formed XML: {}", result.description()),
-            "Correct the point, or take it out");
+            "Hand in the track as the program wrote it, or another export");
     return document_.first_child();
 }
 
@@ -122,7 +123,7 @@ void PointReader::read_time(const Piece& piece, const char* text, TimedRow& row)
     if (!text) {
         ++counts_.without_time;
         throw Failure(place_in(recording_, *piece.place.line, piece.column),
-                      "the track point has no time", "Take it out, or export the track with times");
+                      "the track point has no time", "Export the track with times");
     }
     Cell time = cell(piece, text);
     row.written.time = time.text;
@@ -158,7 +159,7 @@ void PointReader::read_position(const Piece& piece, pugi::xml_node point, const 
     if (!latitude || !longitude)
         throw Failure(place_in(recording_, *piece.place.line, piece.column),
                       fmt::format("the track point has no {}", latitude ? "lon" : "lat"),
-                      "Correct the point, or take it out");
+                      "Hand in the track as the program wrote it, or another export");
     const Cell latitude_cell = cell(piece, latitude.value());
     const Cell longitude_cell = cell(piece, longitude.value());
     const bool has_height = texts.height && !trim(texts.height).empty();

@@ -109,7 +109,7 @@ Failure failure_of(const Sentence& sentence) {
     const std::size_t star = sentence.text.find('*');
     if (sentence.damage == Damage::cut_off)
         return Failure(where, fmt::format("the sentence \"{}\" is cut off", begin),
-                       "Take the recording as the receiver wrote it, or take that line out");
+                       "Hand in the recording as the receiver wrote it");
     return Failure(where,
                    fmt::format("the sentence \"{}\" has the checksum {}, its bytes give {:02X}",
                                begin, escape_for_message(sentence.text.substr(star + 1, 2)),

@@ -53,7 +53,7 @@ void require_checksum(const SourceLine& line, const RecordingBytes& recording, s
         value != computed)
         written.fail(fmt::format("the checksum is {:08x}, and the line says \"{}\"", computed,
                                  escape_for_message(written.text)),
-                     "The line is damaged; take the recording as the receiver wrote it");
+                     "The line is unreadable; hand in the recording as the receiver wrote it");
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ Log read_log(const SourceLine& line, const RecordingBytes& recording) {
     const std::size_t semicolon = line.text.find(';');
     if (star == std::string_view::npos || star < semicolon)
         start.fail("the log is cut off before its checksum",
-                   "Take the whole recording, or take that line out");
+                   "Hand in the whole recording, as the receiver wrote it");
     require_checksum(line, recording, star);
     const std::vector<Cell> header = split(line, recording, 1, semicolon);
     const bool is_short = line.text.starts_with('%');

@@ -62,7 +62,7 @@ FixType read_type(const Cell& cell) {
         if (type.word == cell.text) return type.fix;
     cell.fail(
         fmt::format("the kind of position \"{}\" is not known", escape_for_message(cell.text)),
-        "Take the line out, if it is none of satellite positions");
+        "Hand in logs of satellite positions, as the receiver wrote them");
 }
 
 /// Fields of BESTPOS and its like, counted from 0.

@@ -250,7 +250,8 @@ class MeasurementReader {
 
     void finish(const SourceLine& line, MeasuredEpoch& epoch) {
         if (last_time_ && epoch.time <= *last_time_)
-            lines_.fail(line, 0, "the epoch is not later than the one before", "Take it out");
+            lines_.fail(line, 0, "the epoch is not later than the one before",
+                        "Hand in the file as the receiver or converter wrote it");
         const SignalMeasurement* same = order_measurements(epoch);
         if (same)
             lines_.fail(line, 0,

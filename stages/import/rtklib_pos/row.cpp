@@ -29,7 +29,8 @@ class Fields : public RowCells<Column> {
         for (const int i : {0, 1, 2})
             if (std::abs(roots(i)) > 1e9)
                 cell(after(first, 3 + static_cast<std::size_t>(i)))
-                    .fail("the root of a covariance is above 1e9", "Correct the line");
+                    .fail("the root of a covariance is above 1e9",
+                          "Hand in the solution as the program wrote it, or solve it again");
         return covariance_from_rtklib(deviations(first, meaning), roots);
     }
 

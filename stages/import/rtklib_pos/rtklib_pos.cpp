@@ -155,7 +155,8 @@ class Reader {
             const std::vector<Cell> fields =
                 split_words(line, line.text, recording_, layout_->separator);
             require_count(fields.size(), layout_->fields, line, recording_, lines_.at_end(),
-                          "its header names", "Correct the line, or take it out");
+                          "its header names",
+                          "Hand in the solution as the program wrote it, or solve it again");
             const bool baseline = layout_->coordinates == Coordinates::baseline;
             return read_row(fields, *layout_, baseline ? base_ : std::nullopt);
         });

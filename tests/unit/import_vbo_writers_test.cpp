@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Course {
     std::string behind;         ///< further fields of each row
     double speed_factor = 1.0;  ///< of the recorded speeds
     bool northward = false;     ///< straight to the north, in place of the circle
+    bool satellites_first = false;
 };
 
 std::string written(double degrees, const std::string& coordinates) {
@@ -53,10 +55,12 @@ std::string text_of(const Course& run) {
         double heading = 0.0 - angle * 180.0 / std::numbers::pi;
         while (heading < 0.0)
             heading += 360.0;
-        text += fmt::format("{:09.2f} {} {} {:.3f} {:.2f} +00003.00 016{}\n", 100000.0 + 0.1 * i,
+        text += fmt::format("{}{:09.2f} {} {} {:.3f} {:.2f} +00003.00{}{}\n",
+                            run.satellites_first ? "016 " : "", 100000.0 + 0.1 * i,
                             written(latitude, run.coordinates),
                             written(run.east_positive ? longitude : -longitude, run.coordinates),
-                            3.6 * speed_m_s * run.speed_factor, heading, run.behind);
+                            3.6 * speed_m_s * run.speed_factor, heading,
+                            run.satellites_first ? "" : " 016", run.behind);
     }
     return text;
 }
@@ -154,6 +158,47 @@ TEST(VboWriters, PackedDegreesNearThePoleAreToldWithoutConvergence) {
     EXPECT_TRUE(has_note(read, "DDMM.MMMM"));
 }
 
+// To the north, where the meridians' convergence tells nothing: but degrees are passed.
+TEST(VboWriters, PackedDegreesAreToldWhereAWholeDegreeIsPassed) {
+    Course run;
+    run.coordinates = "packed";
+    run.northward = true;
+    run.latitude_deg = 39.9985;
+    const Observations read = import_vbo(text_of(run));
+    EXPECT_NEAR(*read.rows[0].latitude_deg, 39.9985, 1e-5);  // not 67
+    EXPECT_EQ(read.records.bad, 0);
+    EXPECT_TRUE(has_note(read, "DDMM.MMMM"));
+    run.coordinates = "minutes";
+    EXPECT_NEAR(*import_vbo(text_of(run)).rows[0].latitude_deg, 39.9985, 1e-5);
+}
+
+// The recorded runs, as other writers would have them.
+TEST(VboWriters, RecordedRunsInDegrees) {
+    for (const char* file : {"race_car_vbo/run_a.vbo", "race_car_vbo/run_b.vbo"}) {
+        const auto bytes = recorded(file);
+        if (!bytes) GTEST_SKIP() << "RUNCERT_DATA is not set";
+        const Inspection whole = inspect(import_vbo(*bytes));
+        const std::size_t data = bytes->find("[data]") + 6;
+        for (const char* kind : {"degrees", "packed"}) {
+            std::string text = bytes->substr(0, data);
+            std::istringstream lines(bytes->substr(data));
+            for (std::string line; std::getline(lines, line);) {
+                std::istringstream words(line);
+                std::size_t field = 0;
+                for (std::string word; words >> word; ++field)
+                    text +=
+                        (field == 2 || field == 3 ? written(std::stod(word) / 60.0, kind) : word) +
+                        " ";
+                text += "\n";
+            }
+            const Inspection it = inspect(import_vbo(text));
+            EXPECT_EQ(it.epochs, whole.epochs);
+            EXPECT_NEAR(it.best_by_position->speed_m_s, whole.best_by_position->speed_m_s, 1e-3)
+                << file << " in " << kind;
+        }
+    }
+}
+
 TEST(VboWriters, DegreesWithoutSpeedsAreNotASpotInTheGulfOfGuinea) {
     Course run;
     run.coordinates = "degrees";
@@ -185,15 +230,40 @@ TEST(VboWriters, FieldsWithoutANameAreCountedFromTheLeft) {
     EXPECT_TRUE(has_note(fewer, "Rows have 7 fields, and the header names 9")) << noted(fewer);
 }
 
-TEST(VboWriters, AFieldWithoutANameInFrontIsSeenByTheSpeeds) {
-    Course run;
-    run.names = "time lat lng heading height sats";
-    run.channels = "time\n";
-    run.names = "time lat lng velocity height sats";  // no heading: heights stand for it
-    EXPECT_EQ(import_vbo(text_of(run)).rows.size(), 200U);
-    run.names = "time lat lng x velocity sats";  // the heading's column is taken for the speed
-    const std::string message = failure_of(pos_receiver(), text_of(run));
-    EXPECT_TRUE(has(message, "the speeds are not those of the positions")) << message;
+/// The text with a field put in before that of a number, in each row.
+std::string with_field_at(const std::string& text, std::size_t at) {
+    std::istringstream lines(text);
+    std::string result;
+    bool data = false;
+    for (std::string line; std::getline(lines, line); result += line + "\n") {
+        std::size_t begin = 0;
+        for (std::size_t i = 0; data && i < at; ++i)
+            begin = line.find(' ', begin) + 1;
+        if (data) line.insert(begin, "7.5 ");
+        data = data || line == "[data]";
+    }
+    return result;
+}
+
+TEST(VboWriters, FieldsWithoutANameStandWhereTheSpeedsFit) {
+    for (const bool satellites_first : {false, true}) {
+        Course run;
+        run.satellites_first = satellites_first;
+        if (satellites_first) run.names = "sats time lat lng velocity heading height";
+        for (const std::size_t at : {0, 1, 2, 3}) {
+            SCOPED_TRACE(at);
+            const Observations read = import_vbo(with_field_at(text_of(run), at));
+            expect_run(read, run);
+            EXPECT_TRUE(has_note(read, fmt::format("standing before column {},", at + 1)))
+                << noted(read);
+        }
+    }
+    Course twice;
+    twice.behind = " 7.5";
+    twice.speed_factor = 2.0;
+    const std::string message = failure_of(pos_receiver(), text_of(twice));
+    EXPECT_TRUE(has(message, "in no order of them the speeds are those of the positions"))
+        << message;
 }
 
 TEST(VboWriters, OneRowOfAnotherLengthIsABadRecord) {

@@ -48,7 +48,9 @@ std::optional<double> degrees_of(double written, Coordinates coordinates);
 /// How a row of data is laid out.
 struct Layout : ColumnPlaces<Column> {
     Coordinates coordinates = Coordinates::minutes;
-    std::size_t named = 0;                        ///< columns that the header names, of `fields`
+    std::size_t named = 0;  ///< columns that the header names, of `fields`
+    /// Before which of these the fields without a name stand, from 0; empty where behind all.
+    std::optional<std::size_t> unnamed_at;
     std::optional<double> velocity_m_s;           ///< of one unit; empty without such a column
     std::optional<double> vertical_velocity_m_s;  ///< the same; also empty for an unknown unit
 };

@@ -18,7 +18,7 @@ constexpr double least_agreement = 0.5;  // three quarters for it less one again
 constexpr double least_speed_m_s = 2.0;
 constexpr double longest_step_m = 200.0;
 constexpr double longest_step_s = 1.5;
-constexpr double least_way_m = 300.0;
+constexpr double least_way_m = 3000.0;  // along both axes, on most courses
 /// Logarithms of a ratio of ways: a quarter; and what tells packed degrees from minutes.
 constexpr double most_misfit = 0.22;
 constexpr double clear_misfit = 0.06;
@@ -86,6 +86,7 @@ class Headings {
 struct Candidate {
     Coordinates coordinates;
     std::size_t rows = 0, impossible = 0;
+    std::size_t leaps = 0;  ///< steps that no craft makes, as of minutes from 8759.9 to 8800.0
     double way_m = 0.0;
     double highest_latitude_deg = 0.0;
     double highest_longitude_deg = 0.0;
@@ -133,9 +134,11 @@ class Ways {
                 best = &each;
         const bool polar = said.highest_latitude_deg > polar_latitude_deg;
         if (best == &said && stated == Coordinates::minutes && packed.fits(recorded_m_, false) &&
-            (polar || packed.misfit(recorded_m_) + clear_misfit < said.misfit(recorded_m_)))
+            (polar || packed.leaps < said.leaps ||
+             packed.misfit(recorded_m_) + clear_misfit < said.misfit(recorded_m_)))
             best = &packed;
         result.speeds_fit = best->fits(recorded_m_, best == &said);
+        result.misfit = best->misfit(recorded_m_);
         result.coordinates = *result.speeds_fit ? best->coordinates : without_speeds(stated);
         result.coordinates_by_speeds = *result.speeds_fit;
     }
@@ -159,7 +162,10 @@ class Ways {
                                   std::hypot(here->latitude_deg - each.before->latitude_deg,
                                              (here->longitude_deg - each.before->longitude_deg) *
                                                  std::cos(here->latitude_deg * radians_per_degree));
-            if (step_m <= longest_step_m) each.way_m += step_m;
+            if (step_m <= longest_step_m)
+                each.way_m += step_m;
+            else
+                ++each.leaps;
         }
         each.before = here;
     }

@@ -21,6 +21,7 @@ struct Survey {
     bool coordinates_by_speeds = false;  ///< the recorded speeds show what they are written in
     /// Whether the recorded speeds are those of the positions; nothing where there is too little.
     std::optional<bool> speeds_fit;
+    double misfit = 0.0;  ///< of the two ways, where speeds_fit is there: logarithm of their ratio
     std::optional<std::int64_t> first_time_ns;  ///< of the first row with a time; since midnight
     LongitudeSense longitudes = LongitudeSense::assumed_west;
     std::optional<double> first_longitude_deg;  ///< east positive
@@ -29,7 +30,7 @@ struct Survey {
 /// Looks at the rows from here on, as few as needed.
 ///
 /// Some writers have decimal degrees, or degrees and minutes (DDMM.MMMM), where Racelogic has
-/// minutes of arc. Over the first 300 m the way between the positions is that of the recorded
+/// minutes of arc. Over the first 3 km the way between the positions is that of the recorded
 /// speeds, within a quarter, in one of them alone: minutes and packed degrees differ by the
 /// meridians' convergence. Without speeds, coordinates are what fits on the Earth, and degrees
 /// where minutes would put them within 2 degrees of latitude 0 and 3 of longitude 0.

@@ -19,6 +19,8 @@ namespace runcert::vbo {
 namespace {
 
 constexpr int rows_counted = 100;
+/// Of the ways of speeds and positions, logarithm of their ratio: a tenth.
+constexpr double most_misfit_unnamed = 0.1;
 
 /// Fields that most of the first whole rows of data from here on have; 0 where there is none.
 std::size_t fields_of_rows(LineReader lines, const RecordingBytes& recording) {
@@ -35,15 +37,52 @@ std::size_t fields_of_rows(LineReader lines, const RecordingBytes& recording) {
     return most == count.end() ? 0 : most->first;
 }
 
-/// Failure for rows whose columns are named otherwise than from the left, as far as speeds show it.
-void require_named(const Layout& layout, const Survey& surveyed, const Header& header,
-                   const RecordingBytes& recording) {
-    if (layout.named == layout.fields || surveyed.speeds_fit.value_or(true)) return;
+/// The layout with its columns from `at` on moved behind the fields that have no name.
+Layout with_unnamed_at(Layout layout, std::size_t at) {
+    for (auto& place : layout.place)
+        if (place && *place >= at) *place += layout.fields - layout.named;
+    layout.unnamed_at = at;
+    return layout;
+}
+
+bool reads_first_row(LineReader lines, const RecordingBytes& recording, const Layout& layout) {
+    for (auto line = lines.next(); line; line = lines.next()) {
+        const std::vector<Cell> cells = split(*line, recording);
+        if (cells.size() != layout.fields) continue;
+        try {
+            const Row fields(cells, layout);
+            (void)read_row(fields, layout, true);
+            return time_of_day_ns(fields.text(Column::time)).has_value();
+        } catch (const Failure&) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Of rows with more fields than names, the layout by which the recorded speeds are best those of
+/// the positions, the fields without a name as far to the right as that holds. Failure where there
+/// is none; without speeds, those fields stand last.
+Layout place_unnamed(const Layout& from_left, const LineReader& lines, const Header& header,
+                     const RecordingBytes& recording) {
+    if (from_left.named >= from_left.fields) return from_left;
+    std::optional<Layout> best;
+    double least = most_misfit_unnamed;
+    for (std::size_t at = from_left.named + 1; at-- > 0;) {
+        const Layout moved = at == from_left.named ? from_left : with_unnamed_at(from_left, at);
+        if (!reads_first_row(lines, recording, moved)) continue;
+        const Survey surveyed = survey(lines, recording, moved);
+        if (at == from_left.named && !surveyed.speeds_fit) best = moved;  // for want of speeds
+        if (!surveyed.speeds_fit.value_or(false) || surveyed.misfit >= least) continue;
+        least = surveyed.misfit;
+        best = moved;
+    }
+    if (best) return *best;
     throw Failure(
         place_in(recording, header.names_line, 1),
-        fmt::format("rows have {} fields, the header names {}, and with the names from the "
-                    "left the speeds are not those of the positions",
-                    layout.fields, layout.named),
+        fmt::format("rows have {} fields, the header names {}, and in no order of them the speeds "
+                    "are those of the positions",
+                    from_left.fields, from_left.named),
         "Export the recording again, or as CSV with columns: in the receiver");
 }
 
@@ -79,10 +118,14 @@ RowCollector read_rows(LineReader lines, const RecordingBytes& recording, const 
 
 void note_columns(Observations& observations, const Layout& layout) {
     if (layout.named != layout.fields)
-        observations.notes.push_back(
-            fmt::format("Rows have {} fields, and the header names {} columns: these were counted "
-                        "from the left.",
-                        layout.fields, layout.named));
+        observations.notes.push_back(fmt::format(
+            "Rows have {} fields, and the header names {} columns: these were counted "
+            "from the left{}.",
+            layout.fields, layout.named,
+            layout.unnamed_at ? fmt::format(", fields without a name standing before column {}, "
+                                            "where speeds and positions agree",
+                                            *layout.unnamed_at + 1)
+                              : ""));
     if (layout[Column::height]) observations.notes.emplace_back(note_heights_above_sea_level);
     if (layout[Column::vertical_velocity] && !layout.vertical_velocity_m_s)
         observations.notes.push_back(
@@ -119,8 +162,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     LineReader lines(recording);
     const Header header = read_header(lines, recording);
     Layout layout = find_layout(header, fields_of_rows(lines, recording), recording);
+    layout = place_unnamed(layout, lines, header, recording);
     const Survey surveyed = survey(lines, recording, layout);
-    require_named(layout, surveyed, header, recording);
     const std::string coordinates = coordinates_note(surveyed, layout);
     layout.coordinates = surveyed.coordinates;
     const FirstDay first_day = find_first_day(

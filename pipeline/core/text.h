@@ -47,8 +47,9 @@ std::string format_fixed(double value, int decimals);
 /// The same, the plain way for every number: format_fixed has a quicker one for most.
 std::string format_any_fixed(double value, int decimals);
 
-/// The candidate with the smallest edit distance (Levenshtein) to a word, the first of equals, for
-/// "did you mean". Empty where there are no candidates.
+/// For "did you mean": of the candidates that begin with the word in any case (two letters or
+/// more), the shortest; else that with the smallest edit distance (Levenshtein), the first of
+/// equals. Empty where there are no candidates.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
 
 /// Whether every byte is a printable ASCII character, blank included.

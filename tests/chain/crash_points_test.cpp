@@ -95,14 +95,17 @@ class CrashPoints : public SignedRuns {
         ASSERT_TRUE(fs::exists(run() / ".runcert-ready/run/report.json"));
     }
 
-    /// Kills a command before each of its calls of these names; of many removals, before every
-    /// third. Each time `begin` makes the run folder first, and `look` sees what is left. How many
-    /// kills there were.
+    /// Kills a command before each of its calls of these names; after the first three, in the daily
+    /// set, before every third, and of removals so in the studies, too. Each time `begin` makes the
+    /// run folder first, and `look` sees what is left. How many kills there were.
     int kill_at_each(const Words& command, const std::function<void()>& begin,
                      const std::function<void()>& look) const {
         int kills = 0;
         for (const char* call : {"renameat", "renameat2", "mkdirat", "unlinkat"})
-            for (int n = 1;; n += n < 4 || call != std::string_view("unlinkat") ? 1 : 3) {
+            for (int n = 1, third = draws({.daily = 3, .study = 1});;
+                 n += n < 4                                  ? 1
+                      : call == std::string_view("unlinkat") ? 3
+                                                             : third) {
                 SCOPED_TRACE(fmt::format("before {} {}", call, n));
                 begin();
                 if (!killed_before(call, n, command)) break;

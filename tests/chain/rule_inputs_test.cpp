@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "Copy the file into the attempt's folder"}},
         Refused{"WindWithABadNumber",
                 plane_attempt("windy.yaml", "wind: {file: bad.csv, source: mast}\n"),
-                {"\"six\" is not a speed", "where: bad.csv:3:4", "Write a decimal number"}},
+                {"\"six\" is not a speed", "where: bad.csv:3:4", "a measured number with a decimal point"}},
         Refused{"WindOfANegativeSpeed",
                 plane_attempt("windy.yaml", "wind: {file: negative.csv, source: mast}\n"),
                 {"where: negative.csv:2:3"}},

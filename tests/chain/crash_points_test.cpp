@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "draws.h"
 #include "signatures_support.h"
 #include "watched_run.h"
 

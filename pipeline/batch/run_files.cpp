@@ -85,7 +85,7 @@ void RunFiles::open_work(const std::multimap<std::string, std::string>& known) {
     if (all.kind_of(name_of_work) != EntryKind::none && !is_own_work())
         set_aside(all, name_of_work, results_);
     const Folder work = all.make(name_of_work);
-    all.write(seal_name(), own_seal(identity_of(work)));
+    all.write(seal_name(), own_seal(identity_of(work)) + "\n" + own_seal(text_of_seal(all)));
     for (const std::string& name : work.names()) {
         const fs::path file = work_dir_ / name;
         const auto [begin, end] = known.equal_range(name);
@@ -113,10 +113,25 @@ std::string RunFiles::seal_name() const {
 bool RunFiles::is_own_work() const {
     try {
         const Folder all = make_below(results_, work_.parent_path());
-        return is_own_seal(identity_of(all.open(work_.filename().string())), all.read(seal_name()));
+        const std::string seals = all.read(seal_name());
+        return is_own_seal(identity_of(all.open(work_.filename().string())),
+                           seals.substr(0, seals.find('\n')));
     } catch (const Failure&) {
         return false;
     }
+}
+
+std::string RunFiles::text_of_seal(const Folder& all) const {
+    return "seal " + seal_name() + " in " + identity_of(all);
+}
+
+bool RunFiles::is_left_seal(const Folder& all) const {
+    if (all.kind_of(work_.filename().string()) != EntryKind::none ||
+        all.kind_of(seal_name()) != EntryKind::file)
+        return false;
+    const std::string seals = all.read(seal_name());
+    const std::size_t end = seals.find('\n');
+    return end != std::string::npos && is_own_seal(text_of_seal(all), seals.substr(end + 1));
 }
 
 std::string RunFiles::written(const std::string& name) {
@@ -139,10 +154,12 @@ void RunFiles::place(const std::map<std::string, std::string>& files, const Fold
 }
 
 void RunFiles::close_work() {
+    const Folder all = make_below(results_, work_.parent_path());
     if (is_own_work()) {
-        const Folder all = make_below(results_, work_.parent_path());
         all.remove_tree(work_.filename().string());
         all.remove(seal_name());
+    } else if (is_left_seal(all)) {
+        all.remove(seal_name());  // a kill came between the two
     }
     forget();
 }

@@ -61,6 +61,9 @@ class RunFiles {
     /// The file beside the work folder by which this user's batches know that they made it.
     std::string seal_name() const;
     bool is_own_work() const;
+    std::string text_of_seal(const Folder& all) const;
+    /// Whether the seal stands there without the folder that it is of.
+    bool is_left_seal(const Folder& all) const;
 
     std::filesystem::path results_;
     std::filesystem::path run_dir_;

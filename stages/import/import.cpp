@@ -41,7 +41,9 @@ std::string formats_read() {
     require_text(recording);
     if (csv::recognises(head))
         throw Failure(where, "the recording looks like a table, and the attempt names no columns",
-                      "Write columns: and frame: in the receiver: runcert inspect proposes them");
+                      "Write columns: {time: ..., latitude: ..., ...} and frame: in the receiver; "
+                      "runcert inspect "
+                      "proposes them");
     const std::string first =
         escape_for_message(LineReader(head).next().value_or(SourceLine{}).text);
     throw Failure(

@@ -122,7 +122,8 @@ TEST(Audit, ReasonsOfARowAlone) {
                  {Reason::no_fix, "no solution"},
                  {Reason::float_ambiguities, "ambiguities not fixed"},
                  {Reason::accuracy_missing, "accuracy not stated"},
-                 {Reason::duplicate_time, "its time is that of the epoch before it"}};
+                 {Reason::repeated, "it repeats another epoch"},
+                 {Reason::duplicate_time, "its time is that of another epoch at another place"}};
     for (const auto& each : cases)
         EXPECT_EQ(only_entry([&](auto& rows) { leave_out(rows[4], each.reason); }),
                   "epoch 5 (line 22), 0.400 s: left out: " + each.words);

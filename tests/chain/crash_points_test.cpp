@@ -1,6 +1,7 @@
 // What a run folder is at every moment that a crash could leave: the program is killed before each
 // of its calls that change a folder, one after the other; and whatever it gives its name was synced
 // before, and the name after. strace does both, so that no clock and no chance is in it.
+#include <algorithm>
 #include <csignal>
 #include <functional>
 
@@ -97,16 +98,14 @@ class CrashPoints : public SignedRuns {
     }
 
     /// Kills a command before each of its calls of these names; after the first three, in the daily
-    /// set, before every third, and of removals so in the studies, too. Each time `begin` makes the
-    /// run folder first, and `look` sees what is left. How many kills there were.
+    /// set, before every sixth; of removals in the studies before every third. Each time `begin`
+    /// makes the run folder first, and `look` sees what is left. How many kills there were.
     int kill_at_each(const Words& command, const std::function<void()>& begin,
                      const std::function<void()>& look) const {
         int kills = 0;
         for (const char* call : {"renameat", "renameat2", "mkdirat", "unlinkat"})
-            for (int n = 1, third = draws({.daily = 3, .study = 1});;
-                 n += n < 4                                  ? 1
-                      : call == std::string_view("unlinkat") ? 3
-                                                             : third) {
+            for (int n = 1, later = draws({.daily = 6, .study = 1});;
+                 n += n < 4 ? 1 : std::max(later, call == std::string_view("unlinkat") ? 3 : 1)) {
                 SCOPED_TRACE(fmt::format("before {} {}", call, n));
                 begin();
                 if (!killed_before(call, n, command)) break;

@@ -139,7 +139,7 @@ TEST_P(Times, StampsThatLeapAheadOrFallBack) {
             for (const double sign : {1.0, -1.0})
                 for (const int from :
                      {0, run.size() / 5, 6 * run.size() / 10, run.size() - count}) {
-                    if (!is_study() && ++turn % 25 != 0) continue;
+                    if (!is_study() && ++turn % 50 != 0) continue;
                     RecordedRun moved = run;
                     for (int k = from; k < std::min(from + count, run.size()); ++k)
                         moved.stamps_s[static_cast<std::size_t>(k)] += sign * by_s;

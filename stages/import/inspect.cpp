@@ -257,6 +257,7 @@ Inspection inspect(const Observations& observations) {
     count_rows(observations, inspection);
     count_steps(observations, inspection);
     inspection.velocity_delay_s = raw_velocity_delay_s(observations);
+    inspection.velocity_delays = raw_velocity_delays(observations);
     inspection.velocity_origin = raw_velocity_origin(observations);
     find_bests(observations, inspection);
     return inspection;

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "estimation/velocity_origin.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/inspect_velocity.h"
 
 namespace runcert {
 
@@ -51,6 +51,7 @@ struct Inspection {
     std::size_t velocities_stated = 0;  ///< those of them that state their accuracy
     velocities::Origin velocity_origin = velocities::Origin::unclear;
     std::optional<double> velocity_delay_s;  ///< behind the positions
+    std::vector<RawDelay> velocity_delays;   ///< by the lengths of the speeds
     /// Stated, as median_horizontal_m.
     std::optional<double> median_velocity_m_s, worst_velocity_m_s;
     bool georeferenced = true;

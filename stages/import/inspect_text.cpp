@@ -109,6 +109,36 @@ std::string accuracy_text(const Inspection& it) {
     return text;
 }
 
+/// "43 s ± 0.3 s behind the positions".
+std::string raw_delay_text(const RawDelay& delay) {
+    return fmt::format("{:.3g} s ± {:.1g} s {} the positions", std::abs(delay.delay_s),
+                       delay.sigma_s, delay.delay_s < 0.0 ? "ahead of" : "behind");
+}
+
+/// By velocities where they tell it; what their lengths tell beyond that, or instead.
+std::string delays_text(const Inspection& it) {
+    constexpr std::size_t named = 4;
+    std::vector<std::string> parts;
+    if (it.velocity_delay_s)
+        parts.push_back(fmt::format("{} s {} the positions",
+                                    fixed(std::abs(*it.velocity_delay_s), 2),
+                                    *it.velocity_delay_s < 0.0 ? "ahead of" : "behind"));
+    std::size_t more = 0;
+    for (const RawDelay& one : it.velocity_delays) {
+        if (it.velocity_delay_s && !one.beyond) continue;
+        if (parts.size() == named)
+            ++more;
+        else if (!it.velocity_delay_s && it.velocity_delays.size() == 1)
+            parts.push_back(raw_delay_text(one));
+        else
+            parts.push_back(fmt::format("from {:.0f} s to {:.0f} s {}", one.from_s, one.to_s,
+                                        raw_delay_text(one)));
+    }
+    if (parts.empty()) return ", its delay behind the positions cannot be told";
+    if (more > 0) parts.push_back(fmt::format("other delays in {} more parts", more));
+    return fmt::format(", {}", fmt::join(parts, ", "));
+}
+
 std::string velocity_text(const Inspection& it) {
     if (it.with_velocity == 0) return "not recorded";
     std::string text = fmt::format("in {} epochs", it.with_velocity);
@@ -116,10 +146,7 @@ std::string velocity_text(const Inspection& it) {
         text = "speed without a course " + text;
     else if (it.speeds_alone > 0)
         text += fmt::format(", in {} of them without a course", it.speeds_alone);
-    text += it.velocity_delay_s
-                ? fmt::format(", {} s {} the positions", fixed(std::abs(*it.velocity_delay_s), 2),
-                              *it.velocity_delay_s < 0.0 ? "ahead of" : "behind")
-                : ", its delay behind the positions cannot be told";
+    text += delays_text(it);
     if (it.median_velocity_m_s)
         text += fmt::format("\n            stated {} m/s (median), {} m/s (worst)",
                             fixed(*it.median_velocity_m_s, 3), fixed(*it.worst_velocity_m_s, 3));
@@ -199,6 +226,12 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
             *it.velocity_delay_s > 0.0
                 ? "The recorded velocity is late: it shows the speed of a moment before."
                 : "The recorded velocity is early: its times are behind those of the positions.");
+    const auto beyond = std::ranges::find_if(it.velocity_delays, &RawDelay::beyond);
+    if (beyond != it.velocity_delays.end())
+        concerns.push_back(fmt::format(
+            "The recorded speeds are not those of the positions beside them: they are {}. A rule "
+            "of recorded speeds certifies none of them.",
+            raw_delay_text(*beyond)));
     if (it.velocity_origin == velocities::Origin::positions)
         concerns.push_back(
             "The recorded velocities were computed from the positions: they are no evidence "

@@ -7,13 +7,13 @@
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "estimation/velocity_delay.h"
+#include "estimation/velocity_delay_along.h"
 #include "stages/import/row_summary.h"
 
 namespace runcert {
 namespace {
 
 constexpr double half_span_s = 0.4;
-constexpr double longest_delay_s = 1.0;
 constexpr double least_change_m_s = 0.5;
 /// A fit with a larger standard deviation holds a jump and not a motion.
 constexpr double useless_m_s = 5.0;
@@ -96,6 +96,11 @@ std::optional<EpochMotion> fitted_motion(const std::vector<Point>& points, std::
     return motion;
 }
 
+std::size_t half_width(double interval_s) {
+    return std::max<std::size_t>(2,
+                                 static_cast<std::size_t>(std::min(half_span_s / interval_s, 1e3)));
+}
+
 /// Whether the recorded velocity changes at all, which alone tells a delay.
 bool changes(const std::vector<velocities::Comparison>& comparisons) {
     return std::any_of(
@@ -126,8 +131,7 @@ std::optional<double> raw_velocity_delay_s(const Observations& observations) {
     const double interval_s = observations.facts.nominal_interval_s;
     if (interval_s <= 0.0) return std::nullopt;
     const std::vector<Point> points = chosen(points_of(observations));
-    const auto half =
-        std::max<std::size_t>(2, static_cast<std::size_t>(std::min(half_span_s / interval_s, 1e3)));
+    const std::size_t half = half_width(interval_s);
     Motion motion(points.size());
     velocities::Knots knots;
     std::vector<velocities::Comparison> comparisons;
@@ -151,8 +155,35 @@ std::optional<double> raw_velocity_delay_s(const Observations& observations) {
                  .recorded = {*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s}});
     }
     if (!changes(comparisons)) return std::nullopt;
-    return velocities::estimate_delay(knots, motion, comparisons, longest_delay_s, interval_s)
+    return velocities::estimate_delay(knots, motion, comparisons, longest_velocity_delay_s,
+                                      interval_s)
         .delay_s;
+}
+
+std::vector<RawDelay> raw_velocity_delays(const Observations& observations) {
+    constexpr double least_step_s = 0.2;
+    const double interval_s = observations.facts.nominal_interval_s;
+    if (interval_s <= 0.0) return {};
+    const std::vector<Point> points = points_of(observations);
+    const std::size_t half = half_width(interval_s);
+    std::vector<velocities::SpeedPair> pairs;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (!pairs.empty() && points[i].time_s - pairs.back().time_s < least_step_s) continue;
+        velocities::SpeedPair& pair = pairs.emplace_back();
+        pair.time_s = points[i].time_s;
+        pair.recorded_m_s = horizontal_speed(*points[i].row);
+        if (const auto motion = fitted_motion(points, i, half, interval_s))
+            pair.by_positions_m_s = motion->velocity.norm();
+    }
+    std::vector<RawDelay> delays;
+    for (const velocities::DelayStretch& one :
+         velocities::delays_along(pairs, longest_velocity_delay_s))
+        delays.push_back({.from_s = pairs[one.first].time_s,
+                          .to_s = pairs[one.last].time_s,
+                          .delay_s = one.delay_s,
+                          .sigma_s = one.sigma_s,
+                          .beyond = one.is_beyond(longest_velocity_delay_s)});
+    return delays;
 }
 
 }  // namespace runcert

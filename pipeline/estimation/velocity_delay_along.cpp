@@ -123,7 +123,7 @@ std::vector<std::ptrdiff_t> delays_of_blocks(const Binned& bins) {
     const auto states = static_cast<std::size_t>(2 * bins.range + 1);
     const double price_m = change_s * bins.spread_m_s;
     // Late rather than early, and as little of either as explains the speeds.
-    constexpr double late = 0.01, early = 0.02;
+    constexpr double late = 0.05, early = 0.2;
     std::vector<double> least(states);
     for (std::size_t s = 0; s < states; ++s) {
         const double delay_s =
@@ -239,6 +239,22 @@ void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_
         if (square >= least) continue;
         least = square;
         stretch.delay_s = delay_s;
+    }
+    // Motion that repeats itself fits a period later as well: the best within the limit, as finely,
+    // must be clearly worse.
+    constexpr double clearly = better_than_within * better_than_within;
+    double least_within = std::numeric_limits<double>::infinity(), within_s = 0.0;
+    for (double delay_s = 0.0; std::abs(stretch.delay_s) > limit_s && delay_s <= limit_s;
+         delay_s += bins.interval_s)
+        for (const double either_s : {delay_s, -delay_s})
+            if (const double square = square_at(either_s); square < least_within) {
+                least_within = square;
+                within_s = either_s;
+            }
+    if (least_within < std::numeric_limits<double>::infinity() && least > clearly * least_within) {
+        least = least_within;
+        stretch.delay_s = within_s;
+        stretch.difference_m_s = stretch.difference_within_m_s;
     }
     // Between two intervals, the longer: what is beyond the limit is named, and not taken off.
     constexpr double alike = 1.1;

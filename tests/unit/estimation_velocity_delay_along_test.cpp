@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "estimation/velocity_delay_along.h"
 #include "late_speeds.h"

@@ -31,7 +31,7 @@ const std::vector<Format> formats{
     {"nmea", nmea, true},
     {"csv", csv, false},
     {"flysight", flysight, true},
-    {"fit", [](const auto& rows) { return fit(rows, runcert::fit::crc16); }, false}};
+    {"fit", [](const auto& rows) { return late_speeds::fit(rows, runcert::fit::crc16); }, false}};
 
 Inspection inspected(const Format& format, const Recorded& recorded) {
     return inspect(import_text(receiver_of(format), format.write(recorded.rows())));

@@ -1,8 +1,10 @@
 #include "reports/words/screening.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
+#include <vector>
 
 #include "core/text.h"
 #include "reports/words/figures.h"
@@ -47,13 +49,45 @@ std::string fix_type_errors_text(const FixTypeErrors& errors) {
         counted(errors.epochs, "epoch"), words_of(errors.judgement));
 }
 
+std::string delay_words(double delay_s) {
+    return fmt::format("{:.3g} s {}", std::abs(delay_s), delay_s < 0.0 ? "ahead of" : "behind");
+}
+
+std::string other_moments_text(const VelocityComparison& velocity) {
+    constexpr std::size_t named = 3;
+    std::vector<std::string> stretches;
+    std::size_t beyond = 0;
+    for (const VelocityDelay& one : velocity.delays) {
+        if (!one.beyond || ++beyond > named) continue;
+        stretches.push_back(fmt::format(
+            "over epochs {} to {} they are {} the positions (the speeds differ by {} m/s, at that "
+            "delay by {} m/s)",
+            one.first_epoch, one.last_epoch, delay_words(one.delay_s),
+            format_fixed(one.difference_within_m_s, 2), format_fixed(one.difference_m_s, 2)));
+    }
+    if (beyond > named) stretches.push_back(fmt::format("so over {} more", beyond - named));
+    return fmt::format("{}", fmt::join(stretches, ", "));
+}
+
+std::string unfit_text(const VelocityComparison& velocity) {
+    if (!velocity.unfit) return {};
+    return fmt::format("they contradict the positions at {:.3g} % of the epochs",
+                       100.0 * velocity.contradicted_share.value_or(1.0));
+}
+
 std::string velocity_comparison_text(const VelocityComparison& velocity) {
     if (velocity.origin == VelocityOrigin::positions) return std::string(words_of(velocity.origin));
-    if (velocity.compared == 0)
-        return "too few could be compared with the motion, or they never change";
-    return fmt::format("{}; compared at {}, they differ by {} m/s and contradict {}",
-                       delay_text(velocity), counted(velocity.compared, "epoch"),
-                       format_fixed(velocity.scale_m_s, 3), counted(velocity.rejected));
+    std::string text =
+        velocity.compared == 0
+            ? "too few could be compared with the motion, or they never change"
+            : fmt::format("{}; compared at {}, they differ by {} m/s and contradict {}",
+                          delay_text(velocity), counted(velocity.compared, "epoch"),
+                          format_fixed(velocity.scale_m_s, 3), counted(velocity.rejected));
+    if (const std::string others = other_moments_text(velocity); !others.empty())
+        text = (velocity.compared == 0 ? "" : text + "; ") + others;
+    if (const std::string unfit = unfit_text(velocity); !unfit.empty())
+        text += fmt::format("; {}, and are no source of a speed", unfit);
+    return text;
 }
 
 std::string device_signs_text(const DeviceSigns& device) {

@@ -19,8 +19,21 @@ std::string false_alarm_text(const ScreeningBasis& basis);
 /// as stated)". A time-correlated error is not in it.
 std::string fix_type_errors_text(const FixTypeErrors& errors);
 
+/// "43 s behind", "0.12 s ahead of".
+std::string delay_words(double delay_s);
+
+/// "over epochs 71 to 375 they are 43 s behind the positions (the speeds differ by 6.27 m/s, at
+/// that delay by 0.30 m/s)": where the recorded velocities have a delay that is not taken off;
+/// empty where nowhere.
+std::string other_moments_text(const VelocityComparison& velocity);
+
+/// "they contradict the positions at 96 % of the epochs": of velocities that are no source of a
+/// speed; empty of others.
+std::string unfit_text(const VelocityComparison& velocity);
+
 /// "0.120 s ± 0.004 s behind the positions, which is allowed for; compared at 601 epochs, they
-/// differ by 0.031 m/s and contradict 2"; says so where nothing could be compared.
+/// differ by 0.031 m/s and contradict 2"; says so where nothing could be
+/// compared, where they are of other moments, and where they are no source of a speed.
 std::string velocity_comparison_text(const VelocityComparison& velocity);
 
 /// "18 of 600 positions recorded in motion repeat the one before, 4 lie in line with their

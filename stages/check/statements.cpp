@@ -231,8 +231,19 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
             "were not used.");
         return;
     }
+    if (std::string others = other_moments_text(velocity); !others.empty())
+        statements.push_back(fmt::format(
+            "The recorded velocities are not of the moments of their positions: {}. That delay is "
+            "longer than screen.velocity_delay_max_s; the velocities there were not used.",
+            others));
+    if (velocity.unfit)
+        statements.push_back(fmt::format(
+            "Of the recorded velocities: {}. They are no source of a speed, and confirm none.",
+            unfit_text(velocity)));
     if (velocity.compared == 0) {
-        statements.push_back("The recorded velocities could not be compared with the positions.");
+        if (!velocity.unfit)
+            statements.push_back(
+                "The recorded velocities could not be compared with the positions.");
         return;
     }
     if (is_another_speed(velocity)) statements.push_back(another_speed_text(velocity));

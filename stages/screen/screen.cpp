@@ -163,6 +163,7 @@ bool velocities_contradict(ScreenedTable& screened, const Motion& motion, const 
     VelocityFindings found = check_velocities(
         screened.rows, motion,
         {.delay_max_s = check.config.velocity_delay_max_s,
+         .share_max = check.config.velocity_share_max,
          .nominal_interval_s = screened.facts.nominal_interval_s,
          .jerk_density = check.noises.horizontal.model.motion.jerk_density,
          .vertical_measured = screened.facts.vertical_measured,
@@ -358,6 +359,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.burst_epochs_max = parameters.at("burst_epochs_max");
     config.bridge_steps = parameters.at("steps") == "bridge";
     config.velocity_delay_max_s = parameters.at("velocity_delay_max_s");
+    config.velocity_share_max = parameters.at("velocity_share_max");
     config.limits.acceleration_m_s2 = parameters.at("acceleration_max_m_s2");
     config.limits.jerk_m_s3 = parameters.at("jerk_max_m_s3");
     config.limits.vertical_rate_m_s = parameters.at("vertical_rate_max_m_s");

@@ -44,6 +44,7 @@ struct ScreenConfig {
     std::int64_t burst_epochs_max = 0;
     bool bridge_steps = false;
     double velocity_delay_max_s = 0.0;
+    double velocity_share_max = 0.05;
     PhysicalLimits limits;
     std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
 

@@ -15,6 +15,7 @@
 #include "estimation/velocity_origin.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
+#include "stages/screen/velocity_check_delays.h"
 #include "stages/screen/witness_check.h"
 
 namespace runcert {
@@ -206,7 +207,7 @@ void mark_drifting(std::vector<ScreenedEpoch>& rows, const Differences& differen
 }
 
 Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
-                const Directions& directions) {
+                const Directions& directions, const std::vector<bool>& left_out) {
     Gathered gathered;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (!rows[i].arc || !motion[i]) continue;
@@ -218,7 +219,7 @@ Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
                   .covariance = motion[i]->velocity_covariance};
         gathered.smoothed.push_back(knot);
         const auto recorded = recorded_velocity<2>(rows[i], directions[i]);
-        if (!rows[i].usable || !recorded) continue;
+        if (!rows[i].usable || !recorded || left_out[i]) continue;
         gathered.comparisons.push_back({gathered.smoothed.size() - 1, *recorded});
         knot.velocity = *recorded;
         gathered.recorded.push_back(knot);
@@ -271,8 +272,9 @@ template <int Axes>
 std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<ScreenedEpoch>& rows,
                                                          const Directions& directions,
                                                          const Delay& delay,
+                                                         const std::vector<bool>& left_out,
                                                          const VelocityCheckOptions& options) {
-    auto samples = timed_velocities<Axes>(rows, directions, options.nominal_interval_s);
+    auto samples = timed_velocities<Axes>(rows, directions, options.nominal_interval_s, left_out);
     if (samples.size() < least_comparisons) return std::nullopt;
     // Of a filter that lags, by another amount in every motion; one that is not told lies anywhere
     // in the range.
@@ -392,24 +394,36 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     assert(rows.size() == motion.size());
     const Directions directions = directions_of(motion);
     VelocityFindings findings;
-    const auto recorded = std::ranges::count_if(rows, [](const ScreenedEpoch& row) {
-        return (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s) ||
-               row.recorded_speed_m_s;
-    });
+    const auto recorded = std::ranges::count_if(
+        rows, [](const ScreenedEpoch& row) { return recorded_length(row).has_value(); });
     if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return findings;
     VelocityComparison& comparison = findings.comparison.emplace();
+    std::vector<bool> left_out(rows.size(), false);
+    const auto judge = [&] {
+        comparison.contradicted_share = contradicted_share(rows, motion, left_out);
+        comparison.unfit = *comparison.contradicted_share > options.share_max;
+    };
+    judge();
     if (!recorded_velocities_change(rows)) return findings;
     comparison.origin = origin_of(rows, directions, options.position_resolution_m);
-    if (comparison.origin == VelocityOrigin::positions) return findings;
+    if (comparison.origin == VelocityOrigin::positions) {
+        comparison.unfit = false;
+        return findings;
+    }
 
-    const Gathered gathered = gather(rows, motion, directions);
+    comparison.delays = velocity_delays(rows, motion, options.delay_max_s);
+    left_out = velocities_of_other_moments(rows, comparison);
+    const double of_other_moments = share_of(rows, left_out);
+    judge();
+    const Gathered gathered = gather(rows, motion, directions, left_out);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,
                                        options.delay_max_s, options.nominal_interval_s);
     Differences differences = smoothed_differences(gathered, delay);
     if (differences.size() < least_comparisons) return findings;
-    const auto undisturbed = undisturbed_witness<2>(rows, directions, delay, options);
+    const auto undisturbed = undisturbed_witness<2>(rows, directions, delay, left_out, options);
     if (undisturbed && follow_positions(rows, *undisturbed)) {
         comparison.origin = VelocityOrigin::positions;
+        comparison.unfit = false;
         return findings;
     }
     Differences displacements;
@@ -430,17 +444,19 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
     // Again: epochs that were marked count no more.
-    if (const auto witness = undisturbed_witness<2>(rows, directions, delay, options))
+    if (const auto witness = undisturbed_witness<2>(rows, directions, delay, left_out, options))
         if (auto errors = errors_of<2>(*witness, rows, comparison.scale_m_s)) {
             if (displaced.empty()) mark_drifts(rows, *witness, *errors, threshold);
             findings.errors.push_back(std::move(*errors));
         }
     if (options.vertical_measured)
-        if (const auto witness = undisturbed_witness<1>(rows, directions, delay, options))
+        if (const auto witness = undisturbed_witness<1>(rows, directions, delay, left_out, options))
             if (auto errors = errors_of<1>(*witness, rows, comparison.scale_m_s))
                 findings.errors.push_back(std::move(*errors));
     comparison.rejected = std::ranges::count_if(
         gathered.recorded, [&](const Knot& knot) { return !rows[knot.row].usable; });
+    judge();
+    if (of_other_moments > options.share_max) findings.errors.clear();
     return findings;
 }
 

@@ -11,6 +11,8 @@ namespace runcert {
 struct VelocityCheckOptions {
     /// The delay is looked for between minus and plus this; 0 takes the velocities as undelayed.
     double delay_max_s = 1.0;
+    /// Where a larger part of the epochs is contradicted, the velocities are unfit.
+    double share_max = 0.05;
     double nominal_interval_s = 0.0;  ///< between epochs
     double jerk_density = 0.0;        ///< m s^-2.5, of the motion between velocities
     bool vertical_measured = false;
@@ -43,6 +45,10 @@ struct VelocityFindings {
 /// - It lies in the part of a span in which the difference of the two displacements comes about,
 ///   where that difference is beyond what such spans differ by: a slow drift, or a step. Positions
 ///   before and after do not belong together: the arc ends there (ramp).
+///
+/// Rows of a stretch whose delay is beyond `delay_max_s` (`velocity_delays`) are neither compared
+/// nor marked: their velocities are of another moment. Where these are more than `share_max` of
+/// all, the velocities bound no errors, and are no witness.
 ///
 /// `motion` has one element for each row, smoothed from the usable rows. `delay_s` of the
 /// comparison is empty where the motion does not tell it: hardly any acceleration, an estimate at

@@ -61,6 +61,7 @@ TEST(GoldenAttempt, Screening) {
     EXPECT_EQ(screen.at("jerk_max_m_s3"), 125);
     EXPECT_EQ(screen.at("vertical_rate_max_m_s"), 2.5);
     EXPECT_EQ(screen.at("velocity_delay_max_s"), 0.5);
+    EXPECT_EQ(screen.at("velocity_share_max"), 0.04);
     EXPECT_EQ(screen.at("satellites_min"), 6);
     EXPECT_EQ(screen.at("ratio_min"), 2.5);
     EXPECT_EQ(screen.at("correction_age_max_s"), 12.5);

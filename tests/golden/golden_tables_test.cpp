@@ -224,6 +224,16 @@ TEST(GoldenScreened, WhatOtherChecksFound) {
     EXPECT_EQ(basis.velocity->sigma_delay_s, 0.00375);
     EXPECT_EQ(basis.velocity->scale_m_s, 0.0475);
     EXPECT_EQ(basis.velocity->rejected, 1);
+    EXPECT_EQ(basis.velocity->contradicted_share, 0.0625);
+    EXPECT_TRUE(basis.velocity->unfit);
+    ASSERT_EQ(basis.velocity->delays.size(), 1U);
+    EXPECT_EQ(basis.velocity->delays[0].first_epoch, 3);
+    EXPECT_EQ(basis.velocity->delays[0].last_epoch, 9);
+    EXPECT_EQ(basis.velocity->delays[0].delay_s, 43.5);
+    EXPECT_EQ(basis.velocity->delays[0].sigma_s, 0.25);
+    EXPECT_EQ(basis.velocity->delays[0].difference_m_s, 0.3125);
+    EXPECT_EQ(basis.velocity->delays[0].difference_within_m_s, 6.25);
+    EXPECT_TRUE(basis.velocity->delays[0].beyond);
     ASSERT_EQ(basis.displacements.size(), 2U);
     EXPECT_EQ(basis.displacements[0].kind, WitnessKind::phases);
     EXPECT_EQ(basis.displacements[0].rejected, 2);

@@ -124,6 +124,7 @@ TEST(AttemptScreening, HasItsDefaults) {
     EXPECT_EQ(screen.at("noise"), "fitted");
     EXPECT_EQ(screen.at("steps"), "end_arc");
     EXPECT_EQ(screen.at("velocity_delay_max_s"), 1.0);
+    EXPECT_EQ(screen.at("velocity_share_max"), 0.05);
     EXPECT_EQ(screen.at("satellites_min"), 5);
     EXPECT_EQ(screen.at("ratio_min"), 1.5);
     EXPECT_EQ(screen.at("correction_age_max_s"), 30);
@@ -165,6 +166,8 @@ TEST(AttemptScreening, EachFieldKeepsToItsRange) {
         {"vertical_rate_max_m_s", "2", "0", "is below 0.1 m / s"},
         {"velocity_delay_max_s", "0", "-0.1", "-0.1 is below 0 s"},
         {"velocity_delay_max_s", "5", "5.1", "5.1 is above 5 s"},
+        {"velocity_share_max", "0.001", "0", "0 is below 0.001"},
+        {"velocity_share_max", "1", "1.01", "1.01 is above 1"},
         {"session_gap_s", "1", "0.5", "0.5 is below 1 s"},
     };
     for (const auto& c : cases) {

@@ -59,15 +59,27 @@ bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows) {
            change([](const ScreenedEpoch& row) { return row.recorded_speed_m_s; });
 }
 
+std::vector<bool> velocities_of_other_moments(const std::vector<ScreenedEpoch>& rows,
+                                              const std::optional<VelocityComparison>& velocity) {
+    std::vector<bool> others(rows.size(), false);
+    if (!velocity) return others;
+    for (const VelocityDelay& one : velocity->delays)
+        for (std::size_t i = 0; one.beyond && i < rows.size(); ++i)
+            if (rows[i].epoch >= one.first_epoch && rows[i].epoch <= one.last_epoch)
+                others[i] = true;
+    return others;
+}
+
 template <int Axes>
 std::vector<TimedVelocity<Axes>> timed_velocities(const std::vector<ScreenedEpoch>& rows,
                                                   const Directions& directions,
-                                                  double nominal_interval_s) {
+                                                  double nominal_interval_s,
+                                                  const std::vector<bool>& left_out) {
     const double longest_s = longest_step * std::max(1.0, nominal_interval_s);
     std::vector<TimedVelocity<Axes>> velocities;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto velocity = recorded_velocity<Axes>(rows[i], directions[i]);
-        if (!velocity || is_out_of_time(rows[i])) continue;
+        if (!velocity || left_out[i] || is_out_of_time(rows[i])) continue;
         const double time_s = rows[i].time.seconds();
         const double step_s = velocities.empty() ? 0.0 : time_s - velocities.back().time_s;
         const std::int64_t stretch =
@@ -137,7 +149,9 @@ std::optional<VelocityWitness<Axes>> velocity_witness(const ScreenedTable& table
     if (errors == all.end()) return std::nullopt;
     const VelocityErrorModel model = model_of(*errors);
     if (!model.is_known()) return std::nullopt;
-    auto samples = timed_velocities<Axes>(table.rows, directions, table.facts.nominal_interval_s);
+    auto samples =
+        timed_velocities<Axes>(table.rows, directions, table.facts.nominal_interval_s,
+                               velocities_of_other_moments(table.rows, table.basis.velocity));
     if (samples.empty()) return std::nullopt;
     const auto motion =
         std::ranges::find(table.basis.models, tested_axes<Axes>, &ScreeningModel::axes);
@@ -149,7 +163,7 @@ std::optional<VelocityWitness<Axes>> velocity_witness(const ScreenedTable& table
     template std::optional<PositionVector<AXES>> recorded_velocity<AXES>(                          \
         const ScreenedEpoch&, const std::optional<Eigen::Vector2d>&);                              \
     template std::vector<TimedVelocity<AXES>> timed_velocities<AXES>(                              \
-        const std::vector<ScreenedEpoch>&, const Directions&, double);                             \
+        const std::vector<ScreenedEpoch>&, const Directions&, double, const std::vector<bool>&);   \
     template std::vector<TimedPosition<AXES>> timed_positions<AXES>(                               \
         const std::vector<ScreenedEpoch>&);                                                        \
     template std::optional<double> stated_velocity_sigma<AXES>(const std::vector<ScreenedEpoch>&); \

@@ -27,13 +27,19 @@ std::optional<PositionVector<Axes>> recorded_velocity(
 /// Whether the recorded velocities ever change: a field that the receiver does not fill does not.
 bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows);
 
-/// What a table records, for a witness: rows in order of time, also those that are not usable,
-/// whose velocity may be right. A stretch ends where more than 2.5 s, or intervals, are without
-/// one.
+/// Whether each row lies in a stretch whose delay is not taken off: its recorded velocity is of
+/// another moment.
+std::vector<bool> velocities_of_other_moments(const std::vector<ScreenedEpoch>& rows,
+                                              const std::optional<VelocityComparison>& velocity);
+
+/// What a table records, for a witness, without the rows left out: rows in order of time, also
+/// those that are not usable, whose velocity may be right. A stretch ends where more than 2.5 s, or
+/// intervals, are without one.
 template <int Axes>
 std::vector<TimedVelocity<Axes>> timed_velocities(const std::vector<ScreenedEpoch>& rows,
                                                   const Directions& directions,
-                                                  double nominal_interval_s);
+                                                  double nominal_interval_s,
+                                                  const std::vector<bool>& left_out);
 
 /// The usable positions, with what is stated of them; a stretch is an arc.
 template <int Axes>

@@ -155,6 +155,17 @@ std::string refused_for_times(const ClauseContext& context) {
         shown_though_refused(context).empty() ? shown_anyhow(context) : "");
 }
 
+/// Why recorded velocities that are not those of these positions forbid a certificate by them: that
+/// there are no windows follows from it.
+std::string refused_for_unfit(const ClauseContext& context,
+                              const std::vector<Requirement>& requirements) {
+    const auto& velocity = context.input.judged.tests.velocity;
+    const auto asked =
+        std::ranges::find(requirements, Computation::recorded_speeds, &Requirement::decided_by);
+    if (!velocity || !velocity->unfit || asked == requirements.end()) return {};
+    return "Not met: " + asked->clause + ": " + asked->evidence + ".";
+}
+
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const auto failed = failed_clauses(requirements);
@@ -173,6 +184,8 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
         velocity && is_another_speed(*velocity))
         return another_speed_text(*velocity);
     if (std::string refused = refused_for_times(context); !refused.empty()) return refused;
+    if (std::string refused = refused_for_unfit(context, requirements); !refused.empty())
+        return refused;
     if (std::string refused = refused_for_decision(context); !refused.empty()) return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";

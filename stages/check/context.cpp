@@ -170,10 +170,16 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
+/// Whether it is of recorded velocities that contradict too many positions: they confirm nothing.
+bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
+    const auto& velocity = context.input.judged.tests.velocity;
+    return one.kind == WitnessKind::velocities && velocity && velocity->unfit;
+}
+
 /// What else than the positions speaks for the window. What the attempt states does not.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
-        if (one.normalised_error > 1.0) continue;
+        if (one.normalised_error > 1.0 || is_unfit(one, context)) continue;
         const bool sure = confirms(one, context);
         (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one));
         context.observed = context.observed || (sure && is_observed(one));
@@ -199,7 +205,7 @@ bool is_observed(const WitnessedSpeed& one) {
 }
 
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
-    return one.normalised_error <= 1.0 &&
+    return one.normalised_error <= 1.0 && !is_unfit(one, context) &&
            could_have_failed(2.0 * one.standard_uncertainty_m_s, context);
 }
 

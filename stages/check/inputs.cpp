@@ -13,8 +13,10 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
 }
 
 /// Whether there is something to compute an own clause from.
-bool is_computed(const Clause& own, const Attempt& attempt) {
+bool is_computed(const Clause& own, const Profile& profile, const Attempt& attempt) {
     if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
+    if (own.decided_by == Computation::recorded_speeds)
+        return profile.speed_source == SpeedSource::velocity;
     return own.decided_by != Computation::claims;
 }
 
@@ -24,7 +26,7 @@ std::vector<const Clause*> clauses_without_claims(const Profile& profile, const 
     for (const Clause& of_rule : profile.clauses)
         clauses.push_back(&of_rule);
     for (const Clause& own : own_clauses())
-        if (is_computed(own, attempt) && !asks(profile.clauses, own.decided_by))
+        if (is_computed(own, profile, attempt) && !asks(profile.clauses, own.decided_by))
             clauses.push_back(&own);
     return clauses;
 }

@@ -10,6 +10,7 @@
 #include "stages/window/budget.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
+#include "stages/window/velocity_moment.h"
 
 namespace runcert {
 namespace {
@@ -69,37 +70,22 @@ double mean_uncertainty(const ScreenedTable& screened, const ArcRows& arc, const
 }
 
 /// What the positions say of the window, so that velocities are never certified that the positions
-/// beside them do not show. Their uncertainty is that of both ends, with the rule's floor for a
-/// time-correlated error; that of the velocities what is stated for them, but no more than
-/// receivers of all kinds were seen to err by.
-WitnessedSpeed by_positions(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                            const ArcRows& arc, const Profile& profile, const FoundWindow& found,
-                            const CertifiableWindow& window, double stated_m_s) {
+/// beside them do not show. The uncertainty of the velocities is what is stated for them, but no
+/// more than receivers of all kinds were seen to err by.
+WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, double stated_m_s) {
     constexpr double largest_of_velocities_m_s = 0.5;
-    const double duration_s = found.end.seconds() - found.start.seconds();
-    double square_m2 = 0.0;
-    for (const std::size_t k : {found.first, found.last}) {
-        const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
-        const auto floor = profile.uncertainty.error_floor_m.find(
-            std::string(to_text(screened.rows[arc.rows[k]].fix)));
-        const double sigma_m = profile.dimension == Dimension::vertical
-                                   ? row.sigma_up_m.value_or(0.0)
-                                   : std::max(*row.sigma_east_m, *row.sigma_north_m);
-        square_m2 += sigma_m * sigma_m;
-        if (floor != profile.uncertainty.error_floor_m.end())
-            square_m2 += floor->second * floor->second;
-    }
     WitnessedSpeed witnessed;
     witnessed.kind = WitnessKind::positions;
     witnessed.origin = origin_of(witnessed.kind).front();
-    witnessed.speed_m_s = speed_by(window.definitions, profile.definition);
-    witnessed.standard_uncertainty_m_s = std::sqrt(square_m2) / duration_s;
+    witnessed.speed_m_s = track.speed_m_s;
+    witnessed.standard_uncertainty_m_s = track.standard_uncertainty_m_s;
     witnessed.position_standard_uncertainty_m_s = std::min(stated_m_s, largest_of_velocities_m_s);
     witnessed.difference_m_s = found.speed_m_s - witnessed.speed_m_s;
     witnessed.normalised_error = std::abs(witnessed.difference_m_s) /
                                  (2.0 * std::hypot(witnessed.standard_uncertainty_m_s,
                                                    witnessed.position_standard_uncertainty_m_s));
-    witnessed.apart_m = std::abs(witnessed.difference_m_s) * duration_s;
+    witnessed.apart_m =
+        std::abs(witnessed.difference_m_s) * (found.end.seconds() - found.start.seconds());
     return witnessed;
 }
 
@@ -151,7 +137,7 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     const double stated =
         std::max(mean_uncertainty(screened, arc, profile, found), least_uncertainty_m_s);
     window.witnesses.push_back(
-        by_positions(screened, trajectory, arc, profile, found, window, stated));
+        by_positions(track_speed(screened, trajectory, arc, profile, found), found, stated));
     const std::int64_t rivals = rivals_of(all, found.speed_m_s - selection_width * stated);
     const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
     window.budget.push_back(speed_row(

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "reports/words/figures.h"
+#include "reports/words/screening.h"
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/sample_series.h"
@@ -84,6 +85,18 @@ std::string gap_refusal(const ScreenedTable& screened, const LongestStep& step,
     return {};
 }
 
+/// Why recorded speeds inside are of another moment.
+std::string late_refusal(const ScreenedTable& screened, const WindowRows& window) {
+    const auto& velocity = screened.basis.velocity;
+    if (!velocity) return {};
+    const auto [first, last] =
+        std::ranges::minmax(window.rows, {}, [](const ScreenedEpoch* row) { return row->epoch; });
+    for (const VelocityDelay& one : velocity->delays)
+        if (one.beyond && one.first_epoch <= last->epoch && one.last_epoch >= first->epoch)
+            return "recorded speeds that are " + delay_words(one.delay_s) + " the positions";
+    return {};
+}
+
 std::vector<std::string> refusals_of(const ScreenedTable& screened, const WindowRows& window,
                                      const Profile& profile, const WindowConfig& config) {
     std::vector<Refused> reasons;
@@ -131,6 +144,9 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
                                            ? std::string("a jump")
                                            : fmt::format("{} jumps", window.jumps.size()),
                                        instant(*window.rows[window.jumps.front()])));
+    if (profile.speed_source == SpeedSource::velocity)
+        if (std::string late = late_refusal(screened, window); !late.empty())
+            refusals.push_back(std::move(late));
     if (const LongestStep step = longest_step(window.rows); step.after != nullptr)
         if (std::string gap = gap_refusal(screened, step, profile, config); !gap.empty())
             refusals.push_back(std::move(gap));

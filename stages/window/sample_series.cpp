@@ -5,6 +5,8 @@
 
 #include "core/tangent_plane.h"
 #include "estimation/tables/going_on.h"
+#include "estimation/tables/recorded_velocities.h"
+#include "stages/window/velocity_moment.h"
 
 namespace runcert {
 namespace {
@@ -91,6 +93,8 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
+    const std::vector<bool> others =
+        velocities_of_other_moments(screened.rows, screened.basis.velocity);
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     std::optional<double> before_s;
@@ -100,7 +104,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
         const bool step = !profile.repaired_steps && begins_after_step(row);
         const bool gap = longest_s && before_s && row.time.seconds() - *before_s > *longest_s;
         const bool silent = profile.speed_source == SpeedSource::velocity &&
-                            !recorded_speed(screened.rows[i], profile.dimension);
+                            (others[i] || !recorded_speed(screened.rows[i], profile.dimension));
         const bool obstacle = !out_of_time && (!row.usable || step || gap || silent);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (obstacle ? 1 : 0));
         if (!out_of_time) before_s = row.time.seconds();
@@ -207,8 +211,11 @@ std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
     const std::vector<std::int64_t> obstacles = obstacles_in(screened, trajectory, profile);
     std::vector<SampleSeries> series;
     series.reserve(arcs.size());
-    for (const ArcRows& arc : arcs)
+    for (const ArcRows& arc : arcs) {
         series.push_back(arc_series(screened, trajectory, arc, obstacles, profile));
+        if (profile.speed_source == SpeedSource::velocity)
+            move_to_moments(series.back(), delay_of_velocities(screened));
+    }
     return series;
 }
 

@@ -33,9 +33,10 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
 
 /// The arcs of a trajectory as the profile counts them, in order: positions without the offsets of
 /// bridged steps, and speeds, of the smoothed trajectory; or, where the profile takes recorded
-/// velocities, speeds as recorded and the path that they make. Heights of a vertical speed are
-/// above the ellipsoid. Unusable epochs, missing values, and bridged steps where the profile does
-/// not allow them, are obstacles.
+/// velocities, speeds as recorded, the path that they make, and positions of the same moments.
+/// Heights of a vertical speed are above the ellipsoid. Speeds of other moments
+/// (`velocities_of_other_moments`), unusable epochs, missing values, and bridged steps where the
+/// profile does not allow them, are obstacles.
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,

@@ -64,7 +64,8 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     if (auto velocities = velocity_witness<Axes>(screened, directions_of(trajectory)))
         witnesses.push_back(
             {.kind = WitnessKind::velocities,
-             .motion = std::make_shared<const VelocityWitness<Axes>>(*std::move(velocities))});
+             .motion = std::make_shared<const VelocityWitness<Axes>>(*std::move(velocities)),
+             .confirms = !screened.basis.velocity || !screened.basis.velocity->unfit});
     if (beside.phases)
         if (auto found = phase_witness<Axes>(beside.phases, beside.first_of_phases,
                                              trajectory.facts.first_epoch, trajectory.origin,
@@ -248,7 +249,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         witnessed.slips = within.slips;
         witnessed.refusals = within.refusals;
     }
-    if (witnessed.normalised_error <= 1.0)
+    if (witnessed.normalised_error <= 1.0 && witness.confirms)
         witnessed.share = share_of_position(positions.with_undetected_m_s, uncertainty_m_s);
     return witnessed;
 }

@@ -26,6 +26,7 @@ struct HeardWitness {
     std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
     /// It has the positions' own errors, and says nothing of any window.
     bool made_from_positions = false;
+    bool confirms = true;  ///< false: only a contradiction by it counts
 };
 
 template <int Axes>

@@ -116,7 +116,7 @@ TEST(OwnClauses, StandBesideThoseOfEveryRule) {
     }
     EXPECT_EQ(computations,
               (std::vector<std::string_view>{"time_scale", "recording_date", "measured_positions",
-                                             "stated_solution"}));
+                                             "stated_solution", "recorded_speeds"}));
 }
 
 TEST(BuiltinProfiles, Nalsa) {

@@ -14,7 +14,8 @@ using Pairs = std::span<const SpeedPair>;
 using Places = std::vector<double>;
 
 constexpr std::size_t bins_of_block = 10;
-/// A stretch tells no delay by fewer bins; nor in less time, or half of a shorter recording.
+/// A stretch tells no delay by fewer bins; nor in less time, or half of a shorter recording,
+/// which is a minute at least.
 constexpr std::size_t least_bins = 30;
 constexpr double least_s = 120.0;
 /// The price of a change of the delay: what the speeds change by in so many seconds.
@@ -174,7 +175,8 @@ std::optional<DelayStretch> told_by(const Binned& bins, const Run& run, double l
     }
     const double compared_s = bins.step_s * static_cast<double>(speeds.size());
     const double whole_s = bins.step_s * static_cast<double>(bins.recorded.size());
-    if (speeds.size() < least_bins || compared_s < std::min(least_s, 0.5 * whole_s))
+    if (speeds.size() < least_bins ||
+        compared_s < std::clamp(0.5 * whole_s, 0.5 * least_s, least_s))
         return std::nullopt;
     const auto count = static_cast<double>(speeds.size());
     const double typical = median(speeds);

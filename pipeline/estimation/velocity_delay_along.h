@@ -34,12 +34,12 @@ struct DelayStretch {
 };
 
 /// The delays d of |v_recorded|(t) = |v|(t - d), in order of time: those whose differences of the
-/// speeds, summed over time with a price for each change of the delay, are the least [Viterbi67]. Of
-/// delays that explain the speeds alike the smaller is taken, and late rather than early. Left out
-/// are stretches of less than two minutes (or half of a shorter recording), those of which the
-/// delay leaves more than three tenths of what the speeds change by, and delays beyond `limit_s`
-/// that explain no fifth more than the best within it. `pairs`: rows in the recording's order; a
-/// time that goes back begins another session. Never fails.
+/// speeds, summed over time with a price for each change of the delay, are the least [Viterbi67].
+/// Of delays that explain the speeds alike the smaller is taken, and late rather than early. Left
+/// out are stretches of less than two minutes (half of a shorter recording, a minute at least),
+/// those of which the delay leaves more than three tenths of what the speeds change by, and delays
+/// beyond `limit_s` that explain no fifth more than the best within it. `pairs`: rows in the
+/// recording's order; a time that goes back begins another session. Never fails.
 std::vector<DelayStretch> delays_along(std::span<const SpeedPair> pairs, double limit_s);
 
 }  // namespace runcert::velocities

@@ -242,12 +242,13 @@ void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_
         least = square;
         stretch.delay_s = delay_s;
     }
-    // Motion that repeats itself fits a period later as well: the best within the limit, as finely,
-    // must be clearly worse.
+    // Motion that repeats itself fits a period later as well, and may do so better by chance than
+    // the nearest whole interval: the best within the limit, more finely, must be clearly worse.
     constexpr double clearly = better_than_within * better_than_within;
+    constexpr double parts = 8.0;
     double least_within = std::numeric_limits<double>::infinity(), within_s = 0.0;
     for (double delay_s = 0.0; std::abs(stretch.delay_s) > limit_s && delay_s <= limit_s;
-         delay_s += bins.interval_s)
+         delay_s += std::max(0.05, bins.interval_s / parts))
         for (const double either_s : {delay_s, -delay_s})
             if (const double square = square_at(either_s); square < least_within) {
                 least_within = square;

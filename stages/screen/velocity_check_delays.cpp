@@ -49,7 +49,7 @@ std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& row
     std::vector<std::int64_t> epochs;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const ScreenedEpoch& row = rows[i];
-        if (row.reason == Reason::duplicate_time || row.reason == Reason::backward_time) continue;
+        if (is_out_of_time(row)) continue;
         SpeedPair& pair = pairs.emplace_back();
         pair.time_s = row.time.seconds();
         pair.recorded_m_s = recorded_length(row);

@@ -27,10 +27,10 @@ Receiver receiver_of(const Format& format) {
 }
 
 const std::vector<Format> formats{
-    {"gpx", gpx, false},
-    {"nmea", nmea, true},
-    {"csv", csv, false},
-    {"flysight", flysight, true},
+    {"gpx", late_speeds::gpx, false},
+    {"nmea", late_speeds::nmea, true},
+    {"csv", late_speeds::csv, false},
+    {"flysight", late_speeds::flysight, true},
     {"fit", [](const auto& rows) { return late_speeds::fit(rows, runcert::fit::crc16); }, false}};
 
 Inspection inspected(const Format& format, const Recorded& recorded) {

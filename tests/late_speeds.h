@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -16,16 +17,29 @@
 
 namespace runcert::late_speeds {
 
-/// Legs at full speed towards east and west, and slow half circles between them.
+/// Legs towards east and west, up to full speed and down again, and slow half circles between them.
 struct Board {
     double leg_s = 60.0, leg_m_s = 12.0;
     double turn_s = 25.0, turn_m_s = 2.0;
+    double acceleration_m_s2 = 2.0;
     double longer_s = 0.0;  ///< each leg than the one before
     double sails_s = 315.0;
 
     struct Motion {
         double east_m = 0.0, north_m = 0.0, speed_m_s = 0.0, course_deg = 0.0;
     };
+
+    double ramp_s() const { return (leg_m_s - turn_m_s) / acceleration_m_s2; }
+    /// So long after a leg's beginning, or before its end, while the speed changes.
+    double on_ramp_m(double time_s) const {
+        return time_s * (turn_m_s + 0.5 * acceleration_m_s2 * time_s);
+    }
+    double on_leg_m(double time_s, double this_leg_s) const {
+        const double full_s = std::clamp(time_s - ramp_s(), 0.0, this_leg_s - 2.0 * ramp_s());
+        const double slows_s = std::max(0.0, time_s - this_leg_s + ramp_s());
+        return on_ramp_m(std::min(time_s, ramp_s())) + leg_m_s * full_s + on_ramp_m(ramp_s()) -
+               on_ramp_m(ramp_s() - slows_s);
+    }
 
     /// Before it begins and after it has sailed it stands.
     Motion at(double time_s) const {
@@ -34,8 +48,9 @@ struct Board {
         const double radius_m = turn_m_s * turn_s / std::numbers::pi;
         while (left_s > 0.0) {
             const double on_leg_s = std::min(left_s, this_leg_s);
-            motion.east_m += direction * leg_m_s * on_leg_s;
-            motion.speed_m_s = leg_m_s;
+            motion.east_m += direction * on_leg_m(on_leg_s, this_leg_s);
+            motion.speed_m_s = std::min(
+                leg_m_s, turn_m_s + acceleration_m_s2 * std::min(on_leg_s, this_leg_s - on_leg_s));
             motion.course_deg = direction > 0.0 ? 90.0 : 270.0;
             left_s -= on_leg_s;
             if (left_s <= 0.0) break;

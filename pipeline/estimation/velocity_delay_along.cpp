@@ -71,6 +71,27 @@ struct Binned {
     }
 };
 
+/// How many times those by positions the recorded speeds are, whatever their delay: by the medians
+/// of both among as many of the fastest as move at half the speed of nearly the fastest or more.
+double scale_of_speeds(Pairs pairs) {
+    constexpr double nearly_all = 0.98;  // the rest may be wrong
+    std::vector<double> recorded, by_positions;
+    for (const SpeedPair& pair : pairs) {
+        if (!pair.recorded_m_s || !pair.by_positions_m_s) continue;
+        recorded.push_back(*pair.recorded_m_s);
+        by_positions.push_back(*pair.by_positions_m_s);
+    }
+    if (recorded.empty()) return 1.0;
+    std::ranges::sort(recorded);
+    std::ranges::sort(by_positions);
+    const auto last = static_cast<double>(by_positions.size() - 1);
+    const double fast_m_s = 0.5 * by_positions[static_cast<std::size_t>(nearly_all * last)];
+    const auto slow = std::ranges::lower_bound(by_positions, fast_m_s) - by_positions.begin();
+    const std::size_t middle = (static_cast<std::size_t>(slow) + by_positions.size() - 1) / 2;
+    const double scale = recorded[middle] / by_positions[middle];
+    return scale > 0.0 && std::isfinite(scale) ? scale : 1.0;
+}
+
 std::vector<double> means(Pairs pairs, const Places& places, double step_s,
                           std::optional<double> SpeedPair::*which) {
     std::vector<double> sums(static_cast<std::size_t>(places.back() / step_s) + 1, 0.0);
@@ -124,7 +145,7 @@ std::vector<std::ptrdiff_t> delays_of_blocks(const Binned& bins) {
     const auto states = static_cast<std::size_t>(2 * bins.range + 1);
     const double price_m = change_s * bins.spread_m_s;
     // Late rather than early, and as little of either as explains the speeds.
-    constexpr double late = 0.05, early = 0.2;
+    constexpr double late = 0.05, early = 0.5;
     std::vector<double> least(states);
     for (std::size_t s = 0; s < states; ++s) {
         const double delay_s =
@@ -161,7 +182,7 @@ struct Run {
 
 /// The mean differences of a run, where the motion of its delay is known; nothing where they tell
 /// no delay.
-std::optional<DelayStretch> told_by(const Binned& bins, const Run& run, double limit_s) {
+std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, double limit_s) {
     const auto limit = static_cast<std::ptrdiff_t>(std::ceil(limit_s / bins.step_s));
     std::vector<double> within(static_cast<std::size_t>(2 * limit + 1), 0.0);
     std::vector<double> speeds;
@@ -259,13 +280,6 @@ void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_
         stretch.delay_s = within_s;
         stretch.difference_m_s = stretch.difference_within_m_s;
     }
-    // Between two intervals, the longer: what is beyond the limit is named, and not taken off.
-    constexpr double alike = 1.1;
-    const double longer_s = stretch.delay_s + std::copysign(bins.interval_s, stretch.delay_s);
-    if (std::abs(stretch.delay_s) > limit_s && square_at(longer_s) < alike * least) {
-        stretch.delay_s = longer_s;
-        least = square_at(longer_s);
-    }
     const double beside_s = bins.step_s;
     const double curvature =
         (0.5 * (square_at(stretch.delay_s - beside_s) + square_at(stretch.delay_s + beside_s)) -
@@ -284,9 +298,13 @@ bool DelayStretch::is_beyond(double limit_s) const {
     return std::abs(delay_s) - 2.0 * sigma_s > limit_s;
 }
 
-std::vector<DelayStretch> delays_along(Pairs pairs, double limit_s) {
+std::vector<DelayStretch> delays_along(Pairs recorded, double limit_s) {
     std::vector<DelayStretch> stretches;
-    if (pairs.empty()) return stretches;
+    if (recorded.empty()) return stretches;
+    std::vector<SpeedPair> pairs(recorded.begin(), recorded.end());
+    const double scale = scale_of_speeds(pairs);
+    for (SpeedPair& pair : pairs)
+        if (pair.recorded_m_s) *pair.recorded_m_s /= scale;
     const Places places = places_of(pairs);
     const auto bins = binned(pairs, places);
     if (!bins) return stretches;
@@ -297,7 +315,7 @@ std::vector<DelayStretch> delays_along(Pairs pairs, double limit_s) {
         const Run run{.first = b * bins_of_block,
                       .end = std::min(end * bins_of_block, bins->recorded.size()),
                       .delay = delays[b]};
-        auto told = told_by(*bins, run, limit_s);
+        auto told = stretch_of(*bins, run, limit_s);
         if (!told) continue;
         const auto row_at = [&](std::size_t bin) {
             return static_cast<std::size_t>(

@@ -26,15 +26,16 @@ struct DelayStretch {
     double delay_s = 0.0;
     double sigma_s = 0.0;
     /// Mean of the differences of the speeds, without their signs: at this delay, and at the best
-    /// within the limit.
+    /// within the limit; of the recorded speeds by their factor.
     double difference_m_s = 0.0;
     double difference_within_m_s = 0.0;
 
     bool is_beyond(double limit_s) const;
 };
 
-/// The delays d of |v_recorded|(t) = |v|(t - d), in order of time: those whose differences of the
-/// speeds, summed over time with a price for each change of the delay, are the least [Viterbi67].
+/// The delays d of |v_recorded|(t) = c |v|(t - d), in order of time, with one factor c for all:
+/// those whose differences of the speeds, summed over time with a price for each change of the
+/// delay, are the least [Viterbi67].
 /// Of delays that explain the speeds alike the smaller is taken, and late rather than early. Left
 /// out are stretches of less than two minutes (half of a shorter recording, a minute at least),
 /// those of which the delay leaves more than three tenths of what the speeds change by, and delays

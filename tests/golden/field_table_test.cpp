@@ -41,6 +41,7 @@ const Names without_unit{
     "screening.velocity.sigma_ratio", "screening.largest_decision.share",
     "screening.largest_decision.statistic", "screening.largest_decision.threshold",
     "parameters.screen.decision_share_max", "parameters.screen.time_share_max",
+    "parameters.screen.velocity_share_max", "screening.velocity.contradicted_share",
     "witnesses[].normalised_error", "witnesses[].share", "screening.time.rate_deviation",
     "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities

@@ -20,7 +20,7 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
-    EXPECT_EQ(attempt.overrides.size(), 41U);
+    EXPECT_EQ(attempt.overrides.size(), 42U);
 }
 
 TEST(GoldenAttempt, RecordingsAndRawObservations) {

@@ -66,6 +66,7 @@ Profile profile() {
                        clause("fastest_certifiable"),
                        clause("time_scale"),
                        clause("recording_date"),
+                       clause("recorded_speeds"),
                        clause("measured_positions"),
                        clause("stated_solution")};
     return profile;

@@ -21,6 +21,38 @@ TEST(UbxTime, GpsTimeOfWeekCorrectsLeapSecondsThatTheReceiverHasYetToLearn) {
     EXPECT_TRUE(has_note(read, "whole seconds off the GPS time of week"));
 }
 
+TEST(UbxTime, AWeekThatIsRolledOverIsToldByTheLeapSecondsCounted) {
+    // 1024 and 2048 weeks before 2023-07-11, when there were 18 leap seconds, and 13 and 3 then.
+    const auto dated = [](int year, int month, int day, int second) {
+        return frame(
+            1, 7, pvt().put(4, year, 2).put(6, month, 1).put(7, day, 1).put(10, second, 1).bytes());
+    };
+    const GpsTime right = instant(read_ubx(pvt_frame(0)), 0);
+    for (const auto& [year, month, day] : {std::array{2003, 11, 25}, std::array{1984, 4, 10}}) {
+        const Observations read = read_ubx(dated(year, month, day, 30));
+        EXPECT_EQ(instant(read, 0), right);
+        EXPECT_TRUE(has_note(read, "1024 or 2048 too small"));
+        EXPECT_FALSE(has_note(read, "whole seconds off"));
+    }
+    // As many as there were then, or were never: the date may be right.
+    for (const int counted : {13, 15, 25}) {
+        const Observations read = read_ubx(dated(2003, 11, 25, 48 - counted));
+        EXPECT_EQ(instant(read, 0).calendar().year, 2003);
+        EXPECT_FALSE(has_note(read, "too small"));
+    }
+    // NAV-TIMEGPS says how many it counts, and whether it knows.
+    for (const bool knows : {true, false}) {
+        const Payload timegps = Payload(16)
+                                    .put(0, first_tow_ms, 4)
+                                    .put(8, right.week() - 1024, 2)
+                                    .put(10, 18, 1)
+                                    .put(11, knows ? 7 : 3, 1);
+        const std::string posllh = frame(1, 2, Payload(28).put(0, first_tow_ms, 4).bytes());
+        const Observations read = read_ubx(posllh + frame(1, 0x20, timegps.bytes()));
+        EXPECT_EQ(instant(read, 0).calendar().year, knows ? 2023 : 2003);
+    }
+}
+
 TEST(UbxTime, LeapSecondAndEndOfWeek) {
     // 2016-12-31 was a Saturday: the leap second is the week's 17th second in GPS time.
     const auto at = [](std::int64_t tow_ms, int year, int month, int day, int hms, int nano) {

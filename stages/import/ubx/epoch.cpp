@@ -1,6 +1,7 @@
 #include "stages/import/ubx/epoch.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -114,6 +115,29 @@ FixType fix_of(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return fix_of_pvt(epoch[Part::pvt]);
     if (epoch.has(Part::sol)) return fix_at(epoch[Part::sol], 10);
     return epoch.has(Part::status) ? fix_at(epoch[Part::status], 4) : FixType::unknown;
+}
+
+/// So much GPS time is ahead of UTC (s); nothing where it is not announced.
+std::optional<std::int64_t> leap_seconds_at(GpsTime time) {
+    UtcTime utc = utc_from_gps(time);
+    if (!utc.leap_seconds_known) return std::nullopt;
+    utc.time.second = std::min(utc.time.second, 59);
+    return time.nanoseconds_since(GpsTime::from_calendar(utc.time)) /
+           GpsTime::nanoseconds_per_second;
+}
+
+/// The instant, a rollover or two of the GPS week later, at which there were as many leap seconds
+/// as the receiver counts; nothing where it counts no more than there were at the instant itself.
+/// No receiver knows of leap seconds to come years later, whereas old ones lose 1024 weeks.
+std::optional<GpsTime> after_rollovers(GpsTime shown, std::int64_t counted) {
+    constexpr std::int64_t rollover_ns = 1024 * GpsTime::nanoseconds_per_week;
+    const auto then = leap_seconds_at(shown);
+    if (!then || counted <= *then) return std::nullopt;
+    for (const std::int64_t rollovers : {1, 2}) {
+        const GpsTime later = shown.plus_nanoseconds(rollovers * rollover_ns);
+        if (leap_seconds_at(later) == counted) return later;
+    }
+    return std::nullopt;
 }
 
 /// GPS week, time of week and the rest to it, as TIMEGPS and SOL have them; nothing where the
@@ -251,7 +275,8 @@ std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
     if (!epoch.has_utc()) {
         const std::optional<GpsTime> time = gps_time_of(epoch);
         if (!time) ++tally_.without_time;
-        return time;
+        if (!time || !epoch.has(Part::timegps) || !bit(epoch[Part::timegps], 11, 2)) return time;
+        return in_true_week(*time, number<std::int8_t>(epoch[Part::timegps], 10)).value_or(*time);
     }
     const RoundedUtc utc = utc_of(epoch);
     if (!utc.valid) {
@@ -270,8 +295,18 @@ std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
     const std::int64_t seconds = (off + (off < 0 ? -second : second) / 2) / second;
     constexpr std::int64_t most_leap_seconds = 40;
     if (seconds == 0 || std::abs(seconds) > most_leap_seconds) return shown;
+    const GpsTime counted = shown.plus_nanoseconds(seconds * second);
+    const auto then = leap_seconds_at(shown);
+    if (const auto later = then ? in_true_week(counted, *then + seconds) : std::nullopt)
+        return later;
     ++tally_.other_second;
-    return shown.plus_nanoseconds(seconds * second);
+    return counted;
+}
+
+std::optional<GpsTime> RowMaker::in_true_week(GpsTime shown, std::int64_t leap_seconds) {
+    const std::optional<GpsTime> later = after_rollovers(shown, leap_seconds);
+    if (later) ++tally_.rolled_over;
+    return later;
 }
 
 void RowMaker::set_place(Observation& row, const Epoch& epoch) {

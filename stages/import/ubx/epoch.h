@@ -59,6 +59,7 @@ struct RowTally {
     std::int64_t without_time = 0;    ///< epochs left out
     std::int64_t in_utc = 0;          ///< epochs whose time is of UTC
     std::int64_t other_second = 0;    ///< UTC whole seconds off the GPS time of week
+    std::int64_t rolled_over = 0;     ///< dates of a GPS week that was 1024 or 2048 too small
     std::int64_t of_solution = 0;     ///< positions of SOL
     std::int64_t high_precision = 0;  ///< positions of HPPOSLLH
     std::int64_t standard_precision = 0;
@@ -78,6 +79,7 @@ class RowMaker {
 
   private:
     std::optional<GpsTime> instant(const Epoch& epoch);
+    std::optional<GpsTime> in_true_week(GpsTime shown, std::int64_t leap_seconds);
     void set_place(Observation& row, const Epoch& epoch);
 
     const RecordingBytes& recording_;

@@ -182,6 +182,12 @@ class Reader {
             "Epochs whose UTC is whole seconds off the GPS time of week, because the receiver had "
             "yet to receive the leap seconds; the time of week counts",
             tally.other_second);
+        note(
+            "Epochs dated by a GPS week that is 1024 or 2048 too small, a rollover that the "
+            "receiver "
+            "does not know of. They are dated as many weeks later, to when there were as many leap "
+            "seconds as it counts",
+            tally.rolled_over);
         note("Epochs that are two-dimensional solutions, whose height was assumed and not measured",
              tally.in_plane);
         note(

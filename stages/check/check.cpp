@@ -116,27 +116,13 @@ std::string shown_though_refused(const ClauseContext& context) {
     if (shown_m_s < context.required_speed->speed_m_s) return {};
     const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
     return fmt::format(
-        "The recording shows {} {} {}, at or above the required {} {}. That window cannot be "
-        "certified (it holds {}).",
-        context.shown ? beside(*context.shown, shown_m_s, SafeSide::down)
-                      : format_fixed(shown_m_s / metres_per_second(unit.name), 2),
-        unit.name, beginning_text(indicated->span),
+        "The recording shows {}, at or above the required {} {}. That window cannot be certified "
+        "(it holds {}).",
+        indicated_text(context),
         context.shown
             ? context.shown->required_speed
             : format_fixed(context.required_speed->speed_m_s / metres_per_second(unit.name), 2),
         unit.name, fmt::join(indicated->refusals, ", "));
-}
-
-/// The speed that the recording shows, whatever of it can be certified.
-std::string shown_anyhow(const ClauseContext& context) {
-    const auto& indicated = context.windows.indicated;
-    if (!indicated) return {};
-    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
-    return fmt::format(
-        " The recording shows {} {} {}.",
-        format_fixed(
-            indicated->mean_m_s.value_or(indicated->speed_m_s) / metres_per_second(unit.name), 2),
-        unit.name, beginning_text(indicated->span));
 }
 
 /// Why the times of a recording forbid a certificate: too many of them contradict the others.
@@ -148,11 +134,14 @@ std::string refused_for_times(const ClauseContext& context) {
     const double share_max =
         context.input.attempt.parameters.at("screen").at("time_share_max").get<double>();
     if (left_out == 0 || share <= share_max) return {};
-    return fmt::format(
+    std::string refused = fmt::format(
         "{} of {} epochs were left out for their times alone, more than {:g} % "
-        "(screen.time_share_max): which times are right cannot be told.{}",
-        left_out, epochs, 100.0 * share_max,
-        shown_though_refused(context).empty() ? shown_anyhow(context) : "");
+        "(screen.time_share_max): which times are right cannot be told.",
+        left_out, epochs, 100.0 * share_max);
+    // A speed that would reach the record is named anyhow.
+    if (context.windows.indicated && shown_though_refused(context).empty())
+        refused += " The recording shows " + indicated_text(context) + ".";
+    return refused;
 }
 
 /// Why recorded velocities that are not those of these positions forbid a certificate by them: that

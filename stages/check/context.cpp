@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/rounding.h"
 #include "core/uncertainty.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
@@ -238,6 +239,16 @@ std::string witness_text(const WitnessedSpeed& one) {
         "{} give {} over the window, {:+.3f} km/h against {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), speed,
         -one.difference_m_s * 3.6, compared_with(one.kind), one.normalised_error);
+}
+
+std::string indicated_text(const ClauseContext& context) {
+    const IndicatedWindow& indicated = *context.windows.indicated;
+    const double speed_m_s = indicated.mean_m_s.value_or(indicated.speed_m_s);
+    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
+    return fmt::format("{} {} {}",
+                       context.shown ? beside(*context.shown, speed_m_s, SafeSide::down)
+                                     : format_fixed(speed_m_s / metres_per_second(unit.name), 2),
+                       unit.name, beginning_text(indicated.span));
 }
 
 /// The drift that positions alone could not have shown, where nothing else was heard.

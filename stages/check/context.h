@@ -35,6 +35,10 @@ std::string_view compared_with(WitnessKind kind);
 /// Which witness it is, with "the".
 std::string witness_name(const WitnessedSpeed& one);
 
+/// The fastest speed that the recording shows, whatever of it can be certified, and where, in the
+/// rule's unit: "44.12 kn at 10:03:43.0 UTC". The windows must have one.
+std::string indicated_text(const ClauseContext& context);
+
 /// The smallest drift (m/s) of the positions over the window that their tests would have found with
 /// the stated power; nothing where a witness was heard, or the rule takes recorded velocities.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context);

@@ -11,13 +11,11 @@
 namespace runcert {
 namespace {
 
-/// "; the recorded velocities show 42.96 km/h at 10:03:43.0 UTC": what a refused window shows is
+/// "; the recorded velocities show 23.20 kn at 10:03:43.0 UTC": what a refused window shows is
 /// named.
 std::string shown_speed(const ClauseContext& context) {
-    const auto& indicated = context.windows.indicated;
-    if (!indicated) return {};
-    return fmt::format("; the recorded velocities show {:.2f} km/h {}", indicated->speed_m_s * 3.6,
-                       beginning_text(indicated->span));
+    if (!context.windows.indicated) return {};
+    return "; the recorded velocities show " + indicated_text(context);
 }
 
 /// What the positions say of the windows that the speed is made of: the one that agrees least.

@@ -19,7 +19,6 @@ constexpr std::size_t faults_kept = 1000;
 constexpr double largest_clock_error = 2e-2;
 constexpr double time_coverage = 5.0;
 constexpr double stamp_rounding_s = 1e-3;
-constexpr double craft_acceleration_m_s2 = 10.0;
 
 double step_before(const std::vector<EnuEpoch>& rows, std::size_t row) {
     return seconds_between(rows[row - 1], rows[row]);
@@ -207,14 +206,6 @@ std::optional<Sides> sides_of(const std::vector<EnuEpoch>& rows, std::size_t row
     return sides;
 }
 
-/// The least displacement (m) in `time_s` of a craft that has `speed_m_s` at both ends and does not
-/// turn round.
-double least_displacement(double speed_m_s, double time_s) {
-    const double a = craft_acceleration_m_s2;
-    const bool can_stop = 2.0 * speed_m_s <= a * time_s;
-    return can_stop ? speed_m_s * speed_m_s / a : speed_m_s * time_s - a * time_s * time_s / 4.0;
-}
-
 /// Whether the craft moved over the step as in one interval, and certainly not as in the step.
 bool moved_as_in_one_interval(const Sides& sides, double step_s, double interval_s) {
     const double allowed_m =
@@ -223,7 +214,7 @@ bool moved_as_in_one_interval(const Sides& sides, double step_s, double interval
     const double sure_speed_m_s = std::min(sides.before.norm(), sides.after.norm()) -
                                   time_coverage * sides.sigma_velocity_m_s;
     if (sure_speed_m_s <= 0.0) return false;
-    if (least_displacement(sure_speed_m_s, std::abs(step_s)) <= expected.norm() + 2.0 * allowed_m)
+    if (least_displacement_m(sure_speed_m_s, step_s) <= expected.norm() + 2.0 * allowed_m)
         return false;
     const double change_m_s = (sides.after - sides.before).norm();
     if (change_m_s > 3.0 * craft_acceleration_m_s2 * interval_s +

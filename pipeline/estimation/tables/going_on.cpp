@@ -7,7 +7,6 @@ namespace runcert {
 namespace {
 
 constexpr double coverage = 5.0;
-constexpr double craft_acceleration_m_s2 = 10.0;
 
 bool is_located(const EnuEpoch& row) {
     return row.fix != FixType::none && row.east_m && row.north_m;
@@ -44,6 +43,13 @@ Eigen::Vector3d mean_velocity(const RecordedStep& step) {
 
 }  // namespace
 
+double least_displacement_m(double speed_m_s, double time_s) {
+    const double a = craft_acceleration_m_s2, within_s = std::abs(time_s);
+    const bool can_stop = 2.0 * speed_m_s <= a * within_s;
+    return can_stop ? speed_m_s * speed_m_s / a
+                    : speed_m_s * within_s - a * within_s * within_s / 4.0;
+}
+
 double seconds_between(const EnuEpoch& earlier, const EnuEpoch& later) {
     // As integers the difference of stamps centuries apart would overflow.
     return (static_cast<double>(later.time.nanoseconds) -
@@ -68,17 +74,13 @@ bool goes_on(const RecordedStep& step, double step_s) {
 
 bool clock_jumped(const RecordedStep& step, double stamped_s, double interval_s) {
     if (!step.before || !step.after || !goes_on(step, interval_s)) return false;
-    const double time_s = std::abs(stamped_s);
-    const double a = craft_acceleration_m_s2;
     const double noise_m = coverage * 2.0 * std::sqrt(variance(*step.from) + variance(*step.to));
     const double speed_m_s =
         std::min(step.before->norm(), step.after->norm()) - noise_m / interval_s;
     if (speed_m_s <= 0.0) return false;
-    const bool can_stop = 2.0 * speed_m_s <= a * time_s;
-    const double least_m =
-        can_stop ? speed_m_s * speed_m_s / a : speed_m_s * time_s - a * time_s * time_s / 4.0;
     const double way_m = mean_velocity(step).norm() * interval_s;
-    return least_m > way_m + 2.0 * (noise_m + a * interval_s * interval_s / 2.0);
+    return least_displacement_m(speed_m_s, stamped_s) >
+           way_m + 2.0 * (noise_m + craft_acceleration_m_s2 * interval_s * interval_s / 2.0);
 }
 
 }  // namespace runcert

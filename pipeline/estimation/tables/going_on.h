@@ -17,6 +17,13 @@ struct RecordedStep {
     std::optional<Eigen::Vector3d> before, after;
 };
 
+/// No craft changes its speed faster.
+inline constexpr double craft_acceleration_m_s2 = 10.0;
+
+/// The least displacement (m) in `time_s`, of either sign, of a craft that has `speed_m_s` at both
+/// ends and does not turn round: it brakes to a stand if it can, and takes up its speed again.
+double least_displacement_m(double speed_m_s, double time_s);
+
 /// A later less an earlier time (s), whatever they are.
 double seconds_between(const EnuEpoch& earlier, const EnuEpoch& later);
 
@@ -31,8 +38,8 @@ std::optional<Eigen::Vector3d> velocity_between(const EnuEpoch& from, const EnuE
 bool goes_on(const RecordedStep& step, double step_s);
 
 /// Whether the craft certainly did not take the time of the stamps for the step, but one interval:
-/// it goes on so, and is so fast that even if it braked at 10 m/s^2 to a stand and took up its
-/// speed again, it would have come further. `stamped_s` may be of either sign.
+/// it goes on so, and is so fast that it would have come further (`least_displacement_m`).
+/// `stamped_s` may be of either sign.
 bool clock_jumped(const RecordedStep& step, double stamped_s, double interval_s);
 
 }  // namespace runcert

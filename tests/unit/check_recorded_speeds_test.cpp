@@ -107,7 +107,7 @@ TEST(RecordedSpeeds, ThatContradictTooManyEpochsAreNoSource) {
           "m/s, at that delay by 0.30 m/s)",
           "contradict the positions at 96 % of the epochs, more than 5 % "
           "(screen.velocity_share_max)",
-          "the recorded velocities show 136.4"})
+          "the recorded velocities show 219.600 km/h"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
 

@@ -94,8 +94,8 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
         extras.push_back(
             shown(name) +
             (name.starts_with(program_leftover)
-                 ? ": left by a program that was killed, or put here by somebody: certify again, "
-                   "which clears away what is yours, or move it away"
+                 ? ": left by a program that was killed, or put here by somebody: give the "
+                   "command again, which clears away what is yours, or move it away"
              : link ? ": a symbolic link, not part of the report: remove it"
                     : ": not part of the report: move it away"));
     }

@@ -44,6 +44,7 @@ class TimeJudgement {
         }
         leave_out_strays();
         mark_left_out();
+        thin_out();
         put_in_order();
         return std::move(order_);
     }
@@ -263,6 +264,19 @@ class TimeJudgement {
         beside = nullptr;
         for (std::size_t row = rows_.size(); row-- > 0;)
             compare(row);
+    }
+
+    void thin_out() {
+        constexpr double least_of_interval = 0.05;
+        std::optional<std::size_t> before;
+        for (const auto& [start_ns, b] : kept_)
+            for (std::size_t row = blocks_[b].first; row <= blocks_[b].last; ++row) {
+                if (order_.standing[row] != TimeStanding::in_order) continue;
+                if (before && step_s(*before, row) < least_of_interval * options_.interval_s)
+                    order_.standing[row] = TimeStanding::same_time;
+                else
+                    before = row;
+            }
     }
 
     void put_in_order() {

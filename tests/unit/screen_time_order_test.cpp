@@ -67,6 +67,16 @@ TEST(TimeOrder, OfAGoodRecordingIsItsOwn) {
     EXPECT_TRUE(std::ranges::is_sorted(order.rows));
 }
 
+TEST(TimeOrder, OfEpochsNextToNoTimeApartOneStays) {
+    Rows rows = recorded(500);
+    shift(rows, 200, 1, 0.096);
+    shift(rows, 300, 1, 0.094);
+    const TimeOrder order = ordered(rows);
+    expect_in_order(rows, order);
+    EXPECT_EQ(left_out(order), std::vector<std::size_t>{201});
+    EXPECT_EQ(order.standing[201], TimeStanding::same_time);
+}
+
 TEST(TimeOrder, FewEpochsAheadOrBehindAreLeftOutAndNothingElse) {
     constexpr double day_s = 86'400.0;
     for (const std::size_t count : {1U, 2U, 3U, 30U})

@@ -20,9 +20,9 @@ constexpr TestedAxes tested_axes = Axes == 1 ? TestedAxes::vertical : TestedAxes
 std::optional<Eigen::Vector2d> direction_of(const Eigen::Vector2d& velocity,
                                             const Eigen::Matrix2d& covariance) {
     constexpr double slowest_m_s = 1.0;
-    constexpr double coverage = 3.0;
+    constexpr double in_sigmas = 3.0;
     const double speed = velocity.norm();
-    if (!(speed > std::max(slowest_m_s, coverage * std::sqrt(covariance.trace()))))
+    if (!(speed > std::max(slowest_m_s, in_sigmas * std::sqrt(covariance.trace()))))
         return std::nullopt;
     return velocity / speed;
 }

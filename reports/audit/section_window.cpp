@@ -115,8 +115,8 @@ std::string witness_text(const WitnessedSpeed& one) {
         one.receiver.empty() ? std::string(words_of(one.kind))
                              : fmt::format("the positions of receiver \"{}\"", one.receiver),
         quantity_text(one.standard_uncertainty_m_s), quantity_text(one.difference_m_s),
-        format_fixed(one.normalised_error, 2),
-        one.normalised_error <= 1.0 ? "agrees" : "DOES NOT AGREE", quantity_text(one.apart_m),
+        format_fixed(one.normalised_error, 2), contradicts(one) ? "DOES NOT AGREE" : "agrees",
+        quantity_text(one.apart_m),
         one.apart_azimuth_deg
             ? fmt::format(" towards {} degrees from north", format_fixed(*one.apart_azimuth_deg, 0))
             : "",

@@ -66,7 +66,7 @@ Json witnesses_json(const std::vector<WitnessedSpeed>& witnesses, const Uncertai
             speed_with_uncertainty_text(
                 one.speed_m_s, scale.coverage_factor * one.standard_uncertainty_m_s, scale.unit),
             difference_text(one.difference_m_s, scale),
-            one.normalised_error <= 1.0 ? "agree" : "contradict one another", one.normalised_error,
+            contradicts(one) ? "contradict one another" : "agree", one.normalised_error,
             uncertainty_with_unit(largest_error_beside(one), scale));
     }
     return json;

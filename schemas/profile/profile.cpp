@@ -131,7 +131,8 @@ Profile::Uncertainty read_uncertainty(const YamlValue& map) {
         .tau_min_s = value("correlation_time_min_s").real(),
         .tau_max_s = value("correlation_time_max_s").real(),
         .subtract_selection_bias = value("selection_bias").text() == "subtracted",
-        .error_floor_m = {}};
+        .error_floor_m = {},
+        .fault_probability = map["fault_probability"].optional_real()};
     if (uncertainty.tau_max_s <= uncertainty.tau_min_s) {
         const bool stated = map["correlation_time_max_s"].exists();
         map[stated ? "correlation_time_max_s" : "correlation_time_min_s"].fail(

@@ -96,6 +96,8 @@ struct Profile {
         bool subtract_selection_bias = true;  ///< else it is covered by the uncertainty
         /// Smallest standard deviation of such an error (m), by fix type.
         std::map<std::string, double> error_floor_m;
+        /// That positions err unseen in 3 s, where the rule says so.
+        std::optional<double> fault_probability = std::nullopt;
     };
     Uncertainty uncertainty = {};
     std::vector<Clause> clauses;

@@ -55,6 +55,59 @@ double expanded_uncertainty_by_rule_m_s(const RuleFigure& figure, double rule_fa
         figure, equivalent_coverage_factor(rule_factor, figure.effective_degrees_of_freedom));
 }
 
+bool contradicts(const WitnessedSpeed& one) {
+    if (!one.fault_posterior) return one.normalised_error > 1.0;
+    return *one.fault_posterior > 0.5 || one.chance_error.value_or(0.0) > 1.0;
+}
+
+namespace {
+
+/// Of what `count` windows say, the mean of the first and another: an error of any of them moves
+/// the mean by its part.
+void add_to(std::optional<WitnessEvidence>& sum, const std::optional<WitnessEvidence>& one) {
+    if (!sum || !one) {
+        sum.reset();
+        return;
+    }
+    sum->difference_m_s += one->difference_m_s;
+    sum->standard_uncertainty_m_s += one->standard_uncertainty_m_s;
+    sum->common_standard_uncertainty_m_s += one->common_standard_uncertainty_m_s;
+    sum->fault_probability = std::min(1.0, sum->fault_probability + one->fault_probability);
+    sum->fault_m_s = std::max(sum->fault_m_s, one->fault_m_s);
+}
+
+void add_to(SpeedEvidence& sum, const SpeedEvidence& one) {
+    sum.position_standard_uncertainty_m_s += one.position_standard_uncertainty_m_s;
+    sum.slow_standard_uncertainty_m_s += one.slow_standard_uncertainty_m_s;
+    sum.shared_standard_uncertainty_m_s += one.shared_standard_uncertainty_m_s;
+    sum.fault_probability = std::min(1.0, sum.fault_probability + one.fault_probability);
+    sum.chosen_fault_probability =
+        std::min(1.0, sum.chosen_fault_probability + one.chosen_fault_probability);
+    sum.fault_m_s = std::max(sum.fault_m_s, one.fault_m_s);
+    sum.fault_upwards_alone = sum.fault_upwards_alone && one.fault_upwards_alone;
+    add_to(sum.witnesses, one.witnesses);
+    add_to(sum.observed, one.observed);
+}
+
+void divide(std::optional<WitnessEvidence>& sum, double count) {
+    if (!sum) return;
+    sum->difference_m_s /= count;
+    sum->standard_uncertainty_m_s /= count;
+    sum->common_standard_uncertainty_m_s /= count;
+    sum->fault_m_s /= count;
+}
+
+void divide(SpeedEvidence& sum, double count) {
+    sum.position_standard_uncertainty_m_s /= count;
+    sum.slow_standard_uncertainty_m_s /= count;
+    sum.shared_standard_uncertainty_m_s /= count;
+    sum.fault_m_s /= count;
+    divide(sum.witnesses, count);
+    divide(sum.observed, count);
+}
+
+}  // namespace
+
 std::optional<RuleFigure> figure_of(const ProfileWindows& windows) {
     const std::size_t wanted =
         windows.rule.opposite_runs ? 2 : static_cast<std::size_t>(windows.rule.count);
@@ -62,16 +115,22 @@ std::optional<RuleFigure> figure_of(const ProfileWindows& windows) {
     RuleFigure figure{.speed_m_s = windows.best->speed_m_s,
                       .standard_uncertainty_m_s = windows.best->standard_uncertainty_m_s,
                       .effective_degrees_of_freedom = windows.best->effective_degrees_of_freedom,
-                      .bias_limit_m_s = windows.best->bias_limit_m_s};
+                      .bias_limit_m_s = windows.best->bias_limit_m_s,
+                      .evidence = windows.best->evidence};
     for (const FurtherWindow& one : windows.further) {
         figure.speed_m_s += one.speed_m_s;
         figure.standard_uncertainty_m_s += one.standard_uncertainty_m_s;
         figure.bias_limit_m_s += one.bias_limit_m_s;
+        if (figure.evidence && one.evidence)
+            add_to(*figure.evidence, *one.evidence);
+        else
+            figure.evidence.reset();
     }
     const auto count = static_cast<double>(windows.further.size() + 1);
     figure.speed_m_s /= count;
     figure.standard_uncertainty_m_s /= count;
     figure.bias_limit_m_s /= count;
+    if (figure.evidence) divide(*figure.evidence, count);
     return figure;
 }
 

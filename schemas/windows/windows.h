@@ -15,6 +15,7 @@ struct RuleFigure {
     double standard_uncertainty_m_s = 0.0;
     std::optional<double> effective_degrees_of_freedom = std::nullopt;  ///< empty: infinite
     double bias_limit_m_s = 0.0;  ///< of a systematic error either way, beside that uncertainty
+    std::optional<SpeedEvidence> evidence = std::nullopt;  ///< where all windows have it
 };
 
 /// The best window's speed; of several, the mean, its uncertainty taken as if the errors of all
@@ -35,6 +36,11 @@ struct LinearisationJudgement {
 
 /// Of a window that has the check.
 LinearisationJudgement judge_linearisation(const CertifiableWindow& window);
+
+/// Whether a witness and the positions contradict one another: an error of either is more probable
+/// than none, or chance makes such a difference less than once in a thousand. Of a file from before
+/// errors had a probability, and of positions beside recorded velocities, by the normalised error.
+bool contradicts(const WitnessedSpeed& one);
 
 /// What errors of the positions, of any kind, can change the speed by (m/s, k = 2) where a witness
 /// agrees with them: the difference, the witness's own uncertainty, and what the two may share.

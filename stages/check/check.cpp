@@ -68,8 +68,7 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
 
 /// Why a window that a witness contradicts forbids a certificate; empty where none does.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) {
-    const auto one = std::ranges::find_if(
-        witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
+    const auto one = std::ranges::find_if(witnesses, &contradicts);
     if (one == witnesses.end()) return {};
     return fmt::format(
         "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "

@@ -89,6 +89,16 @@ std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                           heading_of(course).value_or(0.0));
 }
 
+/// By how much the positions of the windows are faster than the weighted mean with their witnesses;
+/// of several windows the mean, which counts only where none is on the other side.
+double remaining_difference_m_s(const ProfileWindows& windows) {
+    if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
+        return 0.0;
+    const auto row = std::ranges::find(windows.best->budget, "e", &BudgetRow::symbol);
+    if (row == windows.best->budget.end()) return 0.0;
+    return std::copysign(row->contribution_m_s, windows.best->evidence->witnesses->difference_m_s);
+}
+
 /// The speed that the rule counts, and its expanded uncertainty; nothing where the current that it
 /// subtracts is not known.
 void set_speed(ClauseContext& context) {
@@ -97,7 +107,9 @@ void set_speed(ClauseContext& context) {
     SpeedPosterior speed{.speed_m_s = figure->speed_m_s,
                          .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
                          .degrees_of_freedom = figure->effective_degrees_of_freedom,
-                         .bias_limit_m_s = figure->bias_limit_m_s};
+                         .bias_limit_m_s = figure->bias_limit_m_s,
+                         .difference_m_s = remaining_difference_m_s(context.windows),
+                         .evidence = figure->evidence};
     if (context.profile.subtract_current) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_m_s -= context.current->along_m_s;
@@ -126,6 +138,9 @@ void set_drift(ClauseContext& context) {
     if (found_m_s > 0.0) context.decision->drift_found_m_s = found_m_s;
 }
 
+/// The risk of which the speed is printed that the true one is then below.
+constexpr double tail_risk = 1e-4;
+
 void set_decision(ClauseContext& context) {
     context.record = context.input.attempt.record_for(context.profile.id);
     if (context.record == nullptr) return;
@@ -136,13 +151,22 @@ void set_decision(ClauseContext& context) {
     const std::int64_t attempts = context.input.attempt.attempts_made;
     const double level =
         1.0 - (1.0 - context.profile.decision_probability) / static_cast<double>(attempts);
+    const Conformance found = conformance(*context.speed, *context.required_speed);
     context.decision = Decision{
-        .probability = conformance_probability(*context.speed, *context.required_speed),
+        .probability = found.smaller(),
+        .by_uncertainty = found.by_uncertainty,
+        .by_faults = found.by_faults,
         .level = level,
         .required_speed_standard_uncertainty_m_s = context.required_speed->standard_uncertainty_m_s,
         .acceptance_limit_m_s = acceptance_limit(*context.speed, *context.required_speed, level),
         .attempts_made = attempts,
         .bias_limit_m_s = context.speed->bias_limit_m_s};
+    if (context.speed->evidence) {
+        context.decision->tail_risk = tail_risk;
+        context.decision->tail_speed_m_s =
+            mixture_of(*context.speed, HeardWitnesses::observed).quantile(tail_risk) -
+            context.speed->bias_limit_m_s;
+    }
     set_drift(context);
 }
 
@@ -180,7 +204,7 @@ bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
 /// What else than the positions speaks for the window. What the attempt states does not.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
-        if (one.normalised_error > 1.0 || is_unfit(one, context)) continue;
+        if (contradicts(one) || is_unfit(one, context)) continue;
         const bool sure = confirms(one, context);
         (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one));
         context.observed = context.observed || (sure && is_observed(one));
@@ -206,7 +230,7 @@ bool is_observed(const WitnessedSpeed& one) {
 }
 
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
-    return one.normalised_error <= 1.0 && !is_unfit(one, context) &&
+    return !contradicts(one) && !is_unfit(one, context) &&
            could_have_failed(2.0 * one.standard_uncertainty_m_s, context);
 }
 
@@ -229,7 +253,7 @@ std::string witness_text(const WitnessedSpeed& one) {
     const std::string speed = speed_with_uncertainty_text(
         one.speed_m_s, 2.0 * one.standard_uncertainty_m_s, speed_unit("km/h"));
     const char* const agreement =
-        one.normalised_error <= 1.0 ? "the two agree" : "the two contradict one another";
+        contradicts(one) ? "the two contradict one another" : "the two agree";
     if (one.kind == WitnessKind::phases)
         return fmt::format(
             "a second computation, from the raw signals handed in, gives {}; {} (normalised error "

@@ -44,8 +44,15 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
     if (posterior.bias_limit_m_s < 0.0)
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
+    // A difference counts on its own side alone.
+    const bool on_that_side = bias == Bias::none || posterior.difference_m_s == 0.0 ||
+                              (bias == Bias::lowest) == (posterior.difference_m_s > 0.0);
+    const double uncertainty_m_s =
+        on_that_side ? posterior.standard_uncertainty_m_s
+                     : std::sqrt(std::max(0.0, std::pow(posterior.standard_uncertainty_m_s, 2) -
+                                                   std::pow(posterior.difference_m_s, 2)));
     const std::array<InputQuantity, 2> inputs{
-        InputQuantity{.standard_uncertainty = posterior.standard_uncertainty_m_s,
+        InputQuantity{.standard_uncertainty = uncertainty_m_s,
                       .sensitivity = 1.0,
                       .degrees_of_freedom = posterior.degrees_of_freedom},
         InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_m_s,
@@ -72,10 +79,57 @@ double probability_below_zero(const Difference& d) {
     return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
+/// By the mixture, with the bias at a place; nothing where there is none.
+struct MixtureTails {
+    double not_below = 0.0, below = 0.0;
+};
+std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
+                                          const Threshold& threshold, double by_bias_m_s) {
+    if (!posterior.evidence) return std::nullopt;
+    const SpeedMixture mixture = mixture_of(posterior, HeardWitnesses::all);
+    const double speed_m_s = threshold.speed_m_s - by_bias_m_s;
+    return MixtureTails{
+        .not_below = mixture.probability_not_below(speed_m_s, threshold.standard_uncertainty_m_s),
+        .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
+}
+
 }  // namespace
 
+SpeedMixture mixture_of(const SpeedPosterior& posterior, HeardWitnesses heard, double also_m_s) {
+    const SpeedEvidence& evidence = *posterior.evidence;
+    const auto& witness = heard == HeardWitnesses::all ? evidence.witnesses : evidence.observed;
+    const double common_m_s = witness ? witness->common_standard_uncertainty_m_s : 0.0;
+    constexpr double least_m_s = 1e-9;
+    const auto without_common = [&](double sigma_m_s) {
+        return std::sqrt(
+            std::max(sigma_m_s * sigma_m_s - common_m_s * common_m_s, least_m_s * least_m_s));
+    };
+    const SpeedBySource positions{
+        .speed_m_s = posterior.speed_m_s,
+        .standard_uncertainty_m_s = without_common(evidence.position_standard_uncertainty_m_s),
+        .fault = {.probability = evidence.chosen_fault_probability,
+                  .largest_m_s = evidence.fault_m_s,
+                  .upwards_alone = evidence.fault_upwards_alone}};
+    std::optional<SpeedBySource> beside;
+    if (witness)
+        beside = {.speed_m_s = posterior.speed_m_s - witness->difference_m_s,
+                  .standard_uncertainty_m_s = without_common(witness->standard_uncertainty_m_s),
+                  .fault = {.probability = witness->fault_probability,
+                            .largest_m_s = witness->fault_m_s}};
+    return {positions, beside,
+            std::hypot(std::hypot(common_m_s, evidence.shared_standard_uncertainty_m_s), also_m_s)};
+}
+
+Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold) {
+    Conformance found{.by_uncertainty = probability_not_below_zero(
+                          difference(posterior, threshold, Bias::lowest))};
+    if (const auto tails = mixture_tails(posterior, threshold, -posterior.bias_limit_m_s))
+        found.by_faults = tails->not_below;
+    return found;
+}
+
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold) {
-    return probability_not_below_zero(difference(posterior, threshold, Bias::lowest));
+    return conformance(posterior, threshold).smaller();
 }
 
 double conformance_probability(const SpeedPosterior& posterior, double lower_m_s,
@@ -103,26 +157,40 @@ Outcome decide(double probability, double level) {
 }
 
 Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
-    const auto with = [&](Bias bias) {
-        return decide(probability_not_below_zero(difference(posterior, threshold, bias)), level);
-    };
-    if (with(Bias::lowest) == Outcome::beaten) return Outcome::beaten;
-    return with(Bias::highest) == Outcome::not_beaten ? Outcome::not_beaten : Outcome::not_proven;
+    if (decide(conformance(posterior, threshold).smaller(), level) == Outcome::beaten)
+        return Outcome::beaten;
+    double highest = probability_not_below_zero(difference(posterior, threshold, Bias::highest));
+    if (const auto tails = mixture_tails(posterior, threshold, posterior.bias_limit_m_s))
+        highest = std::max(highest, tails->not_below);
+    return decide(highest, level) == Outcome::not_beaten ? Outcome::not_beaten
+                                                         : Outcome::not_proven;
 }
 
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
     require_level(level);
-    const Difference d = difference(posterior, threshold, Bias::none);
+    const Difference d = difference(posterior, threshold, Bias::lowest);
     const double unbiased_m_s = threshold.speed_m_s + posterior.bias_limit_m_s;
-    if (d.scale_m_s == 0.0) return unbiased_m_s;
     // By symmetry the upper quantile, from the tail, which keeps its digits.
-    return unbiased_m_s - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_m_s;
+    const double by_uncertainty_m_s =
+        d.scale_m_s == 0.0
+            ? unbiased_m_s
+            : unbiased_m_s - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_m_s;
+    if (!posterior.evidence) return by_uncertainty_m_s;
+    const SpeedMixture mixture =
+        mixture_of(posterior, HeardWitnesses::all, threshold.standard_uncertainty_m_s);
+    return std::max(by_uncertainty_m_s,
+                    unbiased_m_s + posterior.speed_m_s - mixture.quantile(1.0 - level));
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {
-    return outcome == Outcome::beaten
-               ? probability_below_zero(difference(posterior, threshold, Bias::lowest))
-               : probability_not_below_zero(difference(posterior, threshold, Bias::highest));
+    const bool beaten = outcome == Outcome::beaten;
+    const Difference d = difference(posterior, threshold, beaten ? Bias::lowest : Bias::highest);
+    const double by_uncertainty =
+        beaten ? probability_below_zero(d) : probability_not_below_zero(d);
+    const auto tails = mixture_tails(posterior, threshold,
+                                     beaten ? -posterior.bias_limit_m_s : posterior.bias_limit_m_s);
+    if (!tails) return by_uncertainty;
+    return std::max(by_uncertainty, beaten ? tails->below : tails->not_below);
 }
 
 }  // namespace runcert

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "schemas/observations/stated_covariance.h"
+#include "stages/window/budget.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/witnesses.h"
 
@@ -72,8 +73,10 @@ double missed_at(const ScreenedEpoch& row, Dimension dimension) {
 
 /// What of an uncertainty of the reference goes with what; m/s.
 struct ReferenceFigures {
-    double positions = 0.0;  ///< without undetected errors
+    double own = 0.0;  ///< of the positions, without time-correlated and undetected errors
+    double slow = 0.0;
     double undetected = 0.0;
+    FaultPrior fault = {};
     double others = 0.0;  ///< what is the same everywhere
     double bias_limit = 0.0;
     double stated_m = 0.0;
@@ -113,7 +116,7 @@ class Expectation {
                        : 0.0;
         set_reference(reference);
         for (const WitnessedSpeed& one : reference.window.witnesses)
-            if (one.normalised_error > 1.0) contradicting_.push_back(one);
+            if (contradicts(one)) contradicting_.push_back(one);
     }
 
     double operator()(const FoundWindow& found) const {
@@ -125,34 +128,28 @@ class Expectation {
         }
         const double duration_s = found.end.seconds() - found.start.seconds();
         const double shorter = reference_.duration_s / duration_s;
-        const double positions =
-            reference_.positions * shorter * error_m(first, last) / reference_.stated_m;
-        const double undetected =
-            reference_.missed_m > 0.0
-                ? reference_.undetected * shorter * missed_(first, last) / reference_.missed_m
-                : 0.0;
-        double square = positions * positions + undetected * undetected;
-        double rest = 1.0;
-        std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, std::sqrt(square));
-        if (std::ranges::any_of(
-                witnessed, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; }))
+        const double by_errors = shorter * error_m(first, last) / reference_.stated_m;
+        const double by_missed =
+            reference_.missed_m > 0.0 ? shorter * missed_(first, last) / reference_.missed_m : 0.0;
+        const PositionTerms positions{.own_m_s = reference_.own * by_errors,
+                                      .slow_m_s = reference_.slow * by_errors,
+                                      .fault_m_s = reference_.undetected * by_missed};
+        FaultPrior fault = reference_.fault;
+        fault.largest_m_s *= by_missed;
+        std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, fault);
+        if (std::ranges::any_of(witnessed, &contradicts) || is_unheard(witnessed))
             return nothing_to_claim;
-        if (is_unheard(witnessed)) return nothing_to_claim;
-        if (const WitnessedSpeed* const heard = choose_share(witnessed)) {
-            const double share = heard->share;
-            rest = 1.0 - share;
-            const double common_m_s = heard->shared_standard_uncertainty_m_s;
-            square = rest * rest * square +
-                     share * share *
-                         (heard->standard_uncertainty_m_s * heard->standard_uncertainty_m_s +
-                          heard->difference_m_s * heard->difference_m_s + common_m_s * common_m_s);
-        }
-        const double bias = reference_.positions > 0.0
-                                ? rest * reference_.bias_limit * positions / reference_.positions
-                                : 0.0;
-        return profile_.coverage_factor *
-                   std::sqrt(square + reference_.others * reference_.others) +
-               bias;
+        std::vector<BudgetRow> rows{speed_row("w", "", "A", positions.own_m_s, "", ""),
+                                    speed_row("b", "", "B", positions.slow_m_s, "", ""),
+                                    speed_row("d", "", "B", positions.fault_m_s, "", ""),
+                                    speed_row("m", "", "B", reference_.others, "", "")};
+        SpeedEvidence evidence;
+        const HeardTogether heard =
+            hear_together(positions, positions.slow_m_s, witnessed, evidence);
+        if (evidence.disagreement > 1.0) return nothing_to_claim;
+        condition_on(witnessed, positions.slow_m_s, heard.difference_m_s, rows);
+        return profile_.coverage_factor * combine(rows).standard_uncertainty +
+               heard.position_share * reference_.bias_limit * by_errors;
     }
 
   private:
@@ -194,22 +191,31 @@ class Expectation {
         const auto [first, last] = rows_of(reference.found);
         const double stated = stated_m(first, last);
         if (window.bound && stated > 0.0) scale_ = window.bound->stated_m / stated;
-        double share = 0.0;
-        for (const WitnessedSpeed& one : window.witnesses)
-            share = std::max(share, one.share);
-        const double rest = std::max(1.0 - share, 1e-9);
-        reference_.positions = position_uncertainty(window.budget, Undetected::left_out) / rest;
-        reference_.undetected = contribution(window.budget, "d") / rest;
+        if (const auto& evidence = window.evidence) {
+            reference_.slow = evidence->slow_standard_uncertainty_m_s;
+            reference_.own =
+                std::sqrt(std::max(0.0, std::pow(evidence->position_standard_uncertainty_m_s, 2) -
+                                            reference_.slow * reference_.slow));
+            reference_.undetected = std::sqrt(evidence->fault_probability) *
+                                    rectangular_uncertainty(evidence->fault_m_s);
+            reference_.fault = {.probability = evidence->chosen_fault_probability,
+                                .largest_m_s = evidence->fault_m_s,
+                                .upwards_alone = evidence->fault_upwards_alone};
+        }
         for (const char* symbol : {"k", "m", "h", "c", "a"})
             reference_.others = std::hypot(reference_.others, contribution(window.budget, symbol));
-        reference_.bias_limit = window.bias_limit_m_s / rest;
+        double rest = 1.0;
+        for (const WitnessedSpeed& one : window.witnesses)
+            rest -= one.share;
+        reference_.bias_limit = window.bias_limit_m_s / std::max(rest, 1e-9);
         reference_.stated_m = std::max(error_m(first, last), 1e-9);
         reference_.missed_m = missed_(first, last);
         reference_.duration_s = window.span.duration.seconds();
     }
 
-    std::vector<WitnessedSpeed> witnessed_at(const FoundWindow& found, double positions,
-                                             double with_undetected) const {
+    std::vector<WitnessedSpeed> witnessed_at(const FoundWindow& found,
+                                             const PositionTerms& positions,
+                                             const FaultPrior& fault) const {
         const bool vertical = profile_.dimension == Dimension::vertical;
         if (vertical ? upright_.empty() : level_.empty()) return {};
         const auto [first, last] = rows_of(found);
@@ -224,9 +230,9 @@ class Expectation {
             figures.end_s = end_s;
             figures.by_path = false;
             figures.speed_m_s = figures.displacement_m.norm() / (end_s - start_s);
-            figures.standard_uncertainty_m_s = positions;
-            figures.with_undetected_m_s = with_undetected;
-            figures.correlated_m_s = positions;
+            figures.standard_uncertainty_m_s = std::hypot(positions.own_m_s, positions.slow_m_s);
+            figures.correlated_m_s = positions.slow_m_s;
+            figures.fault = fault;
             for (const auto& witness : witnesses)
                 if (auto witnessed = witnessed_speed(witness, figures))
                     all.push_back(*std::move(witnessed));

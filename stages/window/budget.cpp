@@ -237,12 +237,18 @@ BudgetRow antenna_row(const BudgetInput& input) {
 }
 
 BudgetRow undetected_row(const BudgetInput& input) {
-    const UndetectedError* worst = undetected_in_budget(input.reliability);
-    return bounded_row(
-        "d", "undetected step or outlier", worst ? worst->speed_m_s : 0.0, "m / s", 1.0,
-        worst ? undetected_error_text(*worst, input.detection_power, speed_unit("m/s"))
-              : std::string("not quantified: the screened epochs do not state the largest "
-                            "undetected error"));
+    const double share = 1.0 - input.detection_power;
+    return speed_row(
+        "d", "error of the positions that screening left, drifts included", "B",
+        input.fault.standard_uncertainty_m_s(), independent_of_other_rows,
+        input.reliability.empty()
+            ? std::string("not quantified: the screened epochs do not state the largest "
+                          "undetected error")
+            : fmt::format("up to {:.2f} m/s would be left with a probability of {:.0f} % or more; "
+                          "taken to happen in one window of {:.0f} (parameter "
+                          "window.fault_probability), as mean square",
+                          input.fault.prior.largest_m_s, 100.0 * share,
+                          1.0 / input.fault.prior.probability));
 }
 
 /// The bias itself is no row: what may remain of it is added to the expanded uncertainty.

@@ -3,6 +3,7 @@
 #include "core/uncertainty.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/trajectory.h"
+#include "stages/window/combination.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/window.h"
 
@@ -35,6 +36,7 @@ struct BudgetInput {
     std::vector<UndetectedError> reliability = {};  ///< largest first
     /// Probability with which the tests find an error as large as `reliability` states, 0 to 1.
     double detection_power = 0.0;
+    WindowFault fault = {};  ///< an error that nothing found
     /// By how much the rows of the positions count beside a witness (`condition_on`).
     double position_share = 1.0;
 };

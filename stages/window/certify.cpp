@@ -169,7 +169,7 @@ void set_bound(const ErrorBound& bound, const PositionNoise& noise, CertifiableW
 
 template <int Axes>
 BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                         const PositionNoise& noise, double duration_s,
+                         const PositionNoise& noise, double duration_s, const WindowFault& fault,
                          const CertifiableWindow& window) {
     const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     return {.trajectory = estimate.trajectory,
@@ -186,22 +186,26 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
                                                          choice.length_standard_uncertainty_m})
                           : std::nullopt,
             .reliability = window.reliability,
-            .detection_power = window.detection_power.value_or(0.0)};
+            .detection_power = window.detection_power.value_or(0.0),
+            .fault = fault};
 }
 
 /// What positions say of the window.
 template <int Axes>
 PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWindow<Axes>& at,
-                                 const PositionNoise& noise, const CertifiableWindow& window) {
+                                 const PositionNoise& noise, const WindowFault& fault,
+                                 const CertifiableWindow& window) {
     const SpeedDefinition definition = choice.profile.definition;
+    const PositionTerms terms = position_terms(window.budget);
     PositionFigures<Axes> figures{
         .start_s = choice.found.start.seconds(),
         .end_s = choice.found.end.seconds(),
         .by_path = counts_path(definition),
         .displacement_m = displacement(at.smoothed, at.window.first, at.window.last),
-        .standard_uncertainty_m_s = position_uncertainty(window.budget, Undetected::left_out),
-        .with_undetected_m_s = position_uncertainty(window.budget, Undetected::counted),
-        .correlated_m_s = noise.correlated_m_s};
+        .standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s),
+        .correlated_m_s = noise.correlated_m_s,
+        .fault = fault.prior};
+    figures.fault.probability = fault.chosen_probability;
     figures.speed_m_s = figures.by_path ? window.definitions.path_length_m_s
                         : definition == SpeedDefinition::displacement
                             ? noise.speed.speed_m_s
@@ -209,37 +213,80 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
     return figures;
 }
 
-/// What witnesses say of the window; and, as far as they agree, what the sharpest of them leaves of
-/// the position's uncertainty and of the bias of the choice, which is one of the positions' errors.
-/// Returns by how much the positions count then.
+/// Of the bias of the choice, as a witness of share `share` leaves it: it says where between its
+/// limits the bias is, as far as it counts.
+double bias_beside(const SelectionBias& selection, double share, double difference_m_s) {
+    if (selection.treatment != SelectionTreatment::subtracted) return 0.0;
+    if (share <= 0.0) return selection.bias_m_s;
+    return (1.0 - share) * selection.bias_m_s + share * std::clamp(difference_m_s / share,
+                                                                   selection.fitted_bias_m_s,
+                                                                   selection.bounded_bias_m_s);
+}
+
+/// Standard uncertainty by what moves positions and witnesses alike: frame, clock, height, course,
+/// antenna.
+double common_uncertainty(const std::vector<BudgetRow>& rows) {
+    double square = 0.0;
+    for (const BudgetRow& row : rows)
+        if (std::string_view("kmhcaf").find(row.symbol) != std::string_view::npos)
+            square += row.contribution_m_s * row.contribution_m_s;
+    return std::sqrt(square);
+}
+
+/// What witnesses say of the window; and, as far as they agree, what they leave of the position's
+/// uncertainty and of the bias of the choice, which is one of the positions' errors. Returns by how
+/// much the positions count then.
 template <int Axes>
 double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                       const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-                      CertifiableWindow& window) {
-    const PositionFigures<Axes> figures = figures_of(choice, at, noise, window);
-    for (const HeardWitness<Axes>& witness : estimate.witnesses) {
-        std::optional<WitnessedSpeed> witnessed = witnessed_speed<Axes>(witness, figures);
-        if (!witnessed) continue;
-        if (!window.reliability.empty())
-            witnessed->undetected_m_s = undetected_beside(
-                *witnessed, window.reliability.front().speed_m_s,
-                noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1));
-        window.witnesses.push_back(*std::move(witnessed));
-    }
-    WitnessedSpeed* const heard = choose_share(window.witnesses);
-    if (heard == nullptr) return 1.0;
-    if (!window.reliability.empty())
-        set_undetected_beside(*heard, window.reliability.front(), window.budget);
-    heard->share =
-        share_of_position(unshared_uncertainty(window.budget, heard->kind, Undetected::counted),
-                          heard->standard_uncertainty_m_s);
-    const double rest = 1.0 - heard->share;
+                      const WindowFault& fault, CertifiableWindow& window) {
+    const PositionFigures<Axes> figures = figures_of(choice, at, noise, fault, window);
+    for (const HeardWitness<Axes>& witness : estimate.witnesses)
+        if (auto witnessed = witnessed_speed<Axes>(witness, figures))
+            window.witnesses.push_back(*std::move(witnessed));
+    const PositionTerms terms = position_terms(window.budget);
+    SpeedEvidence& evidence = window.evidence.emplace();
+    const std::vector<BudgetRow> alone = window.budget;
+    const HeardTogether heard =
+        hear_together(terms, noise.correlated_m_s, window.witnesses, evidence);
+    const double share = 1.0 - heard.position_share;
     const SelectionBias& selection = *window.selection;
-    window.bias_limit_m_s *= rest;
+    const double bias_m_s = bias_beside(selection, share, heard.difference_m_s);
+    window.bias_limit_m_s *= heard.position_share;
     if (selection.treatment == SelectionTreatment::subtracted)
-        window.speed_m_s = less_bias(noise.speed.speed_m_s, rest * selection.bias_m_s);
-    condition_on(*heard, window.budget);
-    return rest;
+        window.speed_m_s = less_bias(noise.speed.speed_m_s, bias_m_s);
+    condition_on(window.witnesses, noise.correlated_m_s, heard.difference_m_s - share * bias_m_s,
+                 window.budget);
+    for (auto* const one : {&evidence.witnesses, &evidence.observed})
+        if (*one) (*one)->difference_m_s -= bias_m_s;
+    evidence.position_standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s);
+    evidence.slow_standard_uncertainty_m_s = terms.slow_m_s;
+    evidence.shared_standard_uncertainty_m_s =
+        std::hypot(evidence.shared_standard_uncertainty_m_s, common_uncertainty(alone));
+    evidence.fault_probability = fault.prior.probability;
+    evidence.chosen_fault_probability = fault.chosen_probability;
+    evidence.fault_m_s = fault.prior.largest_m_s;
+    evidence.fault_upwards_alone = fault.prior.upwards_alone;
+    const auto with_fault = [&](double times) {
+        PositionTerms changed = terms;
+        changed.fault_m_s = fault.standard_uncertainty_m_s(times);
+        std::vector<WitnessedSpeed> witnesses = window.witnesses;
+        std::vector<BudgetRow> rows = alone;
+        for (BudgetRow& row : rows)
+            if (row.symbol == "d")
+                row.contribution_m_s = row.standard_uncertainty = changed.fault_m_s;
+        SpeedEvidence unused;
+        const HeardTogether so = hear_together(changed, noise.correlated_m_s, witnesses, unused);
+        const double its_share = 1.0 - so.position_share;
+        condition_on(
+            witnesses, noise.correlated_m_s,
+            so.difference_m_s - its_share * bias_beside(selection, its_share, so.difference_m_s),
+            rows);
+        return combine(rows).standard_uncertainty;
+    };
+    evidence.at_a_fifth_m_s = with_fault(0.2);
+    evidence.at_five_times_m_s = with_fault(5.0);
+    return heard.position_share;
 }
 
 /// The budget of the window's speed, and what follows from it.
@@ -247,10 +294,20 @@ template <int Axes>
 void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                 const EstimatedWindow<Axes>& at, const PositionNoise& noise,
                 CertifiableWindow& window) {
-    BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, window);
+    const ArcRows& rows = estimate.rows[choice.found.series];
+    const Profile::Uncertainty& rule = choice.profile.uncertainty;
+    const double probability =
+        estimate.config.fault_probability_given
+            ? estimate.config.fault_probability
+            : rule.fault_probability.value_or(estimate.config.fault_probability);
+    const WindowFault fault =
+        window_fault(estimate.screened, choice.found, choice.all,
+                     {rows.rows[choice.found.first], rows.rows[choice.found.last]},
+                     window.reliability, counts_path(choice.profile.definition), probability);
+    BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
     window.budget = budget_of(input);
     window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
-    input.position_share = hear_witnesses(estimate, choice, at, noise, window);
+    input.position_share = hear_witnesses(estimate, choice, at, noise, fault, window);
     if (window.witnesses.empty())
         window.expected_beside_velocities_m_s = expected_beside_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "stages/window/certify.h"
@@ -35,6 +36,27 @@ CertifiableWindow in_space(const CertifiableWindow& horizontal, const Certifiabl
     window.speed_m_s = speed;
     window.standard_uncertainty_m_s = of_level + of_upright;
     window.bias_limit_m_s = level * horizontal.bias_limit_m_s + upright * vertical.bias_limit_m_s;
+    if (window.evidence && vertical.evidence) {
+        SpeedEvidence& sum = *window.evidence;
+        const SpeedEvidence& other = *vertical.evidence;
+        const auto along = [&](double SpeedEvidence::*figure) {
+            sum.*figure = level * sum.*figure + upright * other.*figure;
+        };
+        along(&SpeedEvidence::position_standard_uncertainty_m_s);
+        along(&SpeedEvidence::slow_standard_uncertainty_m_s);
+        along(&SpeedEvidence::shared_standard_uncertainty_m_s);
+        along(&SpeedEvidence::fault_m_s);
+        along(&SpeedEvidence::at_a_fifth_m_s);
+        along(&SpeedEvidence::at_five_times_m_s);
+        sum.fault_probability = std::min(1.0, sum.fault_probability + other.fault_probability);
+        sum.chosen_fault_probability =
+            std::min(1.0, sum.chosen_fault_probability + other.chosen_fault_probability);
+        // A witness of the motion in the plane says nothing of the one in space.
+        sum.witnesses.reset();
+        sum.observed.reset();
+    } else {
+        window.evidence.reset();
+    }
     window.estimates = std::nullopt;
     window.own_standard_uncertainty_m_s = std::nullopt;
     window.length_m = speed * window.span.duration.seconds();

@@ -153,11 +153,4 @@ template std::vector<UndetectedError> undetected_errors<2>(const ScreenedTable&,
                                                            const WindowStretch<2>&,
                                                            std::span<const PositionVector<2>>);
 
-const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability) {
-    const auto found = std::find_if(
-        reliability.begin(), reliability.end(),
-        [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
-    return found == reliability.end() ? nullptr : &*found;
-}
-
 }  // namespace runcert

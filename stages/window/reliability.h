@@ -23,10 +23,4 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
                                                const WindowStretch<Axes>& stretch,
                                                std::span<const PositionVector<Axes>> weights);
 
-/// The one of them that enters the uncertainty: the largest of an outlier, a burst, a step and a
-/// shift of the stamps. A ramp does not: an error that wanders is what the bound of the
-/// time-correlated error is for, and beyond that bound the ramp's own entry says from which size it
-/// would be found.
-const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability);
-
 }  // namespace runcert

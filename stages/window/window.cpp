@@ -268,6 +268,7 @@ FurtherWindow beside(const CertifiableWindow& window) {
             .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
             .bias_limit_m_s = window.bias_limit_m_s,
             .robust = window.robust,
+            .evidence = window.evidence,
             .witnesses = window.witnesses};
 }
 
@@ -423,6 +424,10 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
             .plane_scale_bound = parameters.at("plane_scale_bound"),
             .clock_rate_bound = parameters.at("clock_rate_bound"),
             .height_bound_m = parameters.at("height_bound_m"),
+            .fault_probability = parameters.at("fault_probability"),
+            .fault_probability_given =
+                std::ranges::find(attempt.overrides, "window.fault_probability") !=
+                attempt.overrides.end(),
             .gap_max_s = attempt.parameters.at("screen").at("gap_max_s"),
             .gap_factor = attempt.parameters.at("screen").at("gap_factor"),
             .lever_arm = lever_arm,

@@ -21,10 +21,12 @@ struct WindowConfig {
     std::int64_t selection_samples = 500;
     std::int64_t monte_carlo_trials_max = 1'000'000;
     double plane_scale_bound = 0.001;
-    double clock_rate_bound = 1e-4;  ///< of a clock that is not known to be the satellites'
-    double height_bound_m = 150.0;   ///< of a height that the attempt states
-    double gap_max_s = 2.0;          ///< a longer gap ended the arc, in screening
-    double gap_factor = 1.5;         ///< or one of more intervals, where that is longer
+    double clock_rate_bound = 1e-4;        ///< of a clock that is not known to be the satellites'
+    double height_bound_m = 150.0;         ///< of a height that the attempt states
+    double fault_probability = 2e-3;       ///< that fixed positions err unseen in 3 s
+    bool fault_probability_given = false;  ///< by the attempt, and not by default
+    double gap_max_s = 2.0;                ///< a longer gap ended the arc, in screening
+    double gap_factor = 1.5;               ///< or one of more intervals, where that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, where the recording states none

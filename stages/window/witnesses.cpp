@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -18,14 +19,9 @@
 namespace runcert {
 namespace {
 
-/// White noise, time-correlated error, motion, its model, time stamps and resolution: what
-/// positions have and a witness of another origin does not.
-constexpr std::string_view rows_of_position = "wbjotr";
-constexpr std::string_view rows_of_receiver = "wjotr";
-
-std::string_view rows_beside(WitnessKind kind) {
-    return kind == WitnessKind::receiver ? rows_of_receiver : rows_of_position;
-}
+/// White noise, motion, its model, time stamps and resolution: what positions have and no witness
+/// does. (Their time-correlated error another receiver may have, too.)
+constexpr std::string_view rows_of_position = "wjotr";
 
 /// Displacements differ so by chance once in a thousand.
 constexpr double by_chance = 1e-3;
@@ -203,13 +199,10 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     if (witness.made_from_positions) return std::nullopt;
     auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
-    PositionFigures<Axes> tested = positions;
     if (witness.kind == WitnessKind::receiver) {
         const double correlated_m =
             positions.correlated_m_s * (positions.end_s - positions.start_s);
         moved->covariance_m2 += correlated_m * correlated_m * PositionMatrix<Axes>::Identity();
-        tested.standard_uncertainty_m_s =
-            std::hypot(positions.standard_uncertainty_m_s, positions.correlated_m_s);
     }
     std::optional<double> path_m = moved->displacement_m.norm();
     if (positions.by_path)
@@ -224,7 +217,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     const double uncertainty_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s;
     const WitnessedFigure figure{.by_position = positions.speed_m_s,
                                  .by_witness = *path_m / duration_s,
-                                 .uncertainty_by_position = tested.standard_uncertainty_m_s,
+                                 .uncertainty_by_position = positions.standard_uncertainty_m_s,
                                  .uncertainty_by_witness = uncertainty_m_s};
     WitnessedSpeed witnessed;
     witnessed.kind = witness.kind;
@@ -236,9 +229,9 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
             std::numbers::sqrt2 * shared_by_phases_m / duration_s;
     witnessed.standard_uncertainty_m_s = uncertainty_m_s;
     witnessed.difference_m_s = figure.difference();
-    witnessed.position_standard_uncertainty_m_s = tested.standard_uncertainty_m_s;
+    witnessed.position_standard_uncertainty_m_s = positions.standard_uncertainty_m_s;
     witnessed.normalised_error =
-        std::max(figure.normalised_error(), displacement_ratio(*moved, tested));
+        std::max(figure.normalised_error(), displacement_ratio(*moved, positions));
     const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
     witnessed.apart_m = apart.norm();
     if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart);
@@ -249,75 +242,128 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         witnessed.slips = within.slips;
         witnessed.refusals = within.refusals;
     }
-    if (witnessed.normalised_error <= 1.0 && witness.confirms)
-        witnessed.share = share_of_position(positions.with_undetected_m_s, uncertainty_m_s);
+    witnessed.chance_error = displacement_ratio(*moved, positions);
+    const FaultPrior fault = fault_of(witness.kind, positions.fault);
+    const SpeedMixture compared({.speed_m_s = figure.by_position,
+                                 .standard_uncertainty_m_s = positions.standard_uncertainty_m_s,
+                                 .fault = positions.fault},
+                                SpeedBySource{.speed_m_s = figure.by_witness,
+                                              .standard_uncertainty_m_s = uncertainty_m_s,
+                                              .fault = fault});
+    witnessed.fault_probability = fault.probability;
+    witnessed.fault_m_s = fault.largest_m_s;
+    witnessed.fault_posterior = compared.positions_at_fault() + compared.witness_at_fault();
+    // What a test of size 0.05 finds with 80 %.
+    constexpr double found_in_units = 2.84;
+    witnessed.undetected_m_s =
+        std::min(positions.fault.largest_m_s,
+                 found_in_units * std::hypot(positions.standard_uncertainty_m_s, uncertainty_m_s));
+    witnessed.confirms = witness.confirms;
     return witnessed;
 }
 
-WitnessedSpeed* choose_share(std::vector<WitnessedSpeed>& witnesses) {
-    WitnessedSpeed* sharpest = nullptr;
-    bool contradicted = false;
-    for (WitnessedSpeed& one : witnesses) {
-        contradicted = contradicted || one.normalised_error > 1.0;
-        if (one.share > 0.0 && (sharpest == nullptr ||
-                                one.standard_uncertainty_m_s < sharpest->standard_uncertainty_m_s))
-            sharpest = &one;
-    }
-    if (contradicted) sharpest = nullptr;
+namespace {
+
+/// What a witness says, as `weigh` takes it.
+WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
+    const bool receiver = one.kind == WitnessKind::receiver;
+    // Another receiver's own bound is as large as that of the positions, and in its uncertainty.
+    const double own_square = one.standard_uncertainty_m_s * one.standard_uncertainty_m_s -
+                              (receiver ? correlated_m_s * correlated_m_s : 0.0);
+    return {.difference_m_s = one.difference_m_s,
+            .own_m_s = std::sqrt(std::max(0.0, own_square)),
+            .shared_m_s = one.shared_standard_uncertainty_m_s,
+            .shares_slow = receiver,
+            .fault = {.probability = one.fault_probability.value_or(0.0),
+                      .largest_m_s = one.fault_m_s.value_or(0.0)}};
+}
+
+/// What these say together; `evidence` gets what they may share with the positions beside that.
+WitnessEvidence evidence_of(const PositionTerms& positions, const std::vector<WitnessTerm>& terms,
+                            SpeedEvidence& evidence) {
+    const WitnessMean mean = mean_of_witnesses(positions, terms);
+    evidence.shared_standard_uncertainty_m_s =
+        std::max(evidence.shared_standard_uncertainty_m_s, mean.besides_m_s);
+    return {.difference_m_s = mean.difference_m_s,
+            .standard_uncertainty_m_s = mean.standard_uncertainty_m_s,
+            .common_standard_uncertainty_m_s = mean.common_m_s,
+            .fault_probability = std::min(1.0, mean.fault.probability),
+            .fault_m_s = mean.fault.largest_m_s};
+}
+
+}  // namespace
+
+HeardTogether hear_together(const PositionTerms& positions, double correlated_m_s,
+                            std::vector<WitnessedSpeed>& witnesses, SpeedEvidence& evidence) {
+    std::vector<WitnessedSpeed*> heard;
+    std::vector<WitnessTerm> terms, observed;
     for (WitnessedSpeed& one : witnesses)
-        if (&one != sharpest) one.share = 0.0;
-    return sharpest;
+        if (one.confirms) {
+            heard.push_back(&one);
+            terms.push_back(term_of(one, correlated_m_s));
+            if (origin_of(one.kind).front() == to_text(InputOrigin::observed))
+                observed.push_back(terms.back());
+        }
+    evidence.disagreement = disagreement(positions, terms);
+    if (terms.empty() || evidence.disagreement > 1.0 ||
+        std::ranges::any_of(witnesses, &contradicts))
+        return {};
+    const WeightedSpeed mean = weigh(positions, terms);
+    for (std::size_t k = 0; k < heard.size(); ++k)
+        heard[k]->share = mean.witnesses[k];
+    evidence.witnesses = evidence_of(positions, terms, evidence);
+    if (!observed.empty()) evidence.observed = evidence_of(positions, observed, evidence);
+    return {.position_share = mean.positions, .difference_m_s = mean.difference_m_s};
 }
 
-double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone_m_s,
-                         double noncentrality) {
-    const double of_difference =
-        std::hypot(witnessed.position_standard_uncertainty_m_s, witnessed.standard_uncertainty_m_s);
-    const double by_witness = noncentrality * of_difference * of_difference;
-    const double square = positions_alone_m_s * positions_alone_m_s;
-    return square + by_witness > 0.0 ? std::sqrt(square * by_witness / (square + by_witness)) : 0.0;
-}
-
-void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedError& worst,
-                           std::vector<BudgetRow>& rows) {
-    const auto row = std::ranges::find(rows, "d", &BudgetRow::symbol);
-    if (row == rows.end()) return;
-    row->source = "undetected error, drifts included";
-    row->standard_uncertainty = rectangular_uncertainty(witnessed.undetected_m_s);
-    row->contribution_m_s = row->standard_uncertainty * std::abs(row->sensitivity);
-    row->note = fmt::format(
-        "screening and the {} together find a larger one; by the positions alone it could be "
-        "{:.4f} m/s ({})",
-        words_of(witnessed.kind), worst.speed_m_s, words_of(worst.hypothesis));
-}
-
-void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows) {
-    const double share = witnessed.share;
-    for (BudgetRow& row : rows) {
-        if (!is_of(row, rows_beside(witnessed.kind)) && row.symbol != "d") continue;
-        row.sensitivity *= 1.0 - share;
-        row.contribution_m_s *= 1.0 - share;
+void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlated_m_s,
+                  double remaining_difference_m_s, std::vector<BudgetRow>& rows) {
+    double rest = 1.0, of_slow = 0.0, of_phases = 0.0, shared_m_s = 0.0;
+    for (const WitnessedSpeed& one : witnesses) {
+        rest -= one.share;
+        if (one.kind == WitnessKind::receiver) of_slow += one.share;
+        if (one.shared_standard_uncertainty_m_s == 0.0) continue;
+        of_phases += one.share;
+        shared_m_s = one.shared_standard_uncertainty_m_s;
     }
-    BudgetRow own = speed_row("g", std::string(words_of(witnessed.kind)), "B",
-                              share * witnessed.standard_uncertainty_m_s, independent_of_other_rows,
-                              fmt::format("{:.4f} m/s by them; of the difference {:.1f} % is to be "
-                                          "expected as the positions' error, so that the rows of "
-                                          "the positions count by the rest",
-                                          witnessed.speed_m_s, 100.0 * share));
-    own.estimate = witnessed.speed_m_s;
-    own.standard_uncertainty = witnessed.standard_uncertainty_m_s;
-    own.sensitivity = share;
-    rows.push_back(std::move(own));
-    BudgetRow apart = speed_row(
-        "e", "difference of positions and witness", "B", share * std::abs(witnessed.difference_m_s),
-        independent_of_other_rows, "the speed stated is that of the positions, and not corrected");
-    apart.standard_uncertainty = std::abs(witnessed.difference_m_s);
-    apart.sensitivity = share;
-    rows.push_back(std::move(apart));
-    const double common_m_s = witnessed.shared_standard_uncertainty_m_s;
-    if (common_m_s == 0.0) return;
+    if (rest == 1.0) return;
+    rest = std::max(0.0, rest);
+    of_slow += rest;
+    // What positions and phases share is part of the positions' own time-correlated error.
+    const auto slow = std::ranges::find(rows, "b", &BudgetRow::symbol);
+    const double slow_m_s = slow == rows.end() ? 0.0 : slow->contribution_m_s;
+    const double common_m_s = of_phases > 0.0 ? std::min(shared_m_s, slow_m_s) : 0.0;
+    const auto scale = [](BudgetRow& row, double factor) {
+        row.sensitivity *= factor;
+        row.contribution_m_s *= factor;
+    };
+    for (BudgetRow& row : rows)
+        if (is_of(row, rows_of_position) || row.symbol == "d")
+            scale(row, rest);
+        else if (row.symbol == "b" && slow_m_s > 0.0)
+            scale(row, of_slow * std::sqrt(1.0 - std::pow(common_m_s / slow_m_s, 2)));
+    for (const WitnessedSpeed& one : witnesses) {
+        if (one.share == 0.0) continue;
+        const double own_m_s = term_of(one, correlated_m_s).own_m_s;
+        BudgetRow own = speed_row(
+            "g", std::string(words_of(one.kind)), "B", one.share * own_m_s,
+            independent_of_other_rows,
+            fmt::format("{:.4f} m/s by them, {:.4f} m/s times {:.3f}; the rows of the positions "
+                        "count by {:.3f}",
+                        one.speed_m_s, own_m_s, one.share, rest));
+        own.estimate = one.speed_m_s;
+        own.standard_uncertainty = own_m_s;
+        own.sensitivity = one.share;
+        rows.push_back(std::move(own));
+    }
+    rows.push_back(speed_row("e", "difference of positions and witness", "B",
+                             std::abs(remaining_difference_m_s), independent_of_other_rows,
+                             "the speed stated is that of the positions, and not corrected"));
+    if (of_phases == 0.0) return;
     rows.push_back(speed_row(
-        "s", "time-correlated errors that positions and phases share", "B", share * common_m_s,
+        "s", "time-correlated errors that positions and phases share", "B",
+        std::hypot((of_slow + of_phases) * common_m_s,
+                   of_phases * std::sqrt(shared_m_s * shared_m_s - common_m_s * common_m_s)),
         independent_of_other_rows,
         fmt::format("multipath disturbs both: {:g} m at either end of the window, independently",
                     shared_by_phases_m)));
@@ -333,32 +379,21 @@ double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncert
         least_velocity_sigma_m_s, sigma_at_epoch_m_s * std::sqrt(interval_s / duration_s));
     velocities.difference_m_s =
         median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
-    velocities.share = share_of_position(position_uncertainty(rows, Undetected::counted),
-                                         velocities.standard_uncertainty_m_s);
-    condition_on(velocities, rows);
-    return 2.0 * combine(rows).standard_uncertainty + (1.0 - velocities.share) * bias_limit_m_s;
+    const WeightedSpeed mean = weigh(position_terms(rows), std::array{term_of(velocities, 0.0)});
+    velocities.share = mean.witnesses.front();
+    condition_on({velocities}, 0.0, mean.difference_m_s, rows);
+    return 2.0 * combine(rows).standard_uncertainty + mean.positions * bias_limit_m_s;
 }
 
-namespace {
-
-double uncertainty_by(const std::vector<BudgetRow>& rows, std::string_view symbols,
-                      Undetected undetected) {
-    double square = 0.0;
-    for (const BudgetRow& row : rows)
-        if (is_of(row, symbols) || (undetected == Undetected::counted && row.symbol == "d"))
-            square += row.contribution_m_s * row.contribution_m_s;
-    return std::sqrt(square);
-}
-
-}  // namespace
-
-double position_uncertainty(const std::vector<BudgetRow>& rows, Undetected undetected) {
-    return uncertainty_by(rows, rows_of_position, undetected);
-}
-
-double unshared_uncertainty(const std::vector<BudgetRow>& rows, WitnessKind kind,
-                            Undetected undetected) {
-    return uncertainty_by(rows, rows_beside(kind), undetected);
+PositionTerms position_terms(const std::vector<BudgetRow>& rows) {
+    PositionTerms terms;
+    for (const BudgetRow& row : rows) {
+        if (is_of(row, rows_of_position))
+            terms.own_m_s = std::hypot(terms.own_m_s, row.contribution_m_s);
+        if (row.symbol == "b") terms.slow_m_s = row.contribution_m_s;
+        if (row.symbol == "d") terms.fault_m_s = row.contribution_m_s;
+    }
+    return terms;
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                            \

@@ -9,6 +9,7 @@
 #include "estimation/tables/recorded_velocities.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
+#include "stages/window/combination.h"
 #include "stages/window/speed_by_definition.h"
 
 namespace runcert {
@@ -60,8 +61,6 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
 /// Whether a witness's path is what corresponds to the speed of a definition, not its displacement.
 bool counts_path(SpeedDefinition definition);
 
-enum class Undetected { counted, left_out };
-
 /// By how much a witness that contradicts a window shows another motion than the positions all over
 /// the recording, and by how many seconds a clock may be off; empty where it does not, and of
 /// phases, of which screening says so.
@@ -75,11 +74,11 @@ struct PositionFigures {
     bool by_path = false;
     double speed_m_s = 0.0;  ///< by displacement, or by path
     SpeedVector<Axes> displacement_m = SpeedVector<Axes>::Zero();
-    /// Of the speed, of what a witness does not share: without undetected errors, and with them.
+    /// Of the speed, of what a witness does not share, without undetected errors.
     double standard_uncertainty_m_s = 0.0;
-    double with_undetected_m_s = 0.0;
     /// Of the speed, by the bound on time-correlated errors: part of the first.
     double correlated_m_s = 0.0;
+    FaultPrior fault = {};  ///< of the speed, by what nothing found
 };
 
 /// The difference of the displacements by positions and by a witness over the largest that chance
@@ -88,48 +87,39 @@ template <int Axes>
 double displacement_ratio(const WitnessedMotion<Axes>& moved,
                           const PositionFigures<Axes>& positions);
 
-/// The speed of a window by a witness beside that by positions, and what part of their difference
-/// is to be expected as the positions' error; nothing where the witness does not cover the window.
-/// The two contradict one another where the speeds differ by more than twice the standard
-/// uncertainty of the difference, or the displacements by what chance does once in a thousand.
+/// The speed of a window by a witness beside that by positions; nothing where the witness does not
+/// cover the window. The two contradict one another where an error of either is more probable than
+/// none (`SpeedMixture`), or where the displacements differ by what chance does once in a thousand.
 /// Another receiver's time-correlated error is taken to be bounded as the positions' own is; the
-/// test allows for both, as if they had nothing in common.
-/// `undetected_m_s` is left 0.
+/// test allows for both, as if they had nothing in common. `share` is left 0.
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);
 
-/// Standard uncertainty (m/s) by the rows that a witness of this kind does not share, with
-/// undetected errors (row d) or without. A second receiver hears the same signals: what disturbs
-/// both slowly (row b) may be common.
-double unshared_uncertainty(const std::vector<BudgetRow>& rows, WitnessKind kind,
-                            Undetected undetected);
+/// What the witnesses of a window make of its speed: their shares, and what is left of the rows of
+/// the positions beside them.
+struct HeardTogether {
+    double position_share = 1.0;
+    double difference_m_s = 0.0;  ///< speed by positions less the weighted mean of all
+};
 
-/// Leaves a share to the sharpest witness alone, that of the least standard uncertainty; to none
-/// where one contradicts the positions. Returns the one that has it, or null.
-WitnessedSpeed* choose_share(std::vector<WitnessedSpeed>& witnesses);
+/// Weighs the positions, as the budget has them, and the witnesses that agree and confirm, and sets
+/// the shares; those of all are 0 where one contradicts the positions. Of witnesses that
+/// have the same errors (`same_origin`) the sharpest alone is heard. `evidence` gets what they say
+/// together.
+HeardTogether hear_together(const PositionTerms& positions, double correlated_m_s,
+                            std::vector<WitnessedSpeed>& witnesses, SpeedEvidence& evidence);
 
-/// What an error that changes the speed by `positions_alone_m_s`, and that the tests of positions
-/// find with a non-centrality of `noncentrality`, can be at most when the witness's comparison
-/// tests for it too: the non-centralities of independent tests add up.
-double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone_m_s,
-                         double noncentrality);
-
-/// Row d beside a witness that agrees: nothing is left out of it, drifts included, because all
-/// tests together would have found anything larger than `witnessed.undetected_m_s`. `worst` is the
-/// largest by the positions alone.
-void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedError& worst,
-                           std::vector<BudgetRow>& rows);
-
-/// The budget of a speed that a witness confirms. With a share K of the difference to be expected
-/// as the positions' error, the speed less K times the difference is the weighted mean of both: the
-/// rows of what the witness does not share count by 1 - K, the witness's own error by K (row g),
-/// and that the mean is not what is stated by K times the difference (row e). So the speed by
-/// position keeps its place, and what is stated with it holds what the witness says.
+/// The budget of a speed beside witnesses with shares. The speed less the difference from the
+/// weighted mean is that mean: the rows of what the witnesses do not share count by what is left to
+/// the positions, each witness's own error by its share (rows g), and the speed stated is that by
+/// positions, so that the difference remains (row e). Another receiver has the positions' own
+/// time-correlated error in full (row b).
 ///
 /// Carrier phases come from the same antenna: multipath moves them and the positions alike, and
 /// their difference does not show it. Row s is what both may share (`shared_by_phases_m`).
-void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows);
+void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlated_m_s,
+                  double remaining_difference_m_s, std::vector<BudgetRow>& rows);
 
 /// Standard deviation (m, each axis) of a time-correlated error that positions and phases of one
 /// antenna may share: half of what rules take positions with fixed ambiguities to err by. A phase
@@ -144,8 +134,7 @@ inline constexpr double shared_by_phases_m = 0.010;
 double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
                                   double bias_limit_m_s, double duration_s, double interval_s);
 
-/// Standard uncertainty (m/s) by the rows of the positions, with undetected errors (row d) or
-/// without.
-double position_uncertainty(const std::vector<BudgetRow>& rows, Undetected undetected);
+/// The rows of the positions by what witnesses share of them.
+PositionTerms position_terms(const std::vector<BudgetRow>& rows);
 
 }  // namespace runcert

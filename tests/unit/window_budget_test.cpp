@@ -59,9 +59,11 @@ struct Scene {
                 .last_row = 30,
                 .duration_s = 3.0,
                 .reliability = reliability,
-                .detection_power = 0.8};
+                .detection_power = 0.8,
+                .fault = fault};
     }
     std::vector<UndetectedError> reliability;
+    WindowFault fault;
     std::vector<BudgetRow> rows() const { return budget_of(input()); }
     BudgetRow row(const std::string& symbol) const {
         for (const BudgetRow& one : rows())
@@ -89,25 +91,17 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
         EXPECT_EQ(Scene().row(symbol).contribution_m_s, 0.0) << symbol;
 }
 
-TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
-    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the
-    // time-correlated error's row already.
+TEST(Budget, WhatScreeningLeftCountsAsOftenAsItHappens) {
+    // The root mean square of an error that is uniform up to 0.97 m/s in one window of 500.
     Scene scene;
-    scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_m_s = 0.4},
-                         {.hypothesis = Hypothesis::step,
-                          .epoch = 812,
-                          .last_epoch = 812,
-                          .size = 0.103,
-                          .unit = "m",
-                          .speed_m_s = 0.0346},
-                         {.hypothesis = Hypothesis::outlier, .unit = "m", .speed_m_s = 0.02}};
+    scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_m_s = 0.97}};
+    scene.fault.prior = {.probability = 0.002, .largest_m_s = 0.97};
     const BudgetRow row = scene.row("d");
-    EXPECT_NEAR(row.contribution_m_s, 0.0346 / std::sqrt(3.0), 1e-15);
+    EXPECT_NEAR(row.contribution_m_s, std::sqrt(0.002) * 0.97 / std::sqrt(3.0), 1e-15);
     EXPECT_EQ(row.type, "B");
     EXPECT_EQ(row.note,
-              "an undetected step of the positions of 0.10 m (before epoch 812) could have changed "
-              "the speed by at "
-              "most 0.0346 m/s; a larger one is found with a probability of more than 0.8");
+              "up to 0.97 m/s would be left with a probability of 20 % or more; taken to happen in "
+              "one window of 500 (parameter window.fault_probability), as mean square");
 }
 
 TEST(Budget, WhiteNoiseIsOneRowWithTheDegreesOfFreedomOfItsOneScale) {

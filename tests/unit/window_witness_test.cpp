@@ -22,27 +22,88 @@ std::vector<BudgetRow> rows_of(double white, double slow, double undetected, dou
 // corrected.
 TEST(WitnessedBudget, IsThatOfTheWeightedMean) {
     std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
-    EXPECT_DOUBLE_EQ(position_uncertainty(rows, Undetected::left_out), 0.5);
-    EXPECT_DOUBLE_EQ(position_uncertainty(rows, Undetected::counted), 1.3);
+    const PositionTerms terms = position_terms(rows);
+    EXPECT_DOUBLE_EQ(std::hypot(terms.own_m_s, terms.slow_m_s), 0.5);
+    EXPECT_DOUBLE_EQ(terms.fault_m_s, 1.2);
     WitnessedSpeed witnessed;
     witnessed.standard_uncertainty_m_s = 0.2;
     witnessed.difference_m_s = -0.25;
-    witnessed.share = share_of_position(1.3, 0.2);
-    condition_on(witnessed, rows);
+    std::vector<WitnessedSpeed> witnesses{witnessed};
+    SpeedEvidence evidence;
+    const HeardTogether heard = hear_together(terms, 0.4, witnesses, evidence);
+    const double share = 1.69 / (1.69 + 0.04);
+    EXPECT_NEAR(witnesses[0].share, share, 1e-12);
+    EXPECT_NEAR(heard.position_share, 1.0 - share, 1e-12);
+    EXPECT_NEAR(heard.difference_m_s, -0.25 * share, 1e-12);
+    condition_on(witnesses, 0.4, heard.difference_m_s, rows);
     const double mean = 1.3 * 1.3 * 0.04 / (1.3 * 1.3 + 0.04);
-    const double apart = std::pow(0.25 * witnessed.share, 2);
-    EXPECT_NEAR(combine(rows).standard_uncertainty, std::sqrt(mean + apart + 0.01), 1e-12);
+    EXPECT_NEAR(combine(rows).standard_uncertainty,
+                std::sqrt(mean + std::pow(0.25 * share, 2) + 0.01), 1e-12);
     for (const BudgetRow& row : rows)
         EXPECT_NEAR(row.contribution_m_s, std::abs(row.sensitivity) * row.standard_uncertainty,
                     1e-12)
             << row.symbol;
 }
 
+/// By phases whose own error is small, positions and phases sharing 0.05 m/s, and a receiver with
+/// the positions' own errors.
+std::vector<WitnessedSpeed> two_witnesses() {
+    WitnessedSpeed phases, receiver;
+    phases.kind = WitnessKind::phases;
+    phases.standard_uncertainty_m_s = 0.01;
+    phases.shared_standard_uncertainty_m_s = 0.05;
+    receiver.kind = WitnessKind::receiver;
+    receiver.standard_uncertainty_m_s = std::hypot(0.3, 0.4);
+    return {phases, receiver};
+}
+
+TEST(WitnessedBudget, OfAllWitnessesIsNoWiderThanOfAny) {
+    const std::vector<BudgetRow> before = rows_of(0.3, 0.4, 1.2, 0.1);
+    const auto with = [&](std::vector<WitnessedSpeed> witnesses) {
+        std::vector<BudgetRow> rows = before;
+        SpeedEvidence evidence;
+        const HeardTogether heard = hear_together(position_terms(rows), 0.4, witnesses, evidence);
+        condition_on(witnesses, 0.4, heard.difference_m_s, rows);
+        return combine(rows).standard_uncertainty;
+    };
+    const auto both = two_witnesses();
+    EXPECT_NEAR(with({both[0]}), std::hypot(0.01, 0.05, 0.1), 2e-3);
+    // A receiver takes noise and fault off, and nothing of what both may have.
+    const double own = 0.3 * std::sqrt((0.09 + 1.44) / (0.09 + 0.09 + 1.44));
+    EXPECT_NEAR(with({both[1]}), std::hypot(own, 0.4, 0.1), 1e-9);
+    EXPECT_LE(with(both), with({both[0]}));
+    EXPECT_LT(with(both), with({both[1]}));
+}
+
 TEST(WitnessedBudget, OfAContradictionSaysNothing) {
     std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
     const double before = combine(rows).standard_uncertainty;
-    condition_on({}, rows);
-    EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
+    for (const int kind : {0, 1, 2}) {
+        auto witnesses = two_witnesses();
+        if (kind == 0) witnesses[1].fault_posterior = 0.6;
+        if (kind == 1) {
+            witnesses[1].fault_posterior = 0.0;
+            witnesses[1].chance_error = 1.1;
+        }
+        // Off to opposite sides: either agrees with the positions.
+        if (kind == 2) {
+            witnesses[0].difference_m_s = 1.0;
+            witnesses[1].difference_m_s = -1.7;
+        }
+        SpeedEvidence evidence;
+        const HeardTogether heard = hear_together(position_terms(rows), 0.4, witnesses, evidence);
+        EXPECT_EQ(heard.position_share, 1.0);
+        EXPECT_EQ(evidence.disagreement > 1.0, kind == 2);
+        EXPECT_EQ(witnesses[0].share + witnesses[1].share, 0.0);
+        condition_on(witnesses, 0.4, 0.0, rows);
+        EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
+    }
+    // One that confirms nothing has no share, whether it agrees or not.
+    auto witnesses = two_witnesses();
+    witnesses[0].confirms = witnesses[1].confirms = false;
+    SpeedEvidence evidence;
+    EXPECT_EQ(hear_together(position_terms(rows), 0.4, witnesses, evidence).position_share, 1.0);
+    EXPECT_FALSE(evidence.witnesses);
 }
 
 TEST(ExpectedBesideVelocities, IsWhatAWitnessOfThatSizeMakes) {
@@ -57,16 +118,6 @@ TEST(ExpectedBesideVelocities, IsWhatAWitnessOfThatSizeMakes) {
     // More often recorded, they say more.
     EXPECT_LT(expected_beside_velocities(rows, 0.05, 0.0, 4.0, 0.1),
               expected_beside_velocities(rows, 0.05, 0.0, 4.0, 1.0));
-}
-
-TEST(UndetectedBesideAWitness, IsNoMoreThanWhatEitherTestFinds) {
-    WitnessedSpeed witnessed;
-    witnessed.standard_uncertainty_m_s = 0.1;
-    const double alone = undetected_beside(witnessed, 1e9, 36.0);
-    EXPECT_NEAR(alone, 0.6, 1e-9);
-    EXPECT_LT(undetected_beside(witnessed, 0.5, 36.0), 0.5);
-    EXPECT_NEAR(undetected_beside(witnessed, 0.6, 36.0), 0.6 / std::sqrt(2.0), 1e-12);
-    EXPECT_EQ(undetected_beside(witnessed, 0.0, 36.0), 0.0);
 }
 
 /// A run of 60 m/s at 10 Hz with velocities beside its positions, which a row from 300 on drift.

@@ -1,0 +1,217 @@
+#include "stages/window/combination.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+
+namespace runcert {
+namespace {
+
+constexpr double nominal_window_s = 3.0;
+constexpr double largest_probability = 0.05;
+
+/// Whether a test of screening rejected an epoch's position.
+bool is_rejected(const ScreenedEpoch& row) {
+    return !row.usable && row.hypothesis.has_value();
+}
+
+/// How often such positions err unseen, beside those of the best kind.
+double times_as_likely(const ScreenedTable& screened, EpochPair rows) {
+    constexpr double of_other_kinds = 25.0, of_disturbed = 5.0, near_s = 60.0;
+    for (std::size_t i = rows.first; i <= rows.last; ++i)
+        if (screened.rows[i].usable && screened.rows[i].fix != FixType::fixed)
+            return of_other_kinds;
+    const double from_s = screened.rows[rows.first].time.seconds() - near_s;
+    const double to_s = screened.rows[rows.last].time.seconds() + near_s;
+    const bool disturbed = std::ranges::any_of(screened.rows, [&](const ScreenedEpoch& row) {
+        return row.time.seconds() >= from_s && row.time.seconds() <= to_s && is_rejected(row);
+    });
+    return disturbed ? of_disturbed : 1.0;
+}
+
+bool is_fixed(const ScreenedTable& screened, EpochPair rows) {
+    return std::all_of(
+        screened.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
+        screened.rows.begin() + static_cast<std::ptrdiff_t>(rows.last) + 1,
+        [](const ScreenedEpoch& row) { return !row.usable || row.fix == FixType::fixed; });
+}
+
+/// What the rivals of a window add to the probability that it errs, in parts of that.
+double by_rivals(const FoundWindow& found, const std::vector<FoundWindow>& all,
+                 double largest_m_s) {
+    if (largest_m_s <= 0.0) return 0.0;
+    std::vector<const FoundWindow*> near;
+    for (const FoundWindow& window : all)
+        if (found.speed_m_s - window.speed_m_s < largest_m_s) near.push_back(&window);
+    std::ranges::stable_sort(near, std::greater<>(),
+                             [](const FoundWindow* window) { return window->speed_m_s; });
+    std::vector<std::pair<ElapsedTime, ElapsedTime>> taken{{found.start, found.end}};
+    double sum = 0.0;
+    for (const FoundWindow* const window : near) {
+        const auto after = std::ranges::lower_bound(taken, window->start, {},
+                                                    [](const auto& one) { return one.first; });
+        const bool overlaps = (after != taken.end() && after->first < window->end) ||
+                              (after != taken.begin() && std::prev(after)->second > window->start);
+        if (overlaps) continue;
+        taken.insert(after, {window->start, window->end});
+        const double slower_m_s = std::max(0.0, found.speed_m_s - window->speed_m_s);
+        sum += 0.5 * (1.0 - slower_m_s / largest_m_s);
+    }
+    return sum;
+}
+
+using Covariance = Eigen::MatrixXd;
+
+/// Of the speeds by positions, first, and by the witnesses.
+Covariance covariance_of(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
+    const double slow_m_s = positions.slow_m_s;
+    const Eigen::Index size = 1 + std::ssize(witnesses);
+    Covariance covariance = Covariance::Zero(size, size);
+    covariance(0, 0) = positions.own_m_s * positions.own_m_s + slow_m_s * slow_m_s +
+                       positions.fault_m_s * positions.fault_m_s;
+    for (Eigen::Index i = 1; i < size; ++i) {
+        const WitnessTerm& one = witnesses[static_cast<std::size_t>(i) - 1];
+        const double shared_m_s = one.shares_slow ? slow_m_s : one.shared_m_s;
+        covariance(i, i) = one.own_m_s * one.own_m_s + shared_m_s * shared_m_s;
+        // No more than the smaller of both is common.
+        covariance(0, i) = covariance(i, 0) = shared_m_s * std::min(shared_m_s, slow_m_s);
+        for (Eigen::Index j = 1; j < i; ++j)
+            if (one.shares_slow || witnesses[static_cast<std::size_t>(j) - 1].shares_slow)
+                covariance(i, j) = covariance(j, i) = std::min(covariance(0, i), covariance(0, j));
+    }
+    return covariance;
+}
+
+/// The witnesses as if another receiver's time-correlated error had nothing in common with the
+/// positions' own: so their difference shows both.
+std::vector<WitnessTerm> as_independent(const PositionTerms& positions,
+                                        std::span<const WitnessTerm> witnesses) {
+    std::vector<WitnessTerm> terms(witnesses.begin(), witnesses.end());
+    for (WitnessTerm& one : terms)
+        if (std::exchange(one.shares_slow, false))
+            one.own_m_s = std::hypot(one.own_m_s, positions.slow_m_s);
+    return terms;
+}
+
+/// Weights of the least variance that are not negative: what would have a negative one is left out,
+/// the most negative first.
+Eigen::VectorXd weights_of(const Covariance& covariance) {
+    std::vector<Eigen::Index> kept(static_cast<std::size_t>(covariance.rows()));
+    std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(covariance.rows());
+    while (!kept.empty()) {
+        const Covariance of_kept = covariance(kept, kept);
+        const auto ones = Eigen::VectorXd::Ones(std::ssize(kept));
+        const Eigen::VectorXd inverse = of_kept.ldlt().solve(ones);
+        const Eigen::VectorXd found = inverse / inverse.sum();
+        Eigen::Index least = 0;
+        if (found.minCoeff(&least) >= 0.0 || kept.size() == 1) {
+            for (std::size_t k = 0; k < kept.size(); ++k)
+                weights(kept[k]) = kept.size() == 1 ? 1.0 : found(static_cast<Eigen::Index>(k));
+            break;
+        }
+        kept.erase(kept.begin() + least);
+    }
+    return weights;
+}
+
+}  // namespace
+
+double WindowFault::standard_uncertainty_m_s(double times) const {
+    return std::sqrt(std::min(1.0, times * prior.probability)) *
+           rectangular_uncertainty(prior.largest_m_s);
+}
+
+WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,
+                         const std::vector<FoundWindow>& all, EpochPair rows,
+                         const std::vector<UndetectedError>& reliability, bool by_path,
+                         double probability) {
+    constexpr double wrong_fix_m = 3.0;
+    const double duration_s = found.end.seconds() - found.start.seconds();
+    WindowFault fault;
+    fault.prior.probability =
+        std::min(largest_probability, probability * times_as_likely(screened, rows) *
+                                          std::max(1.0, duration_s / nominal_window_s));
+    fault.prior.upwards_alone = by_path;
+    if (!reliability.empty()) fault.prior.largest_m_s = reliability.front().speed_m_s;
+    if (is_fixed(screened, rows))
+        fault.prior.largest_m_s =
+            std::min(fault.prior.largest_m_s, (by_path ? 2.0 : 1.0) * wrong_fix_m / duration_s);
+    fault.chosen_probability = std::min(
+        1.0, fault.prior.probability * (1.0 + by_rivals(found, all, fault.prior.largest_m_s)));
+    return fault;
+}
+
+FaultPrior fault_of(WitnessKind kind, const FaultPrior& positions) {
+    switch (kind) {
+        case WitnessKind::velocities:
+        case WitnessKind::wheel:
+            return {.probability = 0.01, .largest_m_s = 1.0};
+        case WitnessKind::phases:
+            return {.probability = 0.001, .largest_m_s = 0.1};
+        case WitnessKind::gates:
+            return {.probability = 0.001, .largest_m_s = positions.largest_m_s};
+        default:
+            break;
+    }
+    return positions;
+}
+
+WeightedSpeed weigh(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
+    const Eigen::VectorXd weights = weights_of(covariance_of(positions, witnesses));
+    WeightedSpeed mean;
+    mean.positions = weights(0);
+    for (std::size_t i = 0; i < witnesses.size(); ++i) {
+        mean.witnesses.push_back(weights(static_cast<Eigen::Index>(i) + 1));
+        mean.difference_m_s += mean.witnesses.back() * witnesses[i].difference_m_s;
+    }
+    return mean;
+}
+
+WitnessMean mean_of_witnesses(const PositionTerms& positions,
+                              std::span<const WitnessTerm> witnesses) {
+    const Covariance covariance = covariance_of(positions, as_independent(positions, witnesses));
+    const Eigen::Index count = std::ssize(witnesses);
+    const Covariance of_witnesses = covariance.bottomRightCorner(count, count);
+    const Eigen::VectorXd weights = weights_of(of_witnesses);
+    WitnessMean mean;
+    mean.standard_uncertainty_m_s = std::sqrt(weights.dot(of_witnesses * weights));
+    mean.common_m_s = std::sqrt(std::max(0.0, weights.dot(covariance.col(0).tail(count))));
+    for (std::size_t i = 0; i < witnesses.size(); ++i) {
+        const double weight = weights(static_cast<Eigen::Index>(i));
+        mean.difference_m_s += weight * witnesses[i].difference_m_s;
+        if (weight == 0.0) continue;
+        // The mean takes half of the square of an error off that may be common, and all of it.
+        if (witnesses[i].shares_slow)
+            mean.besides_m_s += weight * positions.slow_m_s / std::numbers::sqrt2;
+        mean.fault.probability += witnesses[i].fault.probability;
+        mean.fault.largest_m_s =
+            std::max(mean.fault.largest_m_s, weight * witnesses[i].fault.largest_m_s);
+    }
+    return mean;
+}
+
+double disagreement(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
+    if (witnesses.empty()) return 0.0;
+    constexpr double by_chance = 1e-3;
+    PositionTerms healthy = positions;
+    healthy.fault_m_s = 0.0;
+    const Covariance covariance = covariance_of(healthy, as_independent(healthy, witnesses));
+    Eigen::VectorXd speeds = Eigen::VectorXd::Zero(covariance.rows());
+    for (std::size_t i = 0; i < witnesses.size(); ++i)
+        speeds(static_cast<Eigen::Index>(i) + 1) = -witnesses[i].difference_m_s;
+    const auto factor = covariance.ldlt();
+    const Eigen::VectorXd inverse = factor.solve(Eigen::VectorXd::Ones(covariance.rows()));
+    const Eigen::VectorXd apart =
+        speeds - Eigen::VectorXd::Constant(covariance.rows(), inverse.dot(speeds) / inverse.sum());
+    return std::sqrt(apart.dot(factor.solve(apart)) /
+                     chi_squared_upper_quantile(by_chance, static_cast<int>(witnesses.size())));
+}
+
+}  // namespace runcert

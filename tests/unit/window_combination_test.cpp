@@ -1,0 +1,175 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "stages/window/combination.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+ElapsedTime at(double time_s) {
+    ElapsedTime time;
+    time.nanoseconds = std::llround(time_s * 1e9);
+    return time;
+}
+
+struct Chosen {
+    ScreenedTable screened;
+    FoundWindow found;
+    std::vector<FoundWindow> all;
+    std::vector<UndetectedError> reliability{{.hypothesis = Hypothesis::ramp, .speed_m_s = 0.8}};
+
+    explicit Chosen(FixType fix = FixType::fixed) {
+        for (int k = 0; k <= 2000; ++k) {
+            ScreenedEpoch& row = screened.rows.emplace_back();
+            row.time = at(0.1 * k);
+            row.fix = fix;
+            row.usable = true;
+        }
+        found = window(100.0, 60.0);
+        all = {found};
+    }
+    static FoundWindow window(double start_s, double speed_m_s, double duration_s = 3.0) {
+        FoundWindow one;
+        one.start = at(start_s);
+        one.end = at(start_s + duration_s);
+        one.speed_m_s = speed_m_s;
+        return one;
+    }
+    WindowFault fault(bool by_path = false, double probability = 0.002) const {
+        const auto first = static_cast<std::size_t>(std::lround(found.start.seconds() * 10.0));
+        const auto last = static_cast<std::size_t>(std::lround(found.end.seconds() * 10.0));
+        return window_fault(screened, found, all, {first, last}, reliability, by_path, probability);
+    }
+};
+
+TEST(WindowFaults, GoByTheKindOfSolutionAndTheWindow) {
+    Chosen run;
+    EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002);
+    EXPECT_DOUBLE_EQ(run.fault().prior.largest_m_s, 0.8);
+    EXPECT_DOUBLE_EQ(run.fault().standard_uncertainty_m_s(),
+                     std::sqrt(0.002) * 0.8 / std::sqrt(3.0));
+    EXPECT_DOUBLE_EQ(run.fault().standard_uncertainty_m_s(5.0),
+                     std::sqrt(0.01) * 0.8 / std::sqrt(3.0));
+    EXPECT_FALSE(run.fault().prior.upwards_alone);
+    EXPECT_TRUE(run.fault(true).prior.upwards_alone);
+    EXPECT_DOUBLE_EQ(Chosen(FixType::single).fault().prior.probability, 0.05);
+    EXPECT_DOUBLE_EQ(Chosen(FixType::single).fault(false, 0.0001).prior.probability, 0.0025);
+    // A longer one errs more often, and by less: 3 m over its time, of a path 6 m.
+    run.found = Chosen::window(100.0, 60.0, 10.0);
+    run.reliability[0].speed_m_s = 4.0;
+    EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002 * 10.0 / 3.0);
+    EXPECT_DOUBLE_EQ(run.fault().prior.largest_m_s, 0.3);
+    EXPECT_DOUBLE_EQ(run.fault(true).prior.largest_m_s, 0.6);
+    // Of other kinds what screening finds counts whole.
+    Chosen single(FixType::single);
+    single.reliability[0].speed_m_s = 4.0;
+    EXPECT_DOUBLE_EQ(single.fault().prior.largest_m_s, 4.0);
+}
+
+TEST(WindowFaults, AreLikelierWhereScreeningRejectedAnEpoch) {
+    for (const std::size_t epoch : {450U, 1020U, 1600U, 1700U}) {
+        Chosen run;
+        run.screened.rows[epoch].usable = false;
+        run.screened.rows[epoch].hypothesis = Hypothesis::outlier;
+        const bool near = std::abs(0.1 * static_cast<double>(epoch) - 101.5) <= 61.5;
+        EXPECT_DOUBLE_EQ(run.fault().prior.probability, near ? 0.01 : 0.002) << epoch;
+        // One that was left out for another reason says nothing of errors.
+        run.screened.rows[epoch].hypothesis.reset();
+        EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002);
+    }
+}
+
+TEST(WindowFaults, AreLikelierOfAWindowChosenAmongRivals) {
+    Chosen run;
+    EXPECT_DOUBLE_EQ(run.fault().chosen_probability, 0.002);
+    // Overlapping ones are no rivals, nor are those slower by more than an error makes.
+    run.all.push_back(Chosen::window(101.0, 59.99));
+    run.all.push_back(Chosen::window(98.0, 59.99));
+    run.all.push_back(Chosen::window(50.0, 59.1));
+    EXPECT_DOUBLE_EQ(run.fault().chosen_probability, 0.002);
+    run.all.push_back(Chosen::window(60.0, 59.8));
+    run.all.push_back(Chosen::window(61.0, 59.7));  // overlaps that
+    run.all.push_back(Chosen::window(63.0, 59.4));
+    EXPECT_NEAR(run.fault().chosen_probability,
+                0.002 * (1.0 + 0.5 * (1.0 - 0.2 / 0.8) + 0.5 * (1.0 - 0.6 / 0.8)), 1e-12);
+    EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002);
+    for (int k = 0; k < 1000; ++k)
+        run.all.push_back(Chosen::window(1000.0 + 3.0 * k, 60.0));
+    EXPECT_EQ(run.fault().chosen_probability, 1.0);
+}
+
+TEST(WeightsOfWitnesses, MakeTheLeastVariance) {
+    const PositionTerms positions{.own_m_s = 0.02, .slow_m_s = 0.01, .fault_m_s = 0.03};
+    const std::vector<WitnessTerm> witnesses{
+        {.difference_m_s = 0.02, .own_m_s = 0.03},
+        {.difference_m_s = -0.01, .own_m_s = 0.004, .shared_m_s = 0.005},
+        {.difference_m_s = 0.03, .own_m_s = 0.02, .shares_slow = true}};
+    const WeightedSpeed mean = weigh(positions, witnesses);
+    double sum = mean.positions;
+    for (const double weight : mean.witnesses) {
+        EXPECT_GE(weight, 0.0);
+        sum += weight;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
+    EXPECT_NEAR(mean.difference_m_s,
+                0.02 * mean.witnesses[0] - 0.01 * mean.witnesses[1] + 0.03 * mean.witnesses[2],
+                1e-15);
+    // By draws of the errors, those that are shared once: no other weights do better.
+    RandomGenerator random(5);
+    const auto variance = [&](const std::vector<double>& weights) {
+        RandomGenerator draws(7);
+        double square = 0.0;
+        constexpr int count = 20'000;
+        for (int k = 0; k < count; ++k) {
+            const double common = draws.normal();
+            const double slow = 0.005 * common + std::sqrt(1e-4 - 0.005 * 0.005) * draws.normal();
+            const double error =
+                weights[0] * (0.02 * draws.normal() + 0.03 * draws.normal() + slow) +
+                weights[1] * 0.03 * draws.normal() +
+                weights[2] * (0.004 * draws.normal() + 0.005 * common) +
+                weights[3] * (0.02 * draws.normal() + slow);
+            square += error * error / count;
+        }
+        return square;
+    };
+    std::vector<double> best{mean.positions};
+    best.insert(best.end(), mean.witnesses.begin(), mean.witnesses.end());
+    const double least = variance(best);
+    for (int other = 0; other < 20; ++other) {
+        std::vector<double> moved = best;
+        const double by = 0.1 * (random.uniform() - 0.5);
+        moved[static_cast<std::size_t>(other) % 4] += by;
+        moved[static_cast<std::size_t>(other + 1) % 4] -= by;
+        EXPECT_GT(variance(moved), 0.995 * least);
+    }
+}
+
+TEST(WeightsOfWitnesses, AreNeverNegative) {
+    // What shares all of the positions' errors and more would be taken off them.
+    const WeightedSpeed mean = weigh({.own_m_s = 0.001, .slow_m_s = 0.1, .fault_m_s = 0.0},
+                                     std::vector<WitnessTerm>{{.own_m_s = 0.0, .shared_m_s = 0.3}});
+    EXPECT_EQ(mean.positions, 1.0);
+    EXPECT_EQ(mean.witnesses[0], 0.0);
+}
+
+TEST(Disagreement, IsThatOfAllTogether) {
+    const PositionTerms positions{.own_m_s = 0.03, .slow_m_s = 0.04, .fault_m_s = 9.0};
+    EXPECT_EQ(disagreement(positions, {}), 0.0);
+    // Of one: its difference in standard deviations over 3.29.
+    const std::vector<WitnessTerm> one{{.difference_m_s = 0.2, .own_m_s = 0.12}};
+    EXPECT_NEAR(disagreement(positions, one), 0.2 / 0.13 / 3.2905, 1e-4);
+    // Two to opposite sides are further apart than either is.
+    const std::vector<WitnessTerm> two{{.difference_m_s = 0.35, .own_m_s = 0.12},
+                                       {.difference_m_s = -0.35, .own_m_s = 0.12}};
+    EXPECT_GT(disagreement(positions, two), 1.0);
+    EXPECT_LT(disagreement(positions, std::vector<WitnessTerm>{two[0]}), 0.85);
+    // Another receiver's slow error may be another one.
+    const std::vector<WitnessTerm> receiver{
+        {.difference_m_s = 0.2, .own_m_s = 0.03, .shares_slow = true}};
+    EXPECT_NEAR(disagreement(positions, receiver), 0.2 / std::hypot(0.05, 0.05) / 3.2905, 1e-4);
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

@@ -15,33 +15,23 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-bool is(const UndetectedError& error, Hypothesis hypothesis) {
-    return error.hypothesis == hypothesis;
-}
-
-std::string speed_words(const UndetectedError& error, const SpeedUnit& unit) {
-    return fmt::format("{} {}", significant_text(error.speed_m_s * unit.per_m_s, 3), unit.name);
-}
-
-/// A drift is a time-correlated error, whose bound is a row of the budget. The positions of one
-/// receiver do not separate a steady drift from motion, so the tests find only one far beyond it.
-std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit,
+/// What of an error that nothing found is in the interval, and what is not.
+std::string drift_words(const CertifiableWindow& window, const SpeedUnit& unit,
                         const WitnessedSpeed* heard) {
-    if (heard != nullptr)
-        return fmt::format(
-            "The {} test for every error, drifts included: together with screening they find any "
-            "that changes the speed by more than {} {}. Row d of the budget is for that.",
-            words_of(heard->kind), significant_text(heard->undetected_m_s * unit.per_m_s, 3),
-            unit.name);
-    const std::string covered =
-        "A drift of the positions is covered as a time-correlated error up to the bound of row b, "
-        "and not added again. ";
-    if (is_harmless(drift)) return covered + "No undetected one beyond it could change the speed.";
-    if (is_unlimited(drift)) return covered + "Beyond it the tests find none, whatever its rate.";
+    if (!window.evidence || window.evidence->fault_probability == 0.0) return {};
+    const SpeedEvidence& evidence = *window.evidence;
+    const std::string taken = fmt::format(
+        "In one window of {:.0f} the positions are taken to err unseen, by up to {} {}. The "
+        "interval carries that risk on average (row d), and would not hold the speed of such a "
+        "window.",
+        1.0 / evidence.fault_probability, significant_text(evidence.fault_m_s * unit.per_m_s, 3),
+        unit.name);
+    if (heard == nullptr) return taken;
     return fmt::format(
-        "{}The tests would find one, with that probability, from a rate of {} ({}), which changes "
-        "the speed by {}. A drift between the two is not in the uncertainty.",
-        covered, size_text(drift), where_text(drift), speed_words(drift, unit));
+        "{} Beside the {} an error of more than {} {} would have been found with a probability of "
+        "80 %.",
+        taken, words_of(heard->kind), significant_text(heard->undetected_m_s * unit.per_m_s, 3),
+        unit.name);
 }
 
 Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
@@ -57,29 +47,19 @@ Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
     return json;
 }
 
-bool has_row(const CertifiableWindow& window, std::string_view symbol) {
-    return std::any_of(window.budget.begin(), window.budget.end(),
-                       [&](const BudgetRow& row) { return row.symbol == symbol; });
-}
-
-/// The largest that is not a drift is what the budget takes in.
+/// The largest that is not a drift, and what all of them together are taken to do.
 Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
     const auto& errors = window.reliability;
-    const auto worst =
-        std::find_if_not(errors.begin(), errors.end(),
-                         [](const UndetectedError& error) { return is(error, Hypothesis::ramp); });
-    const auto drift = std::find_if(errors.begin(), errors.end(), [](const UndetectedError& error) {
-        return is(error, Hypothesis::ramp);
-    });
-    const auto heard = std::ranges::find_if(
-        window.witnesses, [](const WitnessedSpeed& one) { return one.share > 0.0; });
-    const WitnessedSpeed* const witness = heard == window.witnesses.end() ? nullptr : &*heard;
+    const auto worst = std::ranges::find_if(
+        errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
+    const auto heard = std::ranges::max_element(window.witnesses, {}, &WitnessedSpeed::share);
+    const bool shared = heard != window.witnesses.end() && heard->share > 0.0;
     Json json = Json::object();
     if (worst != errors.end())
         json["reliability_words"] =
-            capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + "." +
-            (has_row(window, "d") && !witness ? " Row d of the budget is for it." : "");
-    if (drift != errors.end()) json["drift_words"] = drift_words(*drift, unit, witness);
+            capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + ".";
+    if (std::string words = drift_words(window, unit, shared ? &*heard : nullptr); !words.empty())
+        json["drift_words"] = std::move(words);
     json["reliability_unit"] = unit.name;
     return json;
 }

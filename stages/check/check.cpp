@@ -204,25 +204,38 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
-/// What drift of the positions would undo the decision, and what of it could have gone unseen: by a
-/// witness, or else by screening.
-std::string drift_words(const Decision& decision, const ClauseContext& context) {
-    if (!decision.drift_survived_m) return {};
-    const double duration_s = context.windows.best->span.duration.seconds();
-    std::string words =
-        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
-                    *decision.drift_survived_m, time_span_text(duration_s));
-    const auto& witnesses = context.windows.best->witnesses;
-    const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
-    if (sharpest != witnesses.end())
-        words +=
-            fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
-                        words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
-    else if (decision.drift_found_m_s && context.windows.best->detection_power)
-        words += fmt::format(
-            "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
-            *decision.drift_found_m_s * duration_s, 100.0 * *context.windows.best->detection_power);
-    return words + ".";
+/// "12,000", the reciprocal of a probability above 0.
+std::string one_in_text(double probability) {
+    return counted(std::llround(1.0 / probability));
+}
+
+/// How often positions err unseen, what a witness makes of that, and the speed that the true one is
+/// below with a small risk.
+std::string fault_words(const ClauseContext& context) {
+    const auto& evidence = context.speed->evidence;
+    if (!evidence || !(evidence->fault_probability > 0.0) || !(evidence->fault_m_s > 0.0))
+        return {};
+    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
+    std::string words;
+    if (!evidence->witnesses) {
+        words = fmt::format(
+            " In one window of {} positions are taken to drift unseen, by up to {} {}; the "
+            "interval "
+            "carries that risk on average and would not hold the speed of such a window.",
+            one_in_text(evidence->fault_probability),
+            significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
+    } else {
+        const double at_fault = mixture_of(*context.speed, WitnessSet::all).positions_at_fault();
+        words = fmt::format(
+            " That the positions drifted in this window has a probability of 1 in {} beside the "
+            "witnesses.",
+            at_fault > 1e-9 ? one_in_text(at_fault) : "more than a thousand million");
+    }
+    const auto& decision = *context.decision;
+    return words + fmt::format(" With a risk of 1 in {} the true speed is below {} {}.",
+                               one_in_text(*decision.tail_risk),
+                               beside(*context.shown, *decision.tail_speed_m_s, SafeSide::down),
+                               unit.name);
 }
 
 /// Whether the fastest window, which proves less than the certified one, could have reached the
@@ -250,7 +263,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                        "he measured speed exceeds the required speed with the required "
                        "probability") +
-                   drift_words(*context.decision, context);
+                   fault_words(context);
         case Outcome::not_beaten:
             return beginning(
                 "he measured speed is below the required speed beyond its uncertainty");

@@ -164,7 +164,7 @@ void set_decision(ClauseContext& context) {
     if (context.speed->evidence) {
         context.decision->tail_risk = tail_risk;
         context.decision->tail_speed_m_s =
-            mixture_of(*context.speed, HeardWitnesses::observed).quantile(tail_risk) -
+            mixture_of(*context.speed, WitnessSet::observed).quantile(tail_risk) -
             context.speed->bias_limit_m_s;
     }
     set_drift(context);

@@ -86,7 +86,7 @@ struct MixtureTails {
 std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
                                           const Threshold& threshold, double by_bias_m_s) {
     if (!posterior.evidence) return std::nullopt;
-    const SpeedMixture mixture = mixture_of(posterior, HeardWitnesses::all);
+    const SpeedMixture mixture = mixture_of(posterior, WitnessSet::all);
     const double speed_m_s = threshold.speed_m_s - by_bias_m_s;
     return MixtureTails{
         .not_below = mixture.probability_not_below(speed_m_s, threshold.standard_uncertainty_m_s),
@@ -95,9 +95,9 @@ std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
 
 }  // namespace
 
-SpeedMixture mixture_of(const SpeedPosterior& posterior, HeardWitnesses heard, double also_m_s) {
+SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s) {
     const SpeedEvidence& evidence = *posterior.evidence;
-    const auto& witness = heard == HeardWitnesses::all ? evidence.witnesses : evidence.observed;
+    const auto& witness = heard == WitnessSet::all ? evidence.witnesses : evidence.observed;
     const double common_m_s = witness ? witness->common_standard_uncertainty_m_s : 0.0;
     constexpr double least_m_s = 1e-9;
     const auto without_common = [&](double sigma_m_s) {
@@ -177,7 +177,7 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
             : unbiased_m_s - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_m_s;
     if (!posterior.evidence) return by_uncertainty_m_s;
     const SpeedMixture mixture =
-        mixture_of(posterior, HeardWitnesses::all, threshold.standard_uncertainty_m_s);
+        mixture_of(posterior, WitnessSet::all, threshold.standard_uncertainty_m_s);
     return std::max(by_uncertainty_m_s,
                     unbiased_m_s + posterior.speed_m_s - mixture.quantile(1.0 - level));
 }

@@ -30,12 +30,12 @@ struct SpeedPosterior {
 
 /// Which witnesses a distribution of the speed rests on: those that have a share in it, or those of
 /// them alone that were observed.
-enum class HeardWitnesses { all, observed };
+enum class WitnessSet { all, observed };
 
 /// The distribution of the speed where positions and witnesses may be at fault, those chosen among
 /// rivals as often as that makes it. `also_m_s` is another standard uncertainty that moves all
 /// alike. The posterior must have evidence.
-SpeedMixture mixture_of(const SpeedPosterior& posterior, HeardWitnesses heard,
+SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard,
                         double also_m_s = 0.0);
 
 /// P(speed >= threshold) by the posterior's Student's t, and by the mixture where there is one.

@@ -277,14 +277,6 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     };
     const std::string limit =
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
-    const auto& witnesses = context.windows.best->witnesses;
-    const auto heard =
-        std::ranges::find_if(witnesses, [](const WitnessedSpeed& one) { return one.share > 0.0; });
-    const std::string undetected =
-        heard == witnesses.end()
-            ? std::string("except drift")
-            : fmt::format("of any kind, drifts included, which screening and the {} together find",
-                          words_of(heard->kind));
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
                         coverage_text(context.coverage_factor),
@@ -294,9 +286,8 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
                         limit,
                         context.profile.speed_source == SpeedSource::velocity
                             ? "it rests on what the recording states of its velocities"
-                            : "it includes the bound on time-correlated errors and the worst "
-                              "undetected error " +
-                                  undetected),
+                            : "it includes the bound on time-correlated errors and, as mean "
+                              "square, an error of any kind that nothing found"),
             {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
              speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
                           limit)}};

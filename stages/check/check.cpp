@@ -204,6 +204,27 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
+/// What drift of the positions would undo the decision, and what of it could have gone unseen: by a
+/// witness, or else by screening.
+std::string drift_words(const Decision& decision, const ClauseContext& context) {
+    if (!decision.drift_survived_m) return {};
+    const double duration_s = context.windows.best->span.duration.seconds();
+    std::string words =
+        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
+                    *decision.drift_survived_m, time_span_text(duration_s));
+    const auto& witnesses = context.windows.best->witnesses;
+    const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
+    if (sharpest != witnesses.end())
+        words +=
+            fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
+                        words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
+    else if (decision.drift_found_m_s && context.windows.best->detection_power)
+        words += fmt::format(
+            "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
+            *decision.drift_found_m_s * duration_s, 100.0 * *context.windows.best->detection_power);
+    return words + ".";
+}
+
 /// "12,000", the reciprocal of a probability above 0.
 std::string one_in_text(double probability) {
     return counted(std::llround(1.0 / probability));
@@ -263,7 +284,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                        "he measured speed exceeds the required speed with the required "
                        "probability") +
-                   fault_words(context);
+                   drift_words(*context.decision, context) + fault_words(context);
         case Outcome::not_beaten:
             return beginning(
                 "he measured speed is below the required speed beyond its uncertainty");

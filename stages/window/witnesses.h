@@ -104,9 +104,8 @@ struct HeardTogether {
 };
 
 /// Weighs the positions, as the budget has them, and the witnesses that agree and confirm, and sets
-/// the shares; those of all are 0 where one contradicts the positions. Of witnesses that
-/// have the same errors (`same_origin`) the sharpest alone is heard. `evidence` gets what they say
-/// together.
+/// the shares; those of all are 0 where one contradicts the positions, or they one another.
+/// `evidence` gets what they say together.
 HeardTogether hear_together(const PositionTerms& positions, double correlated_m_s,
                             std::vector<WitnessedSpeed>& witnesses, SpeedEvidence& evidence);
 

@@ -94,27 +94,6 @@ double position_noise_m(const Vectors& backward, double step_s) {
     return std::isfinite(noise_m) ? noise_m : 0.0;
 }
 
-/// The step that all speeds are multiples of, where there is a coarse one.
-double speed_resolution_m_s(Rows rows) {
-    constexpr double written_to_m_s = 2e-6;
-    std::vector<double> speeds;
-    for (const SpeedBesidePosition& row : rows)
-        if (row.speed_m_s) speeds.push_back(*row.speed_m_s);
-    std::sort(speeds.begin(), speeds.end());
-    double step = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 1; i < speeds.size(); ++i)
-        if (const double gap = speeds[i] - speeds[i - 1]; gap > 2.0 * written_to_m_s)
-            step = std::min(step, gap);
-    if (!std::isfinite(step) || step < finest_speed_m_s) return finest_speed_m_s;
-    // The smallest gap has the errors of two writings; a mean over many steps has not.
-    const double steps = std::round(speeds.back() / step);
-    if (steps > 0.0) step = speeds.back() / steps;
-    const bool all = std::all_of(speeds.begin(), speeds.end(), [&](double speed) {
-        return std::abs(speed - step * std::round(speed / step)) < 2.0 * written_to_m_s;
-    });
-    return all ? step : finest_speed_m_s;
-}
-
 /// What a unit of white position noise makes a scheme scatter by, along an axis (1/s).
 double noise_gain(Difference kind, int mean_over, double step_s) {
     std::vector<double> weight(static_cast<std::size_t>(mean_over) + 2, 0.0);
@@ -173,6 +152,26 @@ bool outweighs(const OriginFound& a, const OriginFound& b) {
 }
 
 }  // namespace
+
+double speed_resolution_m_s(Rows rows) {
+    constexpr double written_to_m_s = 2e-6;
+    std::vector<double> speeds;
+    for (const SpeedBesidePosition& row : rows)
+        if (row.speed_m_s) speeds.push_back(*row.speed_m_s);
+    std::sort(speeds.begin(), speeds.end());
+    double step = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < speeds.size(); ++i)
+        if (const double gap = speeds[i] - speeds[i - 1]; gap > 2.0 * written_to_m_s)
+            step = std::min(step, gap);
+    if (!std::isfinite(step) || step < finest_speed_m_s) return finest_speed_m_s;
+    // The smallest gap has the errors of two writings; a mean over many steps has not.
+    const double steps = std::round(speeds.back() / step);
+    if (steps > 0.0) step = speeds.back() / steps;
+    const bool all = std::all_of(speeds.begin(), speeds.end(), [&](double speed) {
+        return std::abs(speed - step * std::round(speed / step)) < 2.0 * written_to_m_s;
+    });
+    return all ? step : finest_speed_m_s;
+}
 
 double white_noise_m(Rows rows) {
     const double step_s = median_step_of(rows);

@@ -39,6 +39,9 @@ struct OriginFound {
 /// too few.
 double white_noise_m(std::span<const SpeedBesidePosition> rows);
 
+/// The step (m/s) that all speeds are multiples of; 0.01 where it is finer, or hidden.
+double speed_resolution_m_s(std::span<const SpeedBesidePosition> rows);
+
 /// Whether recorded speeds are differences of the recorded positions, and of which kind.
 ///
 /// A speed measured on its own differs from every difference of positions by at least the noise

@@ -7,7 +7,6 @@
 
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/budget.h"
-#include "stages/window/sample_series.h"
 #include "stages/window/witnesses.h"
 
 namespace runcert {
@@ -105,11 +104,6 @@ class Expectation {
         for (const ScreenedEpoch& row : screened.rows) {
             stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
             usable_.add(row.usable ? 1.0 : 0.0);
-            if (profile.speed_source != SpeedSource::velocity) continue;
-            const auto speed = recorded_speed(row, profile.dimension);
-            const bool stated = speed && speed->standard_uncertainty_m_s;
-            velocity_.add(stated ? *speed->standard_uncertainty_m_s : 0.0);
-            silent_.add(stated ? 0.0 : 1.0);
         }
         floor_m_ = reference.window.bound
                        ? std::max(reference.window.bound->floor_m, reference.window.bound->fitted_m)
@@ -121,11 +115,6 @@ class Expectation {
 
     double operator()(const FoundWindow& found) const {
         const auto [first, last] = rows_of(found);
-        if (profile_.speed_source == SpeedSource::velocity) {
-            if (silent_(first, last) > 0.5) return nothing_to_claim;
-            return profile_.coverage_factor * velocity_(first, last) /
-                   static_cast<double>(last - first + 1);
-        }
         const double duration_s = found.end.seconds() - found.start.seconds();
         const double shorter = reference_.duration_s / duration_s;
         const double by_errors = shorter * error_m(first, last) / reference_.stated_m;
@@ -255,8 +244,6 @@ class Expectation {
     RangeMaximum missed_;
     RunningSum stated_;
     RunningSum usable_;
-    RunningSum velocity_;  ///< stated standard uncertainties of recorded speeds
-    RunningSum silent_;    ///< rows that state none
     std::vector<WitnessedSpeed> contradicting_;
     double floor_m_ = 0.0;
     double scale_ = 1.0;

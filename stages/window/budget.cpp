@@ -15,7 +15,9 @@ namespace runcert {
 namespace {
 
 const char* const joint = "with the other epochs; combined from their joint covariance";
-/// A row of a quantity known to lie within a half width.
+
+}  // namespace
+
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, std::string note) {
     const double uncertainty = rectangular_uncertainty(half_width);
@@ -32,6 +34,8 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
             .correlation = independent_of_other_rows,
             .note = std::move(note)};
 }
+
+namespace {
 
 /// At least one degree of freedom: fewer have no distribution to draw from.
 std::optional<double> degrees_of(const NoiseParameter& parameter) {
@@ -107,6 +111,8 @@ bool stamps_are_regular(const BudgetInput& input) {
     return true;
 }
 
+}  // namespace
+
 BudgetRow time_row(const BudgetInput& input) {
     const double resolution_s = time_resolution_s(input);
     const bool regular = stamps_are_regular(input);
@@ -122,8 +128,6 @@ BudgetRow time_row(const BudgetInput& input) {
     return row;
 }
 
-/// The rate of the clock that made the stamps. A clock that is the satellites' has none that counts
-/// over a window.
 BudgetRow clock_row(const BudgetInput& input) {
     const std::string& source = input.trajectory.facts.time_source;
     const bool unknown = source == "unknown";
@@ -138,6 +142,8 @@ BudgetRow clock_row(const BudgetInput& input) {
     row.estimate = 1.0;
     return row;
 }
+
+namespace {
 
 BudgetRow resolution_row(const BudgetInput& input) {
     const auto& resolution_m = input.trajectory.facts.position_resolution_m;

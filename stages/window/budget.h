@@ -50,6 +50,17 @@ inline constexpr const char* independent_of_other_rows = "independent of the oth
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_m_s, std::string correlation, std::string note);
 
+/// A row of a quantity known to lie within a half width: rectangular, type B, estimate 0.
+BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
+                      double sensitivity, std::string note);
+
+/// Row t, time stamps of a displacement's ends.
+BudgetRow time_row(const BudgetInput& input);
+
+/// Row k, the rate of the clock that made the stamps. A clock that is the satellites' has none that
+/// counts over a window.
+BudgetRow clock_row(const BudgetInput& input);
+
 /// Every source of uncertainty of the measured speed, one row each; those that contribute nothing
 /// are there too, with the reason. The sources are independent of one another; what is correlated
 /// (the positions of the epochs) is combined before, from their joint covariance.

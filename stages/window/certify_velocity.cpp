@@ -4,13 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
+#include "estimation/velocity_origin.h"
 #include "stages/window/budget.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
 #include "stages/window/velocity_moment.h"
+#include "stages/window/velocity_selection.h"
 
 namespace runcert {
 namespace {
@@ -52,57 +55,213 @@ SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows
             .mean_n_m_s = later_m_s / steps};
 }
 
-/// Mean of the standard uncertainties of the speeds of a window's epochs: that of their mean, if
-/// all err alike.
-double mean_uncertainty(const ScreenedTable& screened, const ArcRows& arc, const Profile& profile,
-                        const FoundWindow& found) {
-    double sum = 0.0;
+/// The mean of what a window's epochs state of their speeds, and whose word it is: that of one
+/// error, if all err alike.
+StatedSpeedAccuracy stated_accuracy(const VelocityEstimate& estimate, const Profile& profile,
+                                    const FoundWindow& found) {
+    StatedSpeedAccuracy stated{.claimed = estimate.config.velocity_accuracy_claimed};
+    if (const auto& velocity = estimate.screened.basis.velocity)
+        stated.scatter_m_s = velocity->scale_m_s;
     for (std::size_t k = found.first; k <= found.last; ++k) {
-        const ScreenedEpoch& row = screened.rows[arc.rows[k]];
+        const ScreenedEpoch& row = estimate.screened.rows[estimate.rows[found.series].rows[k]];
         const auto speed = recorded_speed(row, profile.dimension);
         if (!speed || !speed->standard_uncertainty_m_s)
             throw Failure(fmt::format("epoch {}", row.epoch),
                           "the recording does not state how accurate its velocity is",
                           "Use a profile whose speed is from positions");
-        sum += *speed->standard_uncertainty_m_s;
+        stated.sigma_m_s += *speed->standard_uncertainty_m_s;
     }
-    return sum / static_cast<double>(found.last - found.first + 1);
+    stated.sigma_m_s /= static_cast<double>(found.last - found.first + 1);
+    return stated;
+}
+
+double duration_of(const FoundWindow& found) {
+    return found.end.seconds() - found.start.seconds();
+}
+
+/// So many errors of samples are averaged in a window.
+double samples_of(const FoundWindow& found) {
+    return static_cast<double>(found.last - found.first);
+}
+
+SpeedNoise noise_of(const VelocityEstimate& estimate, const FoundWindow& found) {
+    return speed_noise(estimate.compared, estimate.screened, found.start.seconds(),
+                       duration_of(found), samples_of(found));
 }
 
 /// What the positions say of the window, so that velocities are never certified that the positions
-/// beside them do not show. The uncertainty of the velocities is what is stated for them, but no
-/// more than receivers of all kinds were seen to err by.
-WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, double stated_m_s) {
+/// beside them do not show. The uncertainty of the velocities is no more than receivers of all
+/// kinds were seen to err by.
+WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, double error_m_s) {
     constexpr double largest_of_velocities_m_s = 0.5;
     WitnessedSpeed witnessed;
     witnessed.kind = WitnessKind::positions;
     witnessed.origin = origin_of(witnessed.kind).front();
     witnessed.speed_m_s = track.speed_m_s;
     witnessed.standard_uncertainty_m_s = track.standard_uncertainty_m_s;
-    witnessed.position_standard_uncertainty_m_s = std::min(stated_m_s, largest_of_velocities_m_s);
+    witnessed.position_standard_uncertainty_m_s = std::min(error_m_s, largest_of_velocities_m_s);
     witnessed.difference_m_s = found.speed_m_s - witnessed.speed_m_s;
     witnessed.normalised_error = std::abs(witnessed.difference_m_s) /
                                  (2.0 * std::hypot(witnessed.standard_uncertainty_m_s,
                                                    witnessed.position_standard_uncertainty_m_s));
-    witnessed.apart_m =
-        std::abs(witnessed.difference_m_s) * (found.end.seconds() - found.start.seconds());
+    witnessed.apart_m = std::abs(witnessed.difference_m_s) * duration_of(found);
     return witnessed;
 }
 
-/// Of the windows that could have been the fastest, as many as do not overlap.
-std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_m_s) {
-    std::vector<FoundWindow> near;
-    for (const FoundWindow& window : all)
-        if (window.speed_m_s >= least_m_s) near.push_back(window);
-    std::ranges::sort(near, {}, [](const FoundWindow& window) { return window.end; });
-    std::int64_t rivals = 0;
-    ElapsedTime free_from{};
-    for (const FoundWindow& window : near)
-        if (rivals == 0 || window.start >= free_from) {
-            ++rivals;
-            free_from = window.end;
-        }
-    return std::max<std::int64_t>(rivals, 1);
+std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
+                      const StatedSpeedAccuracy& stated) {
+    const auto shown = [&] {
+        return fmt::format(
+            "over 10 s mean speeds and positions differ by {:.3f} m/s (root mean square of {:.0f} "
+            "spans)",
+            noise.over_ten->sd_m_s, noise.over_ten->independent);
+    };
+    const std::string said = fmt::format(
+        "{} states {:.3f} m/s", stated.claimed ? "the attempt" : "the recording", stated.sigma_m_s);
+    switch (errors.slow) {
+        case SlowError::floor:
+            return fmt::format("{}; never less than {:g} m/s", shown(), least_slow_error_m_s);
+        case SlowError::shown:
+            return shown();
+        case SlowError::stated:
+            break;
+    }
+    if (noise.in_common)
+        return said + ", which counts whole: the positions are not independent of the velocities";
+    if (!noise.white || !noise.over_ten)
+        return said + ", which counts whole: too little of the recording can be compared";
+    return noise.over_ten ? said + "; " + shown() : said;
+}
+
+/// Rows of what the recorded speeds themselves err by.
+void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
+                    const StatedSpeedAccuracy& stated, const FoundWindow& found,
+                    std::vector<BudgetRow>& rows) {
+    BudgetRow white = speed_row(
+        "w", "white noise of the recorded speeds", "A", errors.mean_white_m_s,
+        independent_of_other_rows,
+        fmt::format("{:.3f} m/s of one speed, by steps of their difference from the smoothed "
+                    "motion; {}",
+                    errors.white_m_s,
+                    stated.claimed && errors.white_m_s > stated.sigma_m_s
+                        ? std::string("not averaged, because the attempt states less")
+                        : fmt::format("{:.0f} of them are averaged", samples_of(found))));
+    if (noise.white) white.degrees_of_freedom = noise.white->independent;
+    rows.push_back(std::move(white));
+    BudgetRow brief = speed_row(
+        "b", "errors of the recorded speeds shorter than 10 s", "A", errors.brief_m_s,
+        independent_of_other_rows,
+        noise.over_window
+            ? fmt::format(
+                  "over the length of the window mean speeds and positions differ by "
+                  "{:.3f} m/s (root mean square of {:.0f} spans); beyond the other two rows",
+                  noise.over_window->sd_m_s, noise.over_window->independent)
+            : std::string("of a window this long they are part of the next row"));
+    if (noise.over_window) brief.degrees_of_freedom = noise.over_window->independent;
+    rows.push_back(std::move(brief));
+    const bool shown = errors.slow == SlowError::shown;
+    BudgetRow slow =
+        speed_row("u", "slow errors of the recorded speeds", shown ? "A" : "B", errors.slow_m_s,
+                  independent_of_other_rows,
+                  "taken as one error throughout the window; " + slow_note(errors, noise, stated));
+    if (shown) slow.degrees_of_freedom = noise.over_ten->independent;
+    rows.push_back(std::move(slow));
+}
+
+double resolution_m_s(const std::vector<ComparedSpeed>& compared) {
+    std::vector<velocities::SpeedBesidePosition> speeds;
+    for (const ComparedSpeed& one : compared)
+        speeds.push_back({.time_s = one.time_s, .speed_m_s = one.recorded_m_s});
+    return velocities::speed_resolution_m_s(speeds);
+}
+
+/// Rows of time and rounding. That a window begins a moment later changes a mean of recorded speeds
+/// by what these differ by at both ends, and only where positions say where it begins.
+void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
+                    const FoundWindow& found, std::vector<BudgetRow>& rows) {
+    const ArcRows& arc = estimate.rows[found.series];
+    const PositionNoise speed{.speed = {.speed_m_s = found.speed_m_s}};
+    const ErrorBound none;
+    const SelectionBias no_selection;
+    const BudgetInput input{.trajectory = estimate.trajectory,
+                            .config = estimate.config,
+                            .noise = speed,
+                            .bound = none,
+                            .selection = no_selection,
+                            .first_row = arc.rows[found.first],
+                            .last_row = arc.rows[found.last],
+                            .duration_s = duration_of(found)};
+    const bool by_places = profile.window_kind == WindowKind::alpha;
+    const auto recorded = [&](std::size_t k) {
+        return recorded_speed(estimate.screened.rows[arc.rows[k]], profile.dimension)->speed_m_s;
+    };
+    const double changes_m_s2 =
+        by_places ? (recorded(found.last) - recorded(found.first)) / duration_of(found) : 0.0;
+    BudgetRow stamps = time_row(input);
+    stamps.sensitivity = changes_m_s2;
+    stamps.contribution_m_s = stamps.standard_uncertainty * std::abs(changes_m_s2);
+    rows.push_back(std::move(stamps));
+    BudgetRow delay =
+        speed_row("l", "delay of the recorded speeds behind the positions", "B",
+                  sigma_of_delay(estimate.screened), independent_of_other_rows,
+                  by_places ? "it moves both ends of the window"
+                            : "the window is of the moments of the speeds, whichever "
+                              "they are: only a window whose ends are places changes");
+    delay.estimate = delay_of_velocities(estimate.screened);
+    delay.unit = "s";
+    delay.sensitivity = changes_m_s2;
+    delay.contribution_m_s = delay.standard_uncertainty * std::abs(changes_m_s2);
+    rows.push_back(std::move(delay));
+    rows.push_back(clock_row(input));
+    const double step_m_s = resolution_m_s(estimate.compared);
+    rows.push_back(bounded_row("r", "resolution of the recorded speeds", 0.5 * step_m_s, "m / s",
+                               1.0, fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
+    rows.push_back(speed_row(
+        "d", "undetected error", "B", 0.0, independent_of_other_rows,
+        "not quantified: screening tests positions; velocities are only compared with them"));
+}
+
+MeanOf mean_of(SpeedDefinition definition) {
+    if (definition == SpeedDefinition::mean_n_plus_1) return MeanOf::samples;
+    return definition == SpeedDefinition::mean_n ? MeanOf::samples_after_first : MeanOf::path;
+}
+
+/// Takes the bias of the choice off the speed, and adds its row.
+void set_choice(const VelocityEstimate& estimate, const Profile& profile, const FoundWindow& found,
+                const std::vector<FoundWindow>& all, const SpeedErrors& errors,
+                CertifiableWindow& window) {
+    std::vector<std::vector<ElapsedTime>> times;
+    for (const ArcRows& arc : estimate.rows) {
+        std::vector<ElapsedTime>& of_arc = times.emplace_back();
+        for (const std::size_t row : arc.rows)
+            of_arc.push_back(estimate.trajectory.rows[row].time);
+    }
+    const double differs_m_s =
+        std::hypot(errors.mean_white_m_s, errors.brief_m_s, errors.slow_between_m_s);
+    const SpeedChoiceBias bias = speed_choice_bias(
+        times, all, found, mean_of(profile.definition),
+        {.white_m_s = errors.white_m_s,
+         .brief_m_s = errors.brief_m_s,
+         .slow_m_s = errors.slow_between_m_s},
+        selection_width * differs_m_s, estimate.config.selection_samples, estimate.config.seed);
+    const bool subtracted = profile.uncertainty.subtract_selection_bias;
+    const double middle_m_s = 0.5 * (bias.least_m_s + bias.most_m_s);
+    window.bias_limit_m_s = subtracted ? 0.5 * (bias.most_m_s - bias.least_m_s) : bias.most_m_s;
+    if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, middle_m_s);
+    BudgetRow row = speed_row(
+        "f", "choice of the fastest of many windows", "A", bias.uncertainty_m_s,
+        independent_of_other_rows,
+        fmt::format("bias between {:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
+                    "that differ between windows; {} could have been the fastest; {}",
+                    bias.least_m_s, bias.most_m_s,
+                    bias.candidates == 1 ? std::string("no other window")
+                                         : fmt::format("{} windows", bias.candidates),
+                    subtracted ? "the middle is subtracted from the speed, half the difference "
+                                 "added to the expanded uncertainty"
+                               : "the larger is added to the expanded uncertainty"));
+    row.estimate = subtracted ? middle_m_s : 0.0;
+    row.sensitivity = subtracted ? -1.0 : 1.0;
+    window.budget.push_back(std::move(row));
 }
 
 }  // namespace
@@ -116,11 +275,11 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
     return true;
 }
 
-CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
-                                        const TrajectoryTable& trajectory, const ArcRows& arc,
-                                        const Profile& profile, const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all,
-                                        double least_uncertainty_m_s) {
+CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
+                                        const FoundWindow& found,
+                                        const std::vector<FoundWindow>& all) {
+    const TrajectoryTable& trajectory = estimate.trajectory;
+    const ArcRows& arc = estimate.rows[found.series];
     CertifiableWindow window;
     const TrajectoryEpoch& first = trajectory.rows[arc.rows[found.first]];
     const TrajectoryEpoch& last = trajectory.rows[arc.rows[found.last]];
@@ -134,38 +293,49 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     window.position_r95_m = 2.45 * std::max({*first.sigma_east_m, *first.sigma_north_m,
                                              *last.sigma_east_m, *last.sigma_north_m});
 
-    const double stated =
-        std::max(mean_uncertainty(screened, arc, profile, found), least_uncertainty_m_s);
-    window.witnesses.push_back(
-        by_positions(track_speed(screened, trajectory, arc, profile, found), found, stated));
-    const std::int64_t rivals = rivals_of(all, found.speed_m_s - selection_width * stated);
-    const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
-    window.budget.push_back(speed_row(
-        "u",
-        least_uncertainty_m_s > 0.0
-            ? "accuracy of the recorded velocities, as the attempt states it, or as they scatter"
-            : "accuracy of the recorded velocities, as the recording states it",
-        "B", stated, independent_of_other_rows,
-        fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
-                    "m/s over the same window",
-                    speed_by(window.definitions, profile.definition))));
-    window.budget.push_back(speed_row(
-        "d", "undetected error", "B", 0.0, independent_of_other_rows,
-        "not quantified: screening tests positions; velocities are only compared with them"));
-    window.bias_limit_m_s = 0.5 * selection;
-    window.speed_m_s = less_bias(window.speed_m_s, window.bias_limit_m_s);
-    BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "B", 0.0, independent_of_other_rows,
-        fmt::format("{} that do not overlap could have been the fastest: a bias of at most {:.4f} "
-                    "m/s, half of which is subtracted from the speed and half added to the "
-                    "expanded uncertainty",
-                    rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals),
-                    selection));
-    row.estimate = window.bias_limit_m_s;
-    row.sensitivity = -1.0;
-    window.budget.push_back(std::move(row));
-    window.standard_uncertainty_m_s = combine(window.budget).standard_uncertainty;
+    const StatedSpeedAccuracy stated = stated_accuracy(estimate, profile, found);
+    const SpeedNoise noise = noise_of(estimate, found);
+    const SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
+    window.witnesses.push_back(by_positions(
+        track_speed(estimate.screened, trajectory, arc, profile, found), found, errors.combined()));
+    add_error_rows(errors, noise, stated, found, window.budget);
+    add_other_rows(estimate, profile, found, window.budget);
+    set_choice(estimate, profile, found, all, errors, window);
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_m_s = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     return window;
+}
+
+Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
+                             const FoundWindow& reference) {
+    struct OfArc {
+        std::vector<double> stated_m_s{0.0};  ///< running sums
+        std::vector<std::size_t> silent{0};
+    };
+    std::vector<OfArc> arcs;
+    for (const ArcRows& arc : estimate.rows) {
+        OfArc& sums = arcs.emplace_back();
+        for (const std::size_t row : arc.rows) {
+            const auto speed = recorded_speed(estimate.screened.rows[row], profile.dimension);
+            const bool states = speed && speed->standard_uncertainty_m_s;
+            sums.stated_m_s.push_back(sums.stated_m_s.back() +
+                                      (states ? *speed->standard_uncertainty_m_s : 0.0));
+            sums.silent.push_back(sums.silent.back() + (states ? 0 : 1));
+        }
+    }
+    return [arcs = std::move(arcs), of_reference = stated_accuracy(estimate, profile, reference),
+            noise = noise_of(estimate, reference),
+            factor = profile.coverage_factor](const FoundWindow& found) {
+        const OfArc& sums = arcs[found.series];
+        if (sums.silent[found.last + 1] > sums.silent[found.first])
+            return std::numeric_limits<double>::infinity();
+        StatedSpeedAccuracy stated = of_reference;
+        stated.sigma_m_s = (sums.stated_m_s[found.last + 1] - sums.stated_m_s[found.first]) /
+                           (samples_of(found) + 1.0);
+        return factor *
+               speed_errors(noise, stated, duration_of(found), samples_of(found)).combined();
+    };
 }
 
 }  // namespace runcert

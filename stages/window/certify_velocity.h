@@ -2,22 +2,38 @@
 
 #include "estimation/tables/certifiable.h"
 #include "stages/window/best_window.h"
+#include "stages/window/velocity_noise.h"
 #include "stages/window/window.h"
 
 namespace runcert {
 
-/// The speed of a window from the velocities that the recording states, with what they state of
-/// their accuracy: its errors are taken as the same throughout the window, so that no mean makes
-/// them smaller. `all` are the windows that it was chosen from: the fastest of so many adds at most
-/// u sqrt(2 ln n) in the mean, whatever their correlation ([BLM13] 2.5),
-/// u being the part of the uncertainty that differs between windows.
+/// What the windows of recorded speeds are certified from.
+struct VelocityEstimate {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const std::vector<ArcRows>& rows;  ///< of each arc
+    const WindowConfig& config;
+    std::vector<ComparedSpeed> compared;  ///< of the rule's dimension
+};
+
+/// The speed of a window from the velocities that the recording states. Their errors come from the
+/// recording (`speed_errors`), the bias of the choice from draws of what of these may differ
+/// between windows (`speed_choice_bias`). `all` are the windows that it was chosen from.
+///
+/// The rows, in this order: w white noise, b errors shorter than ten seconds, u slow errors, t time
+/// stamps and l delay, which count where positions decide the ends, k clock rate, r resolution of
+/// the speeds, d undetected error, f choice of the fastest. The smoothed positions stand beside as
+/// a witness.
 ///
 /// Failure where an epoch inside states no accuracy of its velocity.
-CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
-                                        const TrajectoryTable& trajectory, const ArcRows& arc,
-                                        const Profile& profile, const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all,
-                                        double least_uncertainty_m_s);
+CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
+                                        const FoundWindow& found,
+                                        const std::vector<FoundWindow>& all);
+
+/// What other windows are expected to be certified with, by one that is: infinite where an epoch
+/// inside states no accuracy.
+Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
+                             const FoundWindow& reference);
 
 /// Whether every epoch of the window states how accurate its velocity is.
 bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,

@@ -121,14 +121,14 @@ double floor_m(const Profile& profile, FixType fix) {
     return floor == profile.uncertainty.error_floor_m.end() ? 0.0 : floor->second;
 }
 
+}  // namespace
+
 double sigma_of_delay(const ScreenedTable& screened) {
     const auto& velocity = screened.basis.velocity;
     if (velocity && velocity->delay_s) return velocity->sigma_delay_s.value_or(0.0);
     const auto& errors = screened.basis.velocity_errors;
     return errors.empty() ? 0.0 : errors.front().sigma_delay_s;
 }
-
-}  // namespace
 
 double delay_of_velocities(const ScreenedTable& screened) {
     const auto& velocity = screened.basis.velocity;
@@ -161,6 +161,27 @@ void move_to_moments(SampleSeries& series, double delay_s) {
                 .position;
     }
     series.positions = std::move(moved);
+}
+
+std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& screened,
+                                                         const TrajectoryTable& trajectory,
+                                                         const ArcRows& arc, Dimension dimension) {
+    const SmoothedTrack track(trajectory, arc, dimension);
+    const double delay_s = delay_of_velocities(screened);
+    const std::size_t count = arc.rows.size();
+    std::vector<std::optional<TrackMoment>> moments(count);
+    TrackPoint before;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at_s = track.time_s(k) - delay_s;
+        if (at_s < track.time_s(0) || at_s > track.time_s(count - 1)) continue;
+        const TrackPoint here = track.at(at_s);
+        TrackMoment& moment = moments[k].emplace();
+        moment.speed_m_s = here.velocity.norm();
+        if (k > 0 && moments[k - 1])
+            moment.step_m = path_between(before, here, track.time_s(k) - track.time_s(k - 1));
+        before = here;
+    }
+    return moments;
 }
 
 TrackSpeed track_speed(const ScreenedTable& screened, const TrajectoryTable& trajectory,

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "estimation/tables/certifiable.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
@@ -13,9 +16,25 @@ namespace runcert {
 /// By how much the recorded velocities are behind the positions, as far as screening tells; else 0.
 double delay_of_velocities(const ScreenedTable& screened);
 
+/// Standard uncertainty of that delay, s; of one that is not told, that of any that is looked for.
+double sigma_of_delay(const ScreenedTable& screened);
+
 /// Moves the positions of a series of recorded speeds to the moments of these: those of a delay
 /// before, between samples by cubics. No window may begin or end where the series has none.
 void move_to_moments(SampleSeries& series, double delay_s);
+
+/// The smoothed track at the moment of a recorded speed: its speed, and the path since the sample
+/// before.
+struct TrackMoment {
+    double speed_m_s = 0.0;
+    double step_m = 0.0;
+};
+
+/// For each sample of an arc; empty where its moment lies before the first position or after the
+/// last.
+std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& screened,
+                                                         const TrajectoryTable& trajectory,
+                                                         const ArcRows& arc, Dimension dimension);
 
 /// A speed by the smoothed track over a window, and its standard uncertainty.
 struct TrackSpeed {

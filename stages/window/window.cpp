@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -31,19 +32,28 @@ class Certifier {
               const Beside& beside)
         : screened_(screened),
           trajectory_(trajectory),
-          velocity_accuracy_claimed_(config.velocity_accuracy_claimed),
           horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
         const auto of_heights = [](const Profile& profile) {
             return profile.dimension != Dimension::horizontal;
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
             vertical_.emplace(estimate_of<1>(screened, trajectory, config, beside));
+        for (const Profile& profile : profiles)
+            if (profile.speed_source == SpeedSource::velocity &&
+                !velocities_.contains(profile.dimension))
+                velocities_.emplace(
+                    profile.dimension,
+                    VelocityEstimate{screened, trajectory, horizontal_.rows, config,
+                                     compared_speeds(screened, trajectory, horizontal_.rows,
+                                                     profile.dimension)});
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
 
     /// What other windows are expected to be certified with, by one that is.
     Allowance allowance(const Profile& profile, const Reference& reference) const {
+        if (profile.speed_source == SpeedSource::velocity)
+            return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
         static const HeardWitnesses<1> none;
         return expected_allowance(screened_, trajectory_, rows(), profile, reference,
                                   horizontal_.witnesses, vertical_ ? vertical_->witnesses : none);
@@ -84,8 +94,7 @@ class Certifier {
                               const std::vector<FoundWindow>& all,
                               const std::optional<CourseGates>& gates) const {
         if (profile.speed_source == SpeedSource::velocity)
-            return certified_by_velocity(screened_, trajectory_, rows()[found.series], profile,
-                                         found, all, least_velocity_uncertainty_m_s());
+            return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
         WindowChoice choice{
             .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
         if (profile.window_kind == WindowKind::course)
@@ -98,12 +107,6 @@ class Certifier {
     }
 
   private:
-    /// An accuracy that the attempt states never counts for more than the scatter that was seen.
-    double least_velocity_uncertainty_m_s() const {
-        const auto& velocity = screened_.basis.velocity;
-        return velocity_accuracy_claimed_ && velocity ? velocity->scale_m_s : 0.0;
-    }
-
     /// The crossings by the smoothed track in place of those by straight lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
                                      std::vector<FoundWindow> all, const CourseGates& gates) const {
@@ -142,9 +145,9 @@ class Certifier {
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
-    bool velocity_accuracy_claimed_;
     AxesEstimate<2> horizontal_;
     std::optional<AxesEstimate<1>> vertical_;
+    std::map<Dimension, VelocityEstimate> velocities_;
 };
 
 WindowRule rule_of(const Profile& profile) {

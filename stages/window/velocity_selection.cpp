@@ -1,0 +1,186 @@
+#include "stages/window/velocity_selection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include "core/parallel.h"
+#include "core/random.h"
+#include "core/statistics.h"
+#include "core/turnstile.h"
+
+namespace runcert {
+namespace {
+
+/// As long as the filters of receivers remember.
+constexpr double brief_tau_s = 0.5;
+constexpr double slow_tau_min_s = 5.0;
+constexpr double slow_tau_max_s = 60.0;
+
+/// A window by its samples' places among all that are drawn.
+struct Candidate {
+    std::size_t first = 0, last = 0;
+    double claim_m_s = 0.0;
+};
+
+/// The samples of all candidates in order of time, and these.
+struct Search {
+    std::vector<double> time_s;
+    std::vector<Candidate> candidates;
+    std::size_t chosen = 0;
+};
+
+bool same(const FoundWindow& one, const FoundWindow& other) {
+    return one.series == other.series && one.start == other.start && one.end == other.end;
+}
+
+Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
+                 const std::vector<FoundWindow>& all, const FoundWindow& chosen, double reach_m_s) {
+    std::vector<FoundWindow> near{chosen};
+    for (const FoundWindow& window : all)
+        if (window.claim_m_s() >= chosen.claim_m_s() - reach_m_s && !same(window, chosen))
+            near.push_back(window);
+    std::ranges::sort(near, {}, [](const FoundWindow& window) {
+        return std::tuple(window.series, window.first, window.last, window.start, window.end);
+    });
+    Search search;
+    std::size_t series = 0, next = 0;
+    for (const FoundWindow& window : near) {
+        if (window.series != series) next = 0;
+        series = window.series;
+        // What is before `next` of the series is there; the last of it stands last.
+        for (std::size_t k = std::max(next, window.first); k <= window.last; ++k)
+            search.time_s.push_back(times[series][k].seconds());
+        next = std::max(next, window.last + 1);
+        const std::size_t end = search.time_s.size() - (next - window.last);
+        if (same(window, chosen)) search.chosen = search.candidates.size();
+        search.candidates.push_back({.first = end - (window.last - window.first),
+                                     .last = end,
+                                     .claim_m_s = window.claim_m_s()});
+    }
+    return search;
+}
+
+/// Samples of a first-order Gauss-Markov process.
+void add_gauss_markov(const std::vector<double>& time_s, double sigma, double tau_s,
+                      const double* normals, std::vector<double>& errors) {
+    double value = 0.0;
+    for (std::size_t k = 0; k < time_s.size(); ++k) {
+        const double kept = k > 0 ? std::exp(-std::abs(time_s[k] - time_s[k - 1]) / tau_s) : 0.0;
+        value = kept * value + std::sqrt(1.0 - kept * kept) * normals[k];
+        errors[k] += sigma * value;
+    }
+}
+
+/// Errors of each candidate's speed.
+std::vector<double> window_errors(const Search& search, MeanOf mean_of,
+                                  const std::vector<double>& errors) {
+    std::vector<double> sums(errors.size() + 1, 0.0);
+    for (std::size_t k = 0; k < errors.size(); ++k)
+        sums[k + 1] = sums[k] + (mean_of != MeanOf::path ? errors[k]
+                                 : k > 0 ? 0.5 * (search.time_s[k] - search.time_s[k - 1]) *
+                                               (errors[k] + errors[k - 1])
+                                         : 0.0);
+    std::vector<double> of_windows;
+    for (const auto& [first, last, claim] : search.candidates) {
+        const double of_all = mean_of == MeanOf::samples ? 1.0 : 0.0;
+        const double over = mean_of == MeanOf::path ? search.time_s[last] - search.time_s[first]
+                                                    : static_cast<double>(last - first) + of_all;
+        const std::size_t begin = mean_of == MeanOf::samples ? first : first + 1;
+        of_windows.push_back((sums[last + 1] - sums[begin]) / over);
+    }
+    return of_windows;
+}
+
+/// What errors add to the speed of the window that is the fastest with them, beyond what they add
+/// to the chosen one: in the mean the same, and it settles with fewer draws.
+double gained(const Search& search, const std::vector<double>& before,
+              const std::vector<double>& errors) {
+    std::size_t best = search.chosen;
+    const auto claim = [&](std::size_t i) {
+        return search.candidates[i].claim_m_s + before[i] + errors[i];
+    };
+    for (std::size_t i = 0; i < errors.size(); ++i)
+        if (claim(i) > claim(best)) best = i;
+    return errors[best] - errors[search.chosen];
+}
+
+/// Once with the windows as recorded, and once with errors drawn onto them before.
+double calibrated(const Search& search, const std::vector<double>& before,
+                  const std::vector<double>& errors) {
+    const std::vector<double> none(errors.size(), 0.0);
+    return 2.0 * gained(search, none, errors) - gained(search, before, errors);
+}
+
+struct Draw {
+    double white_m_s = 0.0, all_m_s = 0.0;
+};
+
+Draw draw_from(const Search& search, MeanOf mean_of, const DrawnSpeedErrors& errors,
+               double brief_sd_m_s, double slow_tau_s, const std::vector<double>& normals) {
+    const std::size_t count = search.time_s.size();
+    std::array<std::vector<double>, 2> white, all;
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double* const at = normals.data() + 3 * count * i;
+        std::vector<double> samples(count);
+        for (std::size_t k = 0; k < count; ++k)
+            samples[k] = errors.white_m_s * at[k];
+        white[i] = window_errors(search, mean_of, samples);
+        add_gauss_markov(search.time_s, brief_sd_m_s, brief_tau_s, at + count, samples);
+        add_gauss_markov(search.time_s, errors.slow_m_s, slow_tau_s, at + 2 * count, samples);
+        all[i] = window_errors(search, mean_of, samples);
+    }
+    return {.white_m_s = calibrated(search, white[0], white[1]),
+            .all_m_s = calibrated(search, all[0], all[1])};
+}
+
+}  // namespace
+
+double gauss_markov_mean_sd(std::size_t samples, double step_s, double tau_s) {
+    const auto count = static_cast<double>(samples);
+    double variance = count;
+    for (std::size_t k = 1; k < samples; ++k)
+        variance += 2.0 * (count - static_cast<double>(k)) *
+                    std::exp(-static_cast<double>(k) * step_s / tau_s);
+    return std::sqrt(variance) / count;
+}
+
+SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& times,
+                                  const std::vector<FoundWindow>& all, const FoundWindow& chosen,
+                                  MeanOf mean_of, const DrawnSpeedErrors& errors, double reach_m_s,
+                                  std::int64_t samples, std::int64_t seed) {
+    constexpr std::int64_t most_numbers = 4'000'000;
+    constexpr std::int64_t fewest_draws = 100;
+    const Search search = search_of(times, all, chosen, reach_m_s);
+    SpeedChoiceBias bias{.candidates = std::ssize(search.candidates)};
+    if (search.candidates.size() < 2) return bias;
+    const auto steps = static_cast<double>(chosen.last - chosen.first);
+    const double step_s = (chosen.end.seconds() - chosen.start.seconds()) / steps;
+    const double brief_sd_m_s =
+        errors.brief_m_s / gauss_markov_mean_sd(chosen.last - chosen.first, step_s, brief_tau_s);
+    const std::size_t numbers = 6 * search.time_s.size();
+    const std::int64_t draws = std::min(
+        samples,
+        std::max(fewest_draws, most_numbers / static_cast<std::int64_t>(search.time_s.size())));
+    RandomGenerator random(static_cast<std::uint64_t>(seed));
+    Turnstile turnstile;
+    const std::vector<Draw> drawn = results_of(draws, threads_allowed(), [&](std::int64_t i) {
+        const auto normals = turnstile.pass(i, [&] { return random.normals(numbers); });
+        const double slow_tau_s =
+            slow_tau_min_s * std::pow(slow_tau_max_s / slow_tau_min_s,
+                                      (static_cast<double>(i) + 0.5) / static_cast<double>(draws));
+        return draw_from(search, mean_of, errors, brief_sd_m_s, slow_tau_s, normals);
+    });
+    std::vector<double> white, every;
+    for (const Draw& one : drawn) {
+        white.push_back(one.white_m_s);
+        every.push_back(one.all_m_s);
+    }
+    bias.least_m_s = std::max(0.0, mean(white));
+    bias.most_m_s = std::max(bias.least_m_s, mean(every));
+    bias.uncertainty_m_s = standard_deviation(every) / std::sqrt(static_cast<double>(draws));
+    return bias;
+}
+
+}  // namespace runcert

@@ -285,7 +285,7 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
                                              : std::string(),
                         limit,
                         context.profile.speed_source == SpeedSource::velocity
-                            ? "it rests on what the recording states of its velocities"
+                            ? "it rests on what the recording shows and states of its velocities' errors"
                             : "it includes the bound on time-correlated errors and, as mean "
                               "square, an error of any kind that nothing found"),
             {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),

@@ -17,16 +17,32 @@ constexpr std::size_t fewest_steps = 30;
 constexpr std::size_t fewest_spans = 5;
 constexpr double rounding_s = 1e-6;
 
-std::vector<double> steps_between(std::span<const ComparedSpeed> compared, double from_s,
-                                  double to_s) {
-    std::vector<double> steps;
+/// Of the samples between two times, absolute values: the steps of recorded less smoothed speed,
+/// and the third differences of recorded speeds.
+struct SpeedDifferences {
+    std::vector<double> from_smoothed, third;
+};
+
+SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, double from_s,
+                                     double to_s) {
+    SpeedDifferences differences;
     for (std::size_t k = 1; k < compared.size(); ++k) {
         const ComparedSpeed &a = compared[k - 1], &b = compared[k];
-        if (a.stretch == b.stretch && a.time_s >= from_s && b.time_s <= to_s)
-            steps.push_back(
-                std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
+        if (a.stretch != b.stretch || a.time_s < from_s || b.time_s > to_s) continue;
+        differences.from_smoothed.push_back(
+            std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
+        if (k < 3 || compared[k - 3].stretch != b.stretch || compared[k - 3].time_s < from_s)
+            continue;
+        differences.third.push_back(
+            std::abs(b.recorded_m_s - compared[k - 3].recorded_m_s -
+                     3.0 * (a.recorded_m_s - compared[k - 2].recorded_m_s)));
     }
-    return steps;
+    return differences;
+}
+
+/// Of a white noise whose differences have so many times its variance.
+double robust_sd(std::vector<double> absolute, double gain) {
+    return median(std::move(absolute)) / (normal_quantile(0.75) * std::sqrt(gain));
 }
 
 /// The mean recorded speed of a span, and by how much the smoothed path makes less.
@@ -116,15 +132,16 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
                                        double to_s) {
     constexpr double around_s = 30.0;
     constexpr double efficiency_of_median = 0.37;
-    std::vector<double> steps = steps_between(compared, from_s - around_s, to_s + around_s);
-    if (steps.size() < fewest_steps)
-        steps = steps_between(compared, -std::numeric_limits<double>::infinity(),
-                              std::numeric_limits<double>::infinity());
-    if (steps.size() < fewest_steps) return std::nullopt;
-    const double independent = efficiency_of_median * static_cast<double>(steps.size());
-    return SpeedSpread{
-        .sd_m_s = median(std::move(steps)) / (normal_quantile(0.75) * std::sqrt(2.0)),
-        .independent = independent};
+    constexpr double ever = std::numeric_limits<double>::infinity();
+    SpeedDifferences differences =
+        differences_between(compared, from_s - around_s, to_s + around_s);
+    if (differences.third.size() < fewest_steps)
+        differences = differences_between(compared, -ever, ever);
+    if (differences.third.size() < fewest_steps) return std::nullopt;
+    const double independent = efficiency_of_median * static_cast<double>(differences.third.size());
+    return SpeedSpread{.sd_m_s = std::min(robust_sd(std::move(differences.from_smoothed), 2.0),
+                                          robust_sd(std::move(differences.third), 20.0)),
+                       .independent = independent};
 }
 
 std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s) {
@@ -152,8 +169,10 @@ SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTa
     const auto& both = duration_s < ten_s ? noise.over_window : noise.over_ten;
     if (noise.white && both) {
         const double averaged = samples * std::min(1.0, ten_s / duration_s);
-        const double at_most_m_s = both->sd_m_s * (1.0 + 2.0 / std::sqrt(2.0 * both->independent));
-        if (at_most_m_s < noise.white->sd_m_s / std::sqrt(averaged)) noise.in_common = true;
+        const double chance =
+            2.0 * std::sqrt(0.5 / both->independent + 0.5 / noise.white->independent);
+        if (both->sd_m_s * (1.0 + chance) < noise.white->sd_m_s / std::sqrt(averaged))
+            noise.in_common = true;
     }
     return noise;
 }

@@ -40,9 +40,11 @@ struct SpeedSpread {
     double independent = 0.0;
 };
 
-/// The white noise of a recorded speed: from the steps, between neighbours, of recorded less
-/// smoothed speed, robustly. Of the samples within 30 s of `from_s` to `to_s`; of all where fewer
-/// than 30 steps lie there, and nothing where these are too few, too.
+/// The white noise of a recorded speed: the smaller of what the steps, between neighbours, of
+/// recorded less smoothed speed show and what third differences of the recorded speeds do, both
+/// robustly. The first hold the positions' noise, the others what the craft did. Of the samples
+/// within 30 s of `from_s` to `to_s`; of all where fewer than 30 differences lie there, and nothing
+/// where these are too few, too.
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s);
 

@@ -231,6 +231,45 @@ TEST_F(Origins, AClaimedAccuracyOfVelocitiesNeverSharpensBeyondTheirScatter) {
     }
 }
 
+TEST_F(Origins, ATypedSmallerAccuracyOfVelocitiesCertifiesNothingTighter) {
+    write("speeds.yaml",
+          profile_of("speeds", "{duration_s: 3, definition: mean_n, source: velocity}"));
+    RandomGenerator random(7);
+    write("one.csv", table(with_speeds(sailed(), [&](const Sample& one) {
+              return one.speed_m_s + 0.1 * random.normal();
+          })));
+    double before_km_h = 100.0;
+    for (const double typed_m_s : {0.001, 0.05, 0.15, 0.5, 5.0}) {
+        SCOPED_TRACE(typed_m_s);
+        judge(receiver("one", "one.csv", true,
+                       fmt::format("horizontal_m: 0.01, velocity_mps: {}", typed_m_s)),
+              {}, "speeds.yaml");
+        ASSERT_EQ(outcome(), "beaten") << reason();
+        // White noise below what is typed averages; 0.05 m/s that last stay.
+        EXPECT_LE(expanded_uncertainty_km_h(), before_km_h);
+        EXPECT_GT(expanded_uncertainty_km_h(), 3.6 * (typed_m_s < 0.1 ? 0.2 : 0.1));
+        before_km_h = expanded_uncertainty_km_h();
+    }
+    EXPECT_LT(before_km_h, 3.6 * 0.2);
+}
+
+TEST_F(Origins, VelocitiesRaisedAtTheWindowAloneAreRefusedOrWithinTheirUncertainty) {
+    write("speeds.yaml",
+          profile_of("speeds", "{duration_s: 3, definition: mean_n, source: velocity}"));
+    for (const double raised_m_s : {0.05, 0.1, 0.2, 0.3, 0.5, 1.0, 2.0})
+        for (const double typed_m_s : {0.001, 0.05, 0.5}) {
+            SCOPED_TRACE(fmt::format("{} {}", raised_m_s, typed_m_s));
+            write("one.csv", table(with_speeds(sailed(), [&](const Sample& one) {
+                      return one.speed_m_s + (one.time_s > 112.0 ? raised_m_s : 0.0);
+                  })));
+            judge(receiver("one", "one.csv", true,
+                           fmt::format("horizontal_m: 0.01, velocity_mps: {}", typed_m_s)),
+                  {}, "speeds.yaml");
+            if (outcome() == "not_certifiable") continue;
+            EXPECT_LT(profile()["speed_m_s"].real(), 60.0 + expanded_uncertainty_km_h() / 3.6);
+        }
+}
+
 TEST_F(Origins, VelocitiesMadeFromThePositionsConfirmNothing) {
     for (const std::size_t either_side : {1U, 3U, 10U, 30U}) {
         SCOPED_TRACE(either_side);

@@ -11,6 +11,7 @@
 #include "motion_study.h"
 #include "people_study.h"
 #include "selection_study.h"
+#include "speeds_study.h"
 #include "witness_study.h"
 
 using namespace runcert;
@@ -84,6 +85,22 @@ void print_people(const PeopleStudyOptions& options, bool faults, const std::str
     }
     fmt::print("{}", faults ? people_faults_table(results) : people_table(results));
     if (!csv_file.empty()) std::ofstream(csv_file) << people_csv(results);
+}
+
+void print_speeds(std::int64_t runs, std::uint64_t seed, const std::string& only) {
+    setenv("RUNCERT_THREADS", "1", 1);
+    const auto print = [&](const std::string& name, const auto& of) {
+        if (name.find(only) == std::string::npos) return;
+        fmt::print(
+            "{}", speeds_lines(
+                      name, study_speeds([&](std::uint64_t one) { return certify_speeds(of, one); },
+                                         runs, seed)));
+        std::fflush(stdout);
+    };
+    for (const SpeedsCell& cell : speeds_cells())
+        print(cell_name(cell), cell);
+    for (const PeopleKind& kind : people_kinds())
+        if (kind.velocities == PeopleVelocities::stated) print("people, " + kind.name, kind);
 }
 
 }  // namespace
@@ -192,7 +209,16 @@ int main(int argc, char** argv) {
     people->add_option("--length", people_length_s, "s, of every recording; 0: as of its kind")
         ->capture_default_str();
     people->add_option("--csv", csv_file, "a file for a line a run, with its budget");
+    std::int64_t speeds_runs = 100;
+    std::uint64_t speeds_seed = 1;
+    std::string speeds_only;
+    CLI::App* speeds = app.add_subcommand("speeds", "Speeds of recorded velocities");
+    speeds->add_option("--runs", speeds_runs, "sessions a cell")->capture_default_str();
+    speeds->add_option("--seed", speeds_seed)->capture_default_str();
+    speeds->add_option("--only", speeds_only, "cells whose name holds this");
     CLI11_PARSE(app, argc, argv);
+
+    if (speeds->parsed()) print_speeds(speeds_runs, speeds_seed, speeds_only);
 
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
     if (witness->parsed())

@@ -136,8 +136,12 @@ Enu LocalFrame::enu_from_ecef(const Ecef& position) const {
     return {rotation_enu_from_ecef_ * (position.m - origin_ecef_m_)};
 }
 
+Ecef LocalFrame::ecef_from_enu(const Enu& position) const {
+    return {origin_ecef_m_ + rotation_enu_from_ecef_.transpose() * position.m};
+}
+
 Geodetic LocalFrame::geodetic_from_enu(const Enu& position) const {
-    return geodetic_from_ecef({origin_ecef_m_ + rotation_enu_from_ecef_.transpose() * position.m});
+    return geodetic_from_ecef(ecef_from_enu(position));
 }
 
 Eigen::Matrix3d LocalFrame::rotation_from_local(Angle latitude, Angle longitude) const {

@@ -45,6 +45,9 @@ class LocalFrame {
     /// Coordinates of an Earth-centred position in this frame.
     Enu enu_from_ecef(const Ecef& position) const;
 
+    /// Earth-centred coordinates of those of this frame.
+    Ecef ecef_from_enu(const Enu& position) const;
+
     /// The position of coordinates in this frame. Failure where one is not finite.
     Geodetic geodetic_from_enu(const Enu& position) const;
 

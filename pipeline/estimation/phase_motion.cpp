@@ -21,10 +21,10 @@ constexpr int first_axis = Axes == 1 ? 2 : 0;
 
 template <int Axes>
 PhaseWitness<Axes>::PhaseWitness(std::shared_ptr<const JudgedPhases> phases, double first_epoch_s,
-                                 const Eigen::Matrix3d& enu_from_ecef, double jerk_density)
+                                 std::vector<FrameTurn> turns, double jerk_density)
     : phases_(std::move(phases)),
       first_epoch_s_(first_epoch_s),
-      enu_from_ecef_(enu_from_ecef),
+      turns_(std::move(turns)),
       jerk_density_(jerk_density) {
     const auto& epochs = phases_->record.epochs;
     std::vector<double> steps_s;
@@ -96,7 +96,11 @@ std::optional<typename PhaseWitness<Axes>::Place> PhaseWitness<Axes>::place_of(
 
 template <int Axes>
 Eigen::Matrix3d PhaseWitness<Axes>::turn_at(std::size_t epoch) const {
-    return enu_from_ecef_ *
+    const double at_s = record_time_s(epoch) - first_epoch_s_;
+    const auto after =
+        std::upper_bound(turns_.begin() + 1, turns_.end(), at_s,
+                         [](double time_s, const FrameTurn& turn) { return time_s < turn.from_s; });
+    return (after - 1)->enu_from_ecef *
            receiver_place(phases_->record.epochs[epoch].receiver_m).enu_from_ecef.transpose();
 }
 

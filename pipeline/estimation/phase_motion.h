@@ -26,6 +26,12 @@ struct PhaseInterruptions {
     std::int64_t refusals = 0;  ///< pairs of epochs
 };
 
+/// The axes of the positions from a time of theirs on.
+struct FrameTurn {
+    double from_s = 0.0;
+    Eigen::Matrix3d enu_from_ecef;
+};
+
 /// The carrier phases of a receiver as a witness of its positions: the displacement between two
 /// epochs by every satellite whose phase did not slip between them (`displacement_between`), turned
 /// into the positions' frame, whose tangent plane may touch the Earth somewhere else.
@@ -40,10 +46,10 @@ struct PhaseInterruptions {
 template <int Axes>
 class PhaseWitness final : public Witness<Axes> {
   public:
-    /// `first_epoch_s`: of the positions, on the record's time scale. `enu_from_ecef`: of the
-    /// frame that the positions are in.
+    /// `first_epoch_s`: of the positions, on the record's time scale. `turns`: of the frames that
+    /// the positions are in, in order of time; the first holds from the beginning.
     PhaseWitness(std::shared_ptr<const JudgedPhases> phases, double first_epoch_s,
-                 const Eigen::Matrix3d& enu_from_ecef, double jerk_density);
+                 std::vector<FrameTurn> turns, double jerk_density);
 
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
     TimeSpan covered() const override;
@@ -67,7 +73,7 @@ class PhaseWitness final : public Witness<Axes> {
 
     std::shared_ptr<const JudgedPhases> phases_;
     double first_epoch_s_;
-    Eigen::Matrix3d enu_from_ecef_;
+    std::vector<FrameTurn> turns_;
     double jerk_density_;
     double nominal_step_s_ = 0.0;
 };

@@ -14,14 +14,18 @@ namespace {
 Facts frame_facts(const EnuTable& table) {
     if (!table.origin) return {{{"Frame", engineering_crs_text()}}};
     const Geodetic& at = table.origin->position;
-    return {{{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
-             {"Origin",
-              fmt::format("latitude {}, longitude {}, height {} m",
-                          format_fixed(at.latitude.degrees(), 9),
-                          format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3))},
-             {"Chosen by", table.origin->source == "attempt"
-                               ? "the attempt"
-                               : "the program: it is the first position of the recording"}}};
+    Facts facts{
+        {{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
+         {"Origin",
+          fmt::format("latitude {}, longitude {}, height {} m",
+                      format_fixed(at.latitude.degrees(), 9),
+                      format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3))},
+         {"Chosen by", table.origin->source == "attempt"
+                           ? "the attempt"
+                           : "the program: it is the first position of the recording"}}};
+    for (const FramePlace& place : table.origin->places)
+        facts.facts.push_back({"Another place, from", place_text(place)});
+    return facts;
 }
 
 }  // namespace

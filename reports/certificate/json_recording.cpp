@@ -11,6 +11,7 @@
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_screening.h"
+#include "reports/words/estimation.h"
 #include "reports/words/phases.h"
 #include "reports/words/recording.h"
 
@@ -192,6 +193,8 @@ Json frame_json(const ReportInputs& inputs) {
         facts.push_back(fact("Chosen by", table.origin->source == "attempt"
                                               ? "the attempt"
                                               : "the first usable position"));
+        for (const FramePlace& place : table.origin->places)
+            facts.push_back(fact("Another place, from", place_text(place)));
     }
     json["facts"] = std::move(facts);
     return json;

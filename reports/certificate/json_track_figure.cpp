@@ -22,16 +22,13 @@ struct Extent {
     }
 };
 
-/// Where a point of the course is in the frame of the trajectory; the height of the course is that
-/// of the origin, since nobody states another.
+/// Where a point of the course is in the frame of the trajectory.
 std::optional<Eigen::Vector2d> in_frame(const CoursePoint& point,
                                         const std::optional<FrameOrigin>& origin) {
     if (!origin && point.plane_m) return Eigen::Vector2d(point.plane_m->data());
     if (!origin) return std::nullopt;
     if (!point.geodetic) return std::nullopt;
-    Geodetic place = *point.geodetic;
-    place.height_m = origin->position.height_m;
-    return LocalFrame(origin->position).enu_from_geodetic(place).m.head<2>();
+    return PlaceFrames(*origin).on_the_ground_m(*point.geodetic);
 }
 
 Json segment(const std::string& name, const std::vector<Eigen::Vector2d>& points) {

@@ -46,14 +46,14 @@ MeasuredVelocity velocity_of(const RecordedVelocity& row, const Eigen::Matrix3d&
             .covariance_m2_s2 = rotation * variances.asDiagonal() * rotation.transpose()};
 }
 
-EnhancedKalmanEpoch epoch_of(const ScreenedEpoch& row, const LocalFrame& frame) {
+EnhancedKalmanEpoch epoch_of(const ScreenedEpoch& row, const PlaceFrames& frames) {
     EnhancedKalmanEpoch epoch;
     epoch.time_s = row.time.seconds();
     if (!row.east_m || !row.north_m) return epoch;
     const Geodetic position =
-        frame.geodetic_from_enu({{*row.east_m, *row.north_m, row.up_m.value_or(0.0)}});
+        frames.geodetic(row.time, {*row.east_m, *row.north_m, row.up_m.value_or(0.0)});
     const Eigen::Matrix3d rotation =
-        frame.rotation_from_local(position.latitude, position.longitude).transpose();
+        frames.at(row.time).rotation_from_local(position.latitude, position.longitude).transpose();
     if (row.usable) {
         Eigen::Matrix3d covariance = stated_covariance<3>(row);
         if (!row.up_m || !row.sigma_up_m)
@@ -67,16 +67,17 @@ EnhancedKalmanEpoch epoch_of(const ScreenedEpoch& row, const LocalFrame& frame) 
 }
 
 /// Runs the filter along rows of one arc, between bridged steps.
-void filter_arc(const ScreenedTable& screened, const LocalFrame& frame,
+void filter_arc(const ScreenedTable& screened, const PlaceFrames& frames,
                 const std::vector<std::size_t>& rows, MethodTrack& track) {
     std::vector<EnhancedKalmanEpoch> epochs;
     epochs.reserve(rows.size());
     for (const std::size_t row : rows)
-        epochs.push_back(epoch_of(screened.rows[row], frame));
+        epochs.push_back(epoch_of(screened.rows[row], frames));
     const auto states = filter_enhanced_kalman(epochs);
     for (std::size_t k = 0; k < rows.size(); ++k) {
         if (!states[k]) continue;
-        track.positions[rows[k]] = frame.enu_from_geodetic(states[k]->position).m.head<2>();
+        track.positions[rows[k]] =
+            frames.enu_m(screened.rows[rows[k]].time, states[k]->position).head<2>();
         if (states[k]->velocity_enu_m_s)
             track.speeds_m_s[rows[k]] = states[k]->velocity_enu_m_s->head<2>().norm();
     }
@@ -135,18 +136,18 @@ EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened) {
         track.unavailable = "the positions are engineering coordinates, not tied to the Earth";
         return result;
     }
-    const LocalFrame frame(screened.origin->position);
+    const PlaceFrames frames(*screened.origin);
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         if (!screened.rows[i].arc) continue;
         const bool breaks = screened.rows[i].break_before == ArcBreak::bridged;
         if (!rows.empty() && (breaks || screened.rows[rows.back()].arc != screened.rows[i].arc)) {
-            filter_arc(screened, frame, rows, track);
+            filter_arc(screened, frames, rows, track);
             rows.clear();
         }
         rows.push_back(i);
     }
-    filter_arc(screened, frame, rows, track);
+    filter_arc(screened, frames, rows, track);
     result.note = accuracy_note(screened);
     return result;
 }

@@ -25,15 +25,13 @@ class ToTheEarth {
   public:
     ToTheEarth(const RecordingFacts& facts, const FrameOrigin& origin,
                std::optional<double> ground_m)
-        : facts_(facts),
-          frame_(origin.position),
-          ground_m_(ground_m.value_or(origin.position.height_m)) {}
+        : facts_(facts), frames_(origin), ground_m_(ground_m.value_or(origin.position.height_m)) {}
 
     TrackPoint point(const TrajectoryEpoch& row) const {
         const Geodetic at =
             row.up_m
-                ? frame_.geodetic_from_enu({{row.east_m.value(), row.north_m.value(), *row.up_m}})
-                : at_the_ground(row.east_m.value(), row.north_m.value());
+                ? frames_.geodetic(row.time, {row.east_m.value(), row.north_m.value(), *row.up_m})
+                : at_the_ground(row.time, row.east_m.value(), row.north_m.value());
         TrackPoint point = track_point(at);
         point.time = row.time;
         if (row.up_m && facts_.vertical_measured)
@@ -51,20 +49,20 @@ class ToTheEarth {
   private:
     /// The position with this east and north whose height is the one that import put it at. Up and
     /// height run alike to 1.3e-4 within 100 km of the origin, so that few steps do.
-    Geodetic at_the_ground(double east_m, double north_m) const {
+    Geodetic at_the_ground(ElapsedTime time, double east_m, double north_m) const {
         constexpr int most_steps = 10;
         constexpr double near_m = 1e-6;
-        Geodetic at = frame_.geodetic_from_enu({{east_m, north_m, 0.0}});
+        Geodetic at = frames_.geodetic(time, {east_m, north_m, 0.0});
         double up_m = 0.0;
         for (int i = 0; i < most_steps && std::abs(at.height_m - ground_m_) > near_m; ++i) {
             up_m += ground_m_ - at.height_m;
-            at = frame_.geodetic_from_enu({{east_m, north_m, up_m}});
+            at = frames_.geodetic(time, {east_m, north_m, up_m});
         }
         return at;
     }
 
     RecordingFacts facts_;
-    LocalFrame frame_;
+    PlaceFrames frames_;
     double ground_m_;
 };
 

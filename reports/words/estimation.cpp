@@ -42,4 +42,12 @@ std::string engineering_crs_text() {
            "stated";
 }
 
+std::string place_text(const FramePlace& place) {
+    return fmt::format("{} s on: latitude {}°, longitude {}°, ellipsoidal height {} m",
+                       format_fixed(place.from.seconds(), 1),
+                       format_fixed(place.position.latitude.degrees(), 9),
+                       format_fixed(place.position.longitude.degrees(), 9),
+                       format_fixed(place.position.height_m, 3));
+}
+
 }  // namespace runcert

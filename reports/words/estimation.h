@@ -21,4 +21,7 @@ std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSum
 /// Of coordinates that are not tied to the Earth.
 std::string engineering_crs_text();
 
+/// From when on a place has an origin of its own, and where that is.
+std::string place_text(const FramePlace& place);
+
 }  // namespace runcert

@@ -1,23 +1,108 @@
 #include "schemas/enu/frame_origin.h"
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-namespace runcert {
+#include "core/tangent_plane.h"
 
-template <>
-nlohmann::ordered_json members_json(const FrameOrigin& origin) {
-    return {{"latitude_deg", origin.position.latitude.degrees()},
-            {"longitude_deg", origin.position.longitude.degrees()},
-            {"height_m", origin.position.height_m},
-            {"source", origin.source}};
+namespace runcert {
+namespace {
+
+nlohmann::ordered_json geodetic_json(const Geodetic& position) {
+    return {{"latitude_deg", position.latitude.degrees()},
+            {"longitude_deg", position.longitude.degrees()},
+            {"height_m", position.height_m}};
+}
+
+Geodetic read_geodetic(const YamlValue& map) {
+    return {.latitude = Angle::from_degrees(map["latitude_deg"].real()),
+            .longitude = Angle::from_degrees(map["longitude_deg"].real()),
+            .height_m = map["height_m"].real()};
+}
+
+nlohmann::ordered_json place_json(const FramePlace& place) {
+    nlohmann::ordered_json json{{"from_s", place.from.seconds()}};
+    json.update(geodetic_json(place.position));
+    json["east_m"] = place.east_m;
+    json["north_m"] = place.north_m;
+    return json;
+}
+
+FramePlace read_place(const YamlValue& map) {
+    return {.from = {std::llround(map["from_s"].real() * 1e9)},
+            .position = read_geodetic(map),
+            .east_m = map["east_m"].real(),
+            .north_m = map["north_m"].real()};
+}
+
+}  // namespace
+
+std::size_t FrameOrigin::number_at(ElapsedTime time) const {
+    return static_cast<std::size_t>(std::ranges::upper_bound(places, time, {}, &FramePlace::from) -
+                                    places.begin());
+}
+
+FramePlace FrameOrigin::place(std::size_t number) const {
+    return number == 0 ? FramePlace{.from = {}, .position = position} : places[number - 1];
+}
+
+PlaceFrames::PlaceFrames(const FrameOrigin& origin) : origin_(origin) {
+    for (std::size_t number = 0; number <= origin.places.size(); ++number)
+        frames_.emplace_back(origin.place(number).position);
+}
+
+Eigen::Vector3d PlaceFrames::offset_m(std::size_t number) const {
+    const FramePlace place = origin_.place(number);
+    return {place.east_m, place.north_m, 0.0};
+}
+
+Eigen::Vector3d PlaceFrames::enu_m(ElapsedTime time, const Geodetic& position) const {
+    const std::size_t number = origin_.number_at(time);
+    return frames_[number].enu_from_geodetic(position).m + offset_m(number);
+}
+
+Geodetic PlaceFrames::geodetic(ElapsedTime time, const Eigen::Vector3d& enu_m) const {
+    return geodetic_from_ecef(ecef(time, enu_m));
+}
+
+Ecef PlaceFrames::ecef(ElapsedTime time, const Eigen::Vector3d& enu_m) const {
+    const std::size_t number = origin_.number_at(time);
+    return frames_[number].ecef_from_enu({enu_m - offset_m(number)});
+}
+
+Eigen::Vector2d PlaceFrames::on_the_ground_m(Geodetic point) const {
+    const Ecef there = ecef_from_geodetic(point);
+    const auto nearest = std::ranges::min_element(
+        frames_, {}, [&](const LocalFrame& frame) { return frame.enu_from_ecef(there).m.norm(); });
+    point.height_m = nearest->origin().height_m;
+    const auto number = static_cast<std::size_t>(nearest - frames_.begin());
+    return (nearest->enu_from_geodetic(point).m + offset_m(number)).head<2>();
+}
+
+double fall_at_m(const std::optional<FrameOrigin>& origin, ElapsedTime time, double east_m,
+                 double north_m) {
+    if (!origin) return 0.0;
+    const FramePlace place = origin->place_at(time);
+    return fall_below_plane_m(east_m - place.east_m, north_m - place.north_m);
 }
 
 template <>
-FrameOrigin read_members(const YamlValue& origin) {
-    return {.position = {.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
-                         .longitude = Angle::from_degrees(origin["longitude_deg"].real()),
-                         .height_m = origin["height_m"].real()},
-            .source = origin["source"].text()};
+nlohmann::ordered_json members_json(const FrameOrigin& origin) {
+    nlohmann::ordered_json json = geodetic_json(origin.position);
+    json["source"] = origin.source;
+    for (const FramePlace& place : origin.places)
+        json["places"].push_back(place_json(place));
+    return json;
+}
+
+template <>
+FrameOrigin read_members(const YamlValue& map) {
+    FrameOrigin origin{.position = read_geodetic(map), .source = map["source"].text()};
+    if (map["places"].exists())
+        for (const YamlValue& place : map["places"].list())
+            origin.places.push_back(read_place(place));
+    return origin;
 }
 
 }  // namespace runcert

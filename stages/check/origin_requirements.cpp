@@ -101,9 +101,10 @@ Finding computation::recording_date(const Clause&, const ClauseContext& context)
     if (!judged.facts.first_epoch || judged.trajectory.empty())
         return {RequirementStatus::attest, "the recording has no date; the attempt names " + named};
     const TrajectoryEpoch& middle = judged.trajectory[judged.trajectory.size() / 2];
-    const double longitude_deg = judged.facts.georeferenced && judged.origin
-                                     ? judged.origin->position.longitude.degrees()
-                                     : 0.0;
+    const double longitude_deg =
+        judged.facts.georeferenced && judged.origin
+            ? judged.origin->place_at(middle.time).position.longitude.degrees()
+            : 0.0;
     const double there = days_there(
         judged.facts.first_epoch->plus_nanoseconds(middle.time.nanoseconds), longitude_deg);
     const double days =

@@ -3,22 +3,13 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/failure.h"
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {
-
-constexpr double far_m = 100'000.0;
-/// What is one place: as far as the local frame is verified to rounding.
-constexpr double place_m = 20'000.0;
-
-Geodetic position_of(const Observation& row) {
-    return {.latitude = Angle::from_degrees(*row.latitude_deg),
-            .longitude = Angle::from_degrees(*row.longitude_deg),
-            .height_m = *row.height_m};
-}
 
 bool has_position(const Observation& row) {
     return row.latitude_deg && row.longitude_deg && row.height_m;
@@ -89,23 +80,6 @@ EnuEpoch from_local_plane(const Observation& row) {
 
 }  // namespace
 
-void FirstPosition::see(const Observation& row) {
-    if (!has_position(row) || row.fix == FixType::none) return;
-    const Geodetic position = position_of(row);
-    if (votes_ == 0) {
-        place_.emplace(position);
-        fixed_.reset();
-        any_.reset();
-    }
-    if (place_->enu_from_geodetic(position).m.norm() > place_m) {
-        --votes_;
-        return;
-    }
-    ++votes_;
-    if (!any_) any_ = position;
-    if (!fixed_ && row.fix == FixType::fixed) fixed_ = position;
-}
-
 ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geodetic>& stated,
                            const std::optional<Geodetic>& first)
     : vertical_(facts.vertical_measured) {
@@ -127,28 +101,32 @@ ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geod
         throw Failure("recording of receiver " + facts.receiver, "no epoch has a position",
                       "Give a recording with positions");
     origin_ = FrameOrigin{.position = *position, .source = stated ? "attempt" : "first_epoch"};
-    frame_.emplace(*position);
+    frames_.emplace(*origin_);
+}
+
+void ToLocalFrame::set_places(std::vector<FramePlace> places) {
+    origin_->places = std::move(places);
+    frames_.emplace(*origin_);
 }
 
 EnuEpoch ToLocalFrame::from_the_earth(const Observation& row) {
     EnuEpoch epoch = carried_over(row);
     if (!has_position(row)) return epoch;
     const Geodetic position = position_of(row);
-    const Eigen::Vector3d enu = frame_->enu_from_geodetic(position).m;
+    const Eigen::Vector3d enu = frames_->enu_m(row.time, position);
     if (row.fix != FixType::none) {
         ++positions_;
         if (enu.norm() > far_m && ++far_ == 1) {
             first_far_m_ = enu.norm();
-            first_far_ = row.source_line
-                             ? fmt::format("line {} of the recording", *row.source_line)
-                             : fmt::format("epoch {}", row.epoch);
+            first_far_ = row.source_line ? fmt::format("line {} of the recording", *row.source_line)
+                                         : fmt::format("epoch {}", row.epoch);
         }
     }
     epoch.east_m = enu.x();
     epoch.north_m = enu.y();
     if (vertical_) epoch.up_m = enu.z();
     const Eigen::Matrix3d rotation =
-        frame_->rotation_from_local(position.latitude, position.longitude);
+        frames_->at(row.time).rotation_from_local(position.latitude, position.longitude);
     const bool vertical_stated = vertical_ && row.sigma_up_m.has_value();
     if (row.sigma_east_m && row.sigma_north_m)
         static_cast<StatedAccuracy&>(epoch) = accuracy_of(
@@ -158,11 +136,13 @@ EnuEpoch ToLocalFrame::from_the_earth(const Observation& row) {
 }
 
 EnuEpoch ToLocalFrame::operator()(const Observation& row) {
-    return frame_ ? from_the_earth(row) : from_local_plane(row);
+    return frames_ ? from_the_earth(row) : from_local_plane(row);
 }
 
 void ToLocalFrame::finish() const {
-    if (2 * far_ <= positions_) return;
+    // So few near it may be outliers; where more are, it is a place of its own.
+    constexpr long fewest_near = 30;
+    if (2 * far_ <= positions_ || positions_ - far_ >= fewest_near) return;
     throw Failure(first_far_,
                   fmt::format("the position is {:.0f} km from the origin of the local frame, and "
                               "{} of {} positions lie more than {:.0f} km from it",
@@ -178,6 +158,12 @@ EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>&
         for (const Observation& row : observations.rows)
             first.see(row);
     ToLocalFrame to_local(facts, stated_origin, first.position());
+    if (to_local.origin()) {
+        Places places(to_local.origin()->position);
+        for (const Observation& row : observations.rows)
+            places.see(row);
+        to_local.set_places(places.found());
+    }
     EnuTable table;
     table.facts = facts;
     table.origin = to_local.origin();

@@ -5,31 +5,16 @@
 
 #include "core/geodesy.h"
 #include "schemas/enu/enu.h"
+#include "stages/enu/places.h"
 
 namespace runcert {
 
-/// Finds the origin where none is stated, in one pass over a recording: the first fixed position
-/// of the place where most of it was recorded, else the first of any kind there.
-///
-/// A first position that is wrong by half the earth is outvoted: a place that more than half of
-/// the positions share is found by the majority vote of [BM91] in constant memory.
-class FirstPosition {
-  public:
-    /// Takes in the next row.
-    void see(const Observation& row);
-    const std::optional<Geodetic>& position() const { return fixed_ ? fixed_ : any_; }
-
-  private:
-    std::optional<LocalFrame> place_;
-    long votes_ = 0;
-    std::optional<Geodetic> fixed_, any_;
-};
-
 /// Turns the rows of a recording, one by one, into those of the local frame.
 ///
-/// WGS 84 positions become local east, north, up (m) at an origin; stated covariances and recorded
-/// velocities are rotated from the east-north-up of each position to that of the origin.
-/// Engineering coordinates pass through unchanged and stay declared as not georeferenced.
+/// WGS 84 positions become local east, north, up (m) at the origin of their place; stated
+/// covariances and recorded velocities are rotated from the east-north-up of each position to that
+/// of the origin. Engineering coordinates pass through unchanged and stay declared as not
+/// georeferenced.
 class ToLocalFrame {
   public:
     /// `stated` is the attempt's origin; where there is none, `first` is the recording's first
@@ -44,14 +29,17 @@ class ToLocalFrame {
         return facts.georeferenced && !stated;
     }
 
+    /// To be called before the first row, where there is an origin.
+    void set_places(std::vector<FramePlace> places);
+
     const std::optional<FrameOrigin>& origin() const { return origin_; }
 
     /// A position far from the origin keeps its place: whether it is an outlier is screening's to
     /// say.
     EnuEpoch operator()(const Observation& row);
 
-    /// To be called after the last row. Failure where more than half of the positions lie more
-    /// than 100 km from the origin.
+    /// To be called after the last row. Failure where more than half of the positions, and all but
+    /// few, lie more than 100 km from the origin.
     void finish() const;
 
   private:
@@ -59,7 +47,7 @@ class ToLocalFrame {
 
     bool vertical_;
     std::optional<FrameOrigin> origin_;
-    std::optional<LocalFrame> frame_;
+    std::optional<PlaceFrames> frames_;
     long positions_ = 0, far_ = 0;
     std::string first_far_;
     double first_far_m_ = 0.0;

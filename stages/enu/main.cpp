@@ -17,6 +17,11 @@ void convert(StageRun& run, const Receiver& receiver) {
     if (ToLocalFrame::needs_first_position(facts, attempt.origin))
         observations.look_ahead([&first](const Observation& row) { first.see(row); });
     ToLocalFrame to_local(facts, attempt.origin, first.position());
+    if (to_local.origin()) {
+        Places places(to_local.origin()->position);
+        observations.look_ahead([&places](const Observation& row) { places.see(row); });
+        to_local.set_places(places.found());
+    }
     const EnuTable head{
         .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};
     AtomicFile file(run.run_dir() / run.file_of(products::enu, receiver));
@@ -27,11 +32,17 @@ void convert(StageRun& run, const Receiver& receiver) {
     to_local.finish();
     table.finish();
     file.commit();
-    run.say(head.origin ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",
-                                      head.origin->position.latitude.degrees(),
-                                      head.origin->position.longitude.degrees(),
-                                      head.origin->position.height_m)
-                        : std::string("engineering CRS: not georeferenced"));
+    if (!head.origin) {
+        run.say("engineering CRS: not georeferenced");
+        return;
+    }
+    for (std::size_t number = 0; number <= head.origin->places.size(); ++number) {
+        const FramePlace place = head.origin->place(number);
+        run.say(fmt::format(
+            "origin {:.6f} {:.6f}, height {:.1f} m{}", place.position.latitude.degrees(),
+            place.position.longitude.degrees(), place.position.height_m,
+            number == 0 ? std::string() : fmt::format(", from {:.1f} s on", place.from.seconds())));
+    }
 }
 
 }  // namespace

@@ -35,21 +35,21 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
-/// East and north of the middle of all positions; empty where there is none.
-std::optional<Eigen::Vector2d> middle_of(const std::vector<ScreenedEpoch>& rows) {
+/// East and north of the middle of all positions.
+Eigen::Vector2d middle_of(const std::vector<ScreenedEpoch>& rows) {
     std::vector<double> east, north;
     for (const ScreenedEpoch& row : rows) {
         if (!row.east_m || !row.north_m || row.fix == FixType::none) continue;
         east.push_back(*row.east_m);
         north.push_back(*row.north_m);
     }
-    if (east.empty()) return std::nullopt;
+    if (east.empty()) return Eigen::Vector2d::Zero();
     return Eigen::Vector2d(median_of(std::move(east)), median_of(std::move(north)));
 }
 
 /// A position half the earth away would drown in rounding whatever the tests below compute.
-std::optional<Finding> check_place(const ScreenedEpoch& row, const Eigen::Vector2d& middle) {
-    const double distance_m = (Eigen::Vector2d(*row.east_m, *row.north_m) - middle).norm();
+std::optional<Finding> check_place(const ScreenedEpoch& row, const Eigen::Vector2d& place) {
+    const double distance_m = (Eigen::Vector2d(*row.east_m, *row.north_m) - place).norm();
     if (distance_m <= farthest_m) return std::nullopt;
     return Finding{Reason::far_position, distance_m, farthest_m};
 }
@@ -110,8 +110,14 @@ std::optional<Finding> check_time(TimeStanding standing, std::optional<double> s
 }  // namespace
 
 void check_epochs(std::vector<ScreenedEpoch>& rows, const std::vector<TimeStanding>& standing,
-                  bool vertical, const ScreenConfig& config) {
-    const auto middle = middle_of(rows);
+                  bool vertical, const ScreenConfig& config,
+                  const std::optional<FrameOrigin>& origin) {
+    const Eigen::Vector2d middle = origin ? Eigen::Vector2d::Zero() : middle_of(rows);
+    const auto place_of = [&](const ScreenedEpoch& row) -> Eigen::Vector2d {
+        if (!origin) return middle;
+        const FramePlace place = origin->place_at(row.time);
+        return {place.east_m, place.north_m};
+    };
     const ScreenedEpoch* in_order = nullptr;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         ScreenedEpoch& row = rows[i];
@@ -122,7 +128,7 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, const std::vector<TimeStandi
         if (!finding) finding = check_fix(row, config);
         if (!finding && (!row.east_m || !row.north_m || (vertical && !row.up_m)))
             finding = Finding{Reason::no_position, {}, {}};
-        if (!finding) finding = check_place(row, *middle);
+        if (!finding) finding = check_place(row, place_of(row));
         if (!finding) finding = check_accuracy(row, vertical, config);
         if (!finding) finding = check_witnesses(row, config);
         row.usable = !finding;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "stages/screen/screen.h"
@@ -11,8 +12,12 @@ namespace runcert {
 /// far_position, no_fix, float, other_fix, repeated, duplicate_time, backward_time,
 /// accuracy_missing, accuracy_absurd, few_satellites, low_ratio, old_corrections. All other epochs
 /// become usable. `standing` has one element for each row; so has `seam` below.
+///
+/// A position is far more than 100 km from the origin of its place; without an origin, from the
+/// middle of all.
 void check_epochs(std::vector<ScreenedEpoch>& rows, const std::vector<TimeStanding>& standing,
-                  bool vertical_measured, const ScreenConfig& config);
+                  bool vertical_measured, const ScreenConfig& config,
+                  const std::optional<FrameOrigin>& origin = std::nullopt);
 
 /// Numbers the arcs of the usable epochs. A new one begins with a step longer than what is bridged
 /// (`bridged_s`), at a seam, and where several epochs out of order lie between two whose stamps

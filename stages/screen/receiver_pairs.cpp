@@ -29,23 +29,24 @@ class PositionsInFrame {
         : in_space_(in_space) {
         if (!own || !wanted) return;
         const Geodetic &a = own->position, &b = wanted->position;
-        if (a.latitude == b.latitude && a.longitude == b.longitude && a.height_m == b.height_m)
+        if (own->places.empty() && wanted->places.empty() && a.latitude == b.latitude &&
+            a.longitude == b.longitude && a.height_m == b.height_m)
             return;
-        own_.emplace(a);
-        wanted_.emplace(b);
+        own_.emplace(*own);
+        wanted_.emplace(*wanted);
     }
 
-    Vector3d of(const EnuEpoch& row) const {
+    /// `there`: the same moment on the clock of the other.
+    Vector3d of(const EnuEpoch& row, ElapsedTime there) const {
         const Vector3d own(row.east_m.value(), row.north_m.value(), in_space_ ? *row.up_m : 0.0);
-        Vector3d position =
-            own_ ? wanted_->enu_from_geodetic(own_->geodetic_from_enu(Enu{own})).m : own;
+        Vector3d position = own_ ? wanted_->enu_m(there, own_->geodetic(row.time, own)) : own;
         if (!in_space_) position.z() = 0.0;
         return position;
     }
 
   private:
     bool in_space_;
-    std::optional<LocalFrame> own_, wanted_;
+    std::optional<PlaceFrames> own_, wanted_;
 };
 
 Matrix3d covariance_of(const EnuEpoch& row, bool in_space) {
@@ -82,7 +83,7 @@ std::vector<ReceiverPair> pairs_of(const ScreenedTable& first, const ScreenedTab
         const ScreenedEpoch& b = second.rows[j];
         ReceiverPair pair{.rows = {i, j},
                           .time = a.time,
-                          .difference = of_second.of(b) - of_first.of(a),
+                          .difference = of_second.of(b, a.time) - of_first.of(a, a.time),
                           .covariance = covariance_of(a, in_space) + covariance_of(b, in_space),
                           .track = std::nullopt};
         const auto& motion = motion_of_first[i];

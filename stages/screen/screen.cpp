@@ -243,6 +243,13 @@ std::vector<ScreenedEpoch> in_order_of_time(const std::vector<EnuEpoch>& rows,
     return ordered;
 }
 
+/// Where a row is in another place than the one before it.
+void add_changes_of_place(const std::vector<ScreenedEpoch>& rows, const FrameOrigin& origin,
+                          std::vector<bool>& seams) {
+    for (std::size_t i = 1; i < rows.size(); ++i)
+        if (origin.number_at(rows[i].time) != origin.number_at(rows[i - 1].time)) seams[i] = true;
+}
+
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
                                const ScreeningWitnesses& beside) {
     ScreenedTable screened;
@@ -260,8 +267,11 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
             result.push_back(of_rows[row]);
         return result;
     };
-    check_epochs(screened.rows, sorted(order.standing), table.facts.vertical_measured, config);
-    number_arcs(screened.rows, sorted(order.seam), nominal_interval_s, config);
+    check_epochs(screened.rows, sorted(order.standing), table.facts.vertical_measured, config,
+                 screened.origin);
+    std::vector<bool> seams = sorted(order.seam);
+    if (screened.origin) add_changes_of_place(screened.rows, *screened.origin, seams);
+    number_arcs(screened.rows, seams, nominal_interval_s, config);
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
                       tests_of_an_epoch(config.burst_epochs_max),

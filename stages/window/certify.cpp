@@ -125,7 +125,7 @@ void correct_for_curvature(const AxesEstimate<1>& estimate, const FoundWindow& f
         return estimate.trajectory.rows[estimate.arcs[found.series].rows[k]];
     };
     const auto fall_m = [&](const TrajectoryEpoch& at) {
-        return estimate.trajectory.origin ? fall_below_plane_m(*at.east_m, *at.north_m) : 0.0;
+        return fall_at_m(estimate.trajectory.origin, at.time, *at.east_m, *at.north_m);
     };
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);

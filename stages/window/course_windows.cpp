@@ -22,10 +22,7 @@ Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
             origin ? "Give latitude_deg and longitude_deg of the course's points"
                    : "Give east_m and north_m of the course's points");
     if (!origin) return Eigen::Vector2d(point.plane_m->data());
-    Geodetic place = *point.geodetic;
-    // Heights of the points are not known: the course is where the origin is.
-    place.height_m = origin->position.height_m;
-    return LocalFrame(origin->position).enu_from_geodetic(place).m.head<2>();
+    return PlaceFrames(*origin).on_the_ground_m(*point.geodetic);
 }
 
 Gate gate_of(const CourseLine& line, const Course& course,

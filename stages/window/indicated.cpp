@@ -25,6 +25,7 @@ struct Refused {
 struct Breaks {
     std::int64_t steps = 0;    ///< positions, or their times, do not go on as they were
     std::int64_t bridged = 0;  ///< such a step whose offset the estimate takes out
+    std::int64_t gaps = 0;     ///< the recording is not joined there
     const ScreenedEpoch* first_step = nullptr;
 };
 
@@ -37,7 +38,9 @@ struct WindowRows {
 void add_break(const ScreenedEpoch& row, Breaks& breaks) {
     switch (*row.break_before) {
         case ArcBreak::start:
+            break;
         case ArcBreak::gap:
+            ++breaks.gaps;
             break;
         case ArcBreak::innovation:
         case ArcBreak::step:
@@ -150,6 +153,8 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
     if (const LongestStep step = longest_step(window.rows); step.after != nullptr)
         if (std::string gap = gap_refusal(screened, step, profile, config); !gap.empty())
             refusals.push_back(std::move(gap));
+    if (refusals.empty() && breaks.gaps > 0)
+        refusals.emplace_back("a passage from one part of the recording to another");
     // Epochs out of time are as if they were missing: they say why there is a gap.
     if (!refusals.empty()) add_reasons(true);
     return refusals;
@@ -161,6 +166,8 @@ double stated_uncertainty(const ScreenedTable& screened,
                           const FoundWindow& found) {
     const auto variance = [&](std::size_t k) {
         const ScreenedEpoch& row = screened.rows[rows[found.series][k]];
+        // What is absurd says nothing of how far off the speed may be.
+        if (row.reason == Reason::accuracy_absurd) return 0.0;
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
             const double sigma = speed ? speed->standard_uncertainty_m_s.value_or(0.0) : 0.0;
@@ -207,7 +214,7 @@ Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource sourc
                const WindowConfig& config, const std::optional<CourseGates>& gates) {
     profile.speed_source = source;
     Shown shown{.series = order == Order::time
-                              ? indicated_series(screened, profile)
+                              ? indicated_series(screened, profile, config.gap_factor)
                               : indicated_by_pace(screened, profile, config.gap_factor),
                 .windows = {},
                 .source = source,

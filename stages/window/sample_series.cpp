@@ -31,14 +31,13 @@ Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& 
 }
 
 /// The axes of a position that the profile counts, the others zero.
-Eigen::Vector3d counted(const Eigen::Vector3d& position, const Profile& profile,
+Eigen::Vector3d counted(const Eigen::Vector3d& position, ElapsedTime time, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
     switch (profile.dimension) {
         case Dimension::horizontal:
             return {position.x(), position.y(), 0.0};
         case Dimension::vertical:
-            return {0.0, 0.0,
-                    position.z() + (origin ? fall_below_plane_m(position.x(), position.y()) : 0.0)};
+            return {0.0, 0.0, position.z() + fall_at_m(origin, time, position.x(), position.y())};
         case Dimension::space:
             break;
     }
@@ -81,7 +80,8 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
             series.speeds_m_s.push_back(smoothed_speed(row, profile));
         }
         series.times.push_back(row.time);
-        series.positions.push_back(counted(position - offset, profile, trajectory.origin));
+        series.positions.push_back(
+            counted(position - offset, row.time, profile, trajectory.origin));
         series.obstacles.push_back(obstacles[arc.rows[k]]);
         series.bounds.push_back(row.usable);
     }
@@ -112,14 +112,26 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
     return obstacles;
 }
 
-/// What the receiver itself calls no fix says nothing of a speed, nor does a single position that
-/// those before and after it contradict: they show what there was to show.
-bool shows_something(const ScreenedEpoch& row, const Profile& profile) {
-    return row.east_m && row.north_m && (profile.dimension == Dimension::horizontal || row.up_m) &&
-           row.fix != FixType::none && row.reason != Reason::far_position &&
-           row.reason != Reason::outlier &&
-           (profile.speed_source != SpeedSource::velocity ||
-            recorded_speed(row, profile.dimension));
+/// How a row shows a speed: beside those before and after it; beside those alone that are as far
+/// away, without a fix or worthless by their own accuracy as it is; or not at all.
+enum class Showing { with_all, apart, nothing };
+
+/// A single position that those before and after it contradict shows nothing: they show what there
+/// was to show.
+Showing showing_of(const std::vector<ScreenedEpoch>& rows, std::size_t i, const Profile& profile) {
+    const ScreenedEpoch& row = rows[i];
+    if (profile.speed_source == SpeedSource::velocity)
+        return recorded_speed(row, profile.dimension) ? Showing::with_all : Showing::nothing;
+    if (!row.east_m || !row.north_m || (profile.dimension != Dimension::horizontal && !row.up_m))
+        return Showing::nothing;
+    if (row.fix == FixType::none || row.reason == Reason::far_position ||
+        row.reason == Reason::accuracy_absurd)
+        return Showing::apart;
+    const auto is_outlier = [&](std::size_t k) {
+        return k < rows.size() && rows[k].reason == Reason::outlier;
+    };
+    const bool single = row.reason == Reason::outlier && !is_outlier(i - 1) && !is_outlier(i + 1);
+    return single ? Showing::nothing : Showing::with_all;
 }
 
 /// Adds a row that shows something, at a time, where another series begins to one of its own.
@@ -134,9 +146,59 @@ void add_indicated(const ScreenedTable& screened, const Profile& profile, std::s
     if (profile.speed_source == SpeedSource::velocity)
         add_recorded(series, time, recorded_speed(epoch, profile.dimension)->speed_m_s);
     series.times.push_back(time);
-    series.positions.push_back(counted({*epoch.east_m, *epoch.north_m, epoch.up_m.value_or(0.0)},
-                                       profile, screened.origin));
+    // A velocity needs no position: it has that of the row before.
+    const Eigen::Vector3d before = series.positions.empty()
+                                       ? Eigen::Vector3d(Eigen::Vector3d::Zero())
+                                       : series.positions.back();
+    series.positions.push_back(
+        epoch.east_m && epoch.north_m
+            ? counted({*epoch.east_m, *epoch.north_m, epoch.up_m.value_or(0.0)}, epoch.time,
+                      profile, screened.origin)
+            : before);
     indicated.rows.back().push_back(row);
+}
+
+/// Whether the craft went to another place between two rows, and nothing of that was recorded, or
+/// not in heights: these are above the plane of their place.
+bool parts_between(const ScreenedTable& screened, const Profile& profile, std::size_t from,
+                   std::size_t to, double regular_s) {
+    const ScreenedEpoch &before = screened.rows[from], &after = screened.rows[to];
+    return screened.origin &&
+           screened.origin->number_at(before.time) != screened.origin->number_at(after.time) &&
+           (seconds_between(before, after) > regular_s || profile.dimension == Dimension::space);
+}
+
+/// Adds what shows something only beside its like: for as long as these go on from one to the
+/// next, as positions that were guessed or held do not.
+void add_apart(const ScreenedTable& screened, const Profile& profile, double regular_s,
+               IndicatedSeries& indicated) {
+    std::vector<std::size_t> rows;
+    std::vector<EnuEpoch> epochs;
+    for (std::size_t i = 0; i < screened.rows.size(); ++i) {
+        const ScreenedEpoch& row = screened.rows[i];
+        if (is_out_of_time(row) || showing_of(screened.rows, i, profile) != Showing::apart)
+            continue;
+        rows.push_back(i);
+        EnuEpoch& epoch = epochs.emplace_back(row);
+        epoch.fix = FixType::unknown;
+        // By what is absurd anything would go on.
+        if (row.reason == Reason::accuracy_absurd) static_cast<StatedAccuracy&>(epoch) = {};
+    }
+    std::optional<Eigen::Vector3d> velocity;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        bool begins = k == 0;
+        if (k > 0) {
+            RecordedStep step{
+                .from = &epochs[k - 1], .to = &epochs[k], .before = velocity, .after = {}};
+            if (k + 1 < rows.size())
+                step.after = velocity_between(epochs[k], epochs[k + 1], regular_s);
+            const double step_s = seconds_between(epochs[k - 1], epochs[k]);
+            begins = step_s > regular_s || !goes_on(step, step_s);
+            velocity =
+                begins ? std::nullopt : velocity_between(epochs[k - 1], epochs[k], regular_s);
+        }
+        add_indicated(screened, profile, rows[k], epochs[k].time, begins, indicated);
+    }
 }
 
 }  // namespace
@@ -219,13 +281,20 @@ std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
     return series;
 }
 
-IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile) {
+IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile,
+                                 double gap_factor) {
+    const double regular_s = gap_factor * screened.facts.nominal_interval_s;
     IndicatedSeries indicated;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
-        const ScreenedEpoch& row = screened.rows[i];
-        if (is_out_of_time(row) || !shows_something(row, profile)) continue;
-        add_indicated(screened, profile, i, row.time, indicated.series.empty(), indicated);
+        if (is_out_of_time(screened.rows[i]) ||
+            showing_of(screened.rows, i, profile) != Showing::with_all)
+            continue;
+        const bool begins =
+            indicated.series.empty() ||
+            parts_between(screened, profile, indicated.rows.back().back(), i, regular_s);
+        add_indicated(screened, profile, i, screened.rows[i].time, begins, indicated);
     }
+    add_apart(screened, profile, regular_s, indicated);
     return indicated;
 }
 
@@ -234,7 +303,7 @@ IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& 
     std::vector<std::size_t> recorded;
     for (std::size_t i = 0; i < screened.rows.size(); ++i)
         if (screened.rows[i].reason != Reason::repeated &&
-            shows_something(screened.rows[i], profile))
+            showing_of(screened.rows, i, profile) == Showing::with_all)
             recorded.push_back(i);
     std::ranges::sort(recorded, {}, [&](std::size_t i) { return screened.rows[i].epoch; });
     const double interval_s = screened.facts.nominal_interval_s;
@@ -258,7 +327,11 @@ IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& 
             begins = !jumps && step_s <= 0.0;
             if (jumps) {
                 indicated.jumps.push_back(recorded[k]);
-                time.nanoseconds += std::llround(interval_s * 1e9);
+                const std::int64_t interval_ns = std::llround(interval_s * 1e9);
+                time.nanoseconds += interval_ns;
+                EnuEpoch paced = row;
+                paced.time.nanoseconds = before.time.nanoseconds + interval_ns;
+                velocity = velocity_between(before, paced, regular_s);
             } else {
                 time.nanoseconds += row.time.nanoseconds - before.time.nanoseconds;
                 velocity = velocity_between(before, row, regular_s);

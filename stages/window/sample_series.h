@@ -42,17 +42,19 @@ std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const std::vector<ArcRows>& arcs,
                                              const Profile& profile);
 
-/// The recording as it is, without obstacles: rows with a fix and the values that the profile
-/// counts. Single positions that those around them contradict show nothing, nor do epochs that
-/// repeat another.
+/// The recording as it is, without obstacles: rows with the values that the profile counts. Single
+/// positions that those around them contradict show nothing, nor do epochs that repeat another.
 struct IndicatedSeries {
     std::vector<SampleSeries> series;
     std::vector<std::vector<std::size_t>> rows;  ///< that each series is made of
     std::vector<std::size_t> jumps;              ///< rows that the clock jumps before, by pace
 };
 
-/// In the order of time, one series of what is not out of time. None where nothing shows anything.
-IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile);
+/// In the order of time, one series of what is not out of time; and a series for each run of far
+/// positions, of those that the receiver calls no fix, and of those whose accuracy is absurd, as
+/// long as they go on from one to the next. None where nothing shows anything.
+IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile,
+                                 double gap_factor);
 
 /// In the order of the recording, the epochs out of time among them, as if the clock had not
 /// jumped: one interval in place of each step of the stamps where the positions go on as in one

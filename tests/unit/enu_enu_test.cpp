@@ -135,6 +135,81 @@ TEST(ToEnu, AFirstPositionFarFromAllOthersIsNotTheOrigin) {
     EXPECT_LT(std::hypot(*table.rows[6].east_m, *table.rows[6].north_m), 10.0);
 }
 
+/// So many positions, a second apart from `from_s` on, around a place.
+void stay(Observations& observations, double from_s, double longitude_deg, int positions) {
+    const Observation first = at(35.0, longitude_deg, 100.0).rows[0];
+    for (int i = 0; i < positions; ++i) {
+        Observation row = first;
+        row.epoch = static_cast<std::int64_t>(observations.rows.size()) + 1;
+        row.time = {std::llround((from_s + i) * 1e9)};
+        *row.latitude_deg += 1e-4 * i;
+        observations.rows.push_back(row);
+    }
+}
+
+TEST(ToEnu, APlaceFarAwayWhereTheCraftStayedHasAnOriginOfItsOwn) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.rows.clear();
+    stay(observations, 0.0, 137.0, 600);
+    stay(observations, 8000.0, 138.5, 300);
+    const EnuTable table = to_enu(observations, std::nullopt);
+    EXPECT_EQ(table.origin->position.longitude.degrees(), 137.0);
+    ASSERT_EQ(table.origin->places.size(), 1U);
+    const FramePlace place = table.origin->places.front();
+    EXPECT_EQ(place.from.nanoseconds, 8'000'000'000'000);
+    EXPECT_EQ(place.position.longitude.degrees(), 138.5);
+    // It lies where it is seen from the first, and a degree of the meridian is as long there.
+    EXPECT_NEAR(place.east_m, 136'800.0, 200.0);
+    EXPECT_NEAR(*table.rows[600].east_m, place.east_m, 1e-6);
+    EXPECT_NEAR(*table.rows[600].up_m, 0.0, 1e-6);
+    const auto way_m = [&](std::size_t from) {
+        return std::hypot(*table.rows[from + 200].east_m - *table.rows[from].east_m,
+                          *table.rows[from + 200].north_m - *table.rows[from].north_m);
+    };
+    EXPECT_NEAR(way_m(600), way_m(0), 1e-6);
+    EXPECT_NEAR(*table.rows[600].recorded_velocity_north_m_s, 20.0, 1e-9);
+    // And back: where it came from the positions are what they were.
+    const PlaceFrames frames(*table.origin);
+    const EnuEpoch& row = table.rows[700];
+    EXPECT_NEAR(
+        frames.geodetic(row.time, {*row.east_m, *row.north_m, *row.up_m}).latitude.degrees(),
+        *observations.rows[700].latitude_deg, 1e-10);
+}
+
+TEST(ToEnu, APlaceIsWhereItStayedAndNotWhereFewPositionsAre) {
+    for (const int far : {1, 29}) {
+        Observations observations = at(35.0, 137.0, 100.0);
+        observations.rows.clear();
+        stay(observations, 0.0, 137.0, 300);
+        stay(observations, 300.0, 139.0, far);
+        stay(observations, 300.0 + far, 137.0, 300);
+        EXPECT_TRUE(to_enu(observations, std::nullopt).origin->places.empty()) << far;
+    }
+}
+
+TEST(ToEnu, BackAtTheFirstPlaceItIsTheFirstPlace) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.rows.clear();
+    stay(observations, 0.0, 137.0, 300);
+    stay(observations, 4000.0, 137.3, 100);  // 27 km, over an hour that was not recorded
+    stay(observations, 9000.0, 137.0, 100);
+    const EnuTable table = to_enu(observations, std::nullopt);
+    ASSERT_EQ(table.origin->places.size(), 2U);
+    EXPECT_EQ(table.origin->places[1].position.longitude.degrees(), 137.0);
+    EXPECT_EQ(table.origin->places[1].east_m, 0.0);
+    EXPECT_NEAR(*table.rows[400].north_m, *table.rows[0].north_m, 1e-9);
+}
+
+TEST(ToEnu, AStatedOriginFarFromAllIsRefusedHoweverLongItWasStayed) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.rows.clear();
+    stay(observations, 0.0, 137.0, 600);
+    EXPECT_THROW(to_enu(observations, origin_at(-35.0, 137.0, 100.0)), Failure);
+    // Where some was recorded there, the rest is another place.
+    stay(observations, 8000.0, 139.0, 100);
+    EXPECT_EQ(to_enu(observations, origin_at(35.0, 139.0, 100.0)).origin->places.size(), 2U);
+}
+
 TEST(ToEnu, ARecordingWithoutPositionsIsRefused) {
     Observations observations = at(35.0, 137.0, 100.0);
     observations.rows[0].latitude_deg.reset();

@@ -24,22 +24,27 @@ class FrameChange {
   public:
     FrameChange(const Track& other, const Track& own) {
         if (!other.origin) return;
-        from_.emplace(other.origin->position);
-        to_.emplace(own.origin->position);
-        const auto rotation = [](const Geodetic& place) {
-            return rotation_enu_from_ecef(place.latitude, place.longitude);
-        };
-        turn_ = rotation(own.origin->position) * rotation(other.origin->position).transpose();
+        from_.emplace(*other.origin);
+        to_.emplace(*own.origin);
     }
-    Vector3d place(const Vector3d& enu_m) const {
-        return from_ ? to_->enu_from_geodetic(from_->geodetic_from_enu(Enu{enu_m})).m : enu_m;
+    /// An epoch of the other's at a moment on either clock.
+    void apply(TrackEpoch& epoch, ElapsedTime there, ElapsedTime here) const {
+        if (!from_) return;
+        epoch.position_m = to_->enu_m(here, from_->geodetic(there, epoch.position_m));
+        const Geodetic& place = from_->at(there).origin();
+        const Eigen::Matrix3d turn =
+            to_->at(here).rotation_from_local(place.latitude, place.longitude);
+        epoch.velocity_m_s = turn * epoch.velocity_m_s;
+        epoch.acceleration_m_s2 = turn * epoch.acceleration_m_s2;
     }
-    Vector3d turned(const Vector3d& enu) const { return turn_ * enu; }
 
   private:
-    std::optional<LocalFrame> from_, to_;
-    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
+    std::optional<PlaceFrames> from_, to_;
 };
+
+ElapsedTime elapsed(double time_s) {
+    return {std::llround(time_s * 1e9)};
+}
 
 /// The other receiver's usable epochs in the own frame and time.
 std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool with_heights) {
@@ -49,10 +54,8 @@ std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool wit
     std::vector<TrackEpoch> epochs;
     for (TrackEpoch epoch : other.epochs) {
         if (!epoch.usable || (with_heights && !epoch.has_height)) continue;
+        frame.apply(epoch, elapsed(epoch.time_s), elapsed(epoch.time_s + later_s));
         epoch.time_s += later_s;
-        epoch.position_m = frame.place(epoch.position_m);
-        epoch.velocity_m_s = frame.turned(epoch.velocity_m_s);
-        epoch.acceleration_m_s2 = frame.turned(epoch.acceleration_m_s2);
         epochs.push_back(epoch);
     }
     return epochs;

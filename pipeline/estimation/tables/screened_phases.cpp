@@ -49,18 +49,12 @@ std::optional<ArcStart> start_of(PhaseBreak begins) {
     return std::nullopt;
 }
 
-void ReceiverPlaces::set_frame(const FrameOrigin& origin) {
-    const Geodetic& place = origin.position;
-    origin_m_ = ecef_from_geodetic(place).m;
-    enu_from_ecef_ = rotation_enu_from_ecef(place.latitude, place.longitude);
-}
-
-void ReceiverPlaces::add(const GpsTime& first_epoch, const EnuEpoch& row) {
+void ReceiverPlaces::add(const PlaceFrames& frames, const GpsTime& first_epoch,
+                         const EnuEpoch& row) {
     if (!row.east_m || !row.north_m || !row.up_m) return;
     const std::int64_t time_ns = first_epoch.nanoseconds() + row.time.nanoseconds;
     places_m_.emplace_back(time_ns,
-                           origin_m_ + enu_from_ecef_.transpose() *
-                                           Eigen::Vector3d(*row.east_m, *row.north_m, *row.up_m));
+                           frames.ecef(row.time, {*row.east_m, *row.north_m, *row.up_m}).m);
 }
 
 void ReceiverPlaces::put_in_order() {

@@ -31,9 +31,9 @@ class ReceiverPlaces {
     ReceiverPlaces(const std::optional<FrameOrigin>& origin,
                    const std::optional<GpsTime>& first_epoch, const Rows& rows) {
         if (!origin || !first_epoch) return;
-        set_frame(*origin);
+        const PlaceFrames frames(*origin);
         for (const EnuEpoch& row : rows)
-            add(*first_epoch, row);
+            add(frames, *first_epoch, row);
         put_in_order();
     }
 
@@ -44,12 +44,9 @@ class ReceiverPlaces {
     std::optional<Eigen::Vector3d> at(std::int64_t time_ns) const;
 
   private:
-    void set_frame(const FrameOrigin& origin);
-    void add(const GpsTime& first_epoch, const EnuEpoch& row);
+    void add(const PlaceFrames& frames, const GpsTime& first_epoch, const EnuEpoch& row);
     void put_in_order();
 
-    Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d enu_from_ecef_ = Eigen::Matrix3d::Identity();
     std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< by increasing times
 };
 
@@ -122,11 +119,16 @@ std::optional<PhaseWitness<Axes>> phase_witness(std::shared_ptr<const JudgedPhas
                                                 const std::optional<FrameOrigin>& origin,
                                                 double jerk_density) {
     if (!first_of_positions || !origin) return std::nullopt;
-    const Geodetic& place = origin->position;
+    std::vector<FrameTurn> turns;
+    for (std::size_t number = 0; number <= origin->places.size(); ++number) {
+        const FramePlace place = origin->place(number);
+        turns.push_back({.from_s = place.from.seconds(),
+                         .enu_from_ecef = rotation_enu_from_ecef(place.position.latitude,
+                                                                 place.position.longitude)});
+    }
     const auto later_ns = first_of_positions->nanoseconds_since(first_of_phases);
     return PhaseWitness<Axes>(std::move(phases), static_cast<double>(later_ns) * 1e-9,
-                              rotation_enu_from_ecef(place.latitude, place.longitude),
-                              jerk_density);
+                              std::move(turns), jerk_density);
 }
 
 }  // namespace runcert

@@ -184,9 +184,7 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
         (errors_.displacement_variance(to_s - from_s) + between_samples + variance_beyond(from) +
          variance_beyond(to)) *
             PositionMatrix<Axes>::Identity() +
-        errors_.sigma_delay_s * errors_.sigma_delay_s * changed * changed.transpose() +
-        errors_.sigma_scale * errors_.sigma_scale * motion.displacement_m *
-            motion.displacement_m.transpose();
+        errors_.sigma_delay_s * errors_.sigma_delay_s * changed * changed.transpose();
     return motion;
 }
 

@@ -39,7 +39,6 @@ struct VelocityErrorModel {
     std::optional<double> stated_m_s;                          ///< standard deviation, each axis
     double shown_m_s = 0.0;                                    ///< of one that lasts, each axis
     double correlation_time_s = 10.0;
-    double sigma_scale = 0.0;  ///< relative standard uncertainty of a scale that was estimated
 
     /// Whether anything bounds the errors.
     bool is_known() const { return std::isfinite(density) || stated_m_s.has_value(); }

@@ -14,6 +14,7 @@ struct WitnessedMotion {
     PositionVector<Axes> displacement_m = PositionVector<Axes>::Zero();
     PositionMatrix<Axes> covariance_m2 = PositionMatrix<Axes>::Identity();  ///< of that error
     std::int64_t satellites = 0;  ///< that it rests on; 0 of a witness that has none of its own
+    bool confirms = true;  ///< false: fitted to the positions there, it can only contradict them
 };
 
 struct TimeSpan {

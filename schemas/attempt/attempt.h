@@ -112,10 +112,12 @@ struct Course {
 struct SeriesFile {
     std::string file;
     std::string source;
-    double expanded_uncertainty_m_s = 0.0;  ///< of a current, k = 2
-    double expanded_uncertainty_m = 0.0;    ///< of the distance of a gate, k = 2
-    double expanded_uncertainty_s = 0.0;    ///< of the time of a passage, k = 2
-    std::string place;                      ///< "file:line:column", for messages
+    double expanded_uncertainty_m_s = 0.0;    ///< of a current, k = 2
+    double expanded_uncertainty_m = 0.0;      ///< of the distance of a gate, k = 2
+    double expanded_uncertainty_s = 0.0;      ///< of the time of a passage, k = 2
+    std::optional<double> scale = {};         ///< of a wheel, as calibrated
+    double expanded_uncertainty_scale = 0.0;  ///< of that, relative, k = 2
+    std::string place;                        ///< "file:line:column", for messages
 };
 
 /// What a second method says of the window: one of the two is given.

@@ -80,12 +80,18 @@ Course read_course(const YamlValue& map) {
 
 std::optional<SeriesFile> read_series_file(const YamlValue& map) {
     if (!map.exists()) return std::nullopt;
+    if (map["scale"].exists() != map["expanded_uncertainty_scale"].exists())
+        map.fail("a wheel's scale and its uncertainty belong together",
+                 "Give scale and expanded_uncertainty_scale, or neither");
     return SeriesFile{
         .file = map["file"].text(),
         .source = map["source"].text(),
         .expanded_uncertainty_m_s = map["expanded_uncertainty_m_s"].optional_real().value_or(0.0),
         .expanded_uncertainty_m = map["expanded_uncertainty_m"].optional_real().value_or(0.0),
         .expanded_uncertainty_s = map["expanded_uncertainty_s"].optional_real().value_or(0.0),
+        .scale = map["scale"].optional_real(),
+        .expanded_uncertainty_scale =
+            map["expanded_uncertainty_scale"].optional_real().value_or(0.0),
         .place = map["file"].place()};
 }
 

@@ -60,10 +60,11 @@ int main(int argc, char** argv) {
             for (const auto& witness : witnesses)
                 beside.push_back({.phases = witness ? &*witness : nullptr});
             // The wheel is of the first receiver's craft and on its time.
-            std::vector<TimedValue> wheel_m_s;
             if (const auto wheel = handed_in_series(run, "wheel", tables.front().facts.first_epoch))
-                wheel_m_s = timed_values(*wheel);
-            beside.front().wheel_m_s = wheel_m_s;
+                beside.front().wheel = {
+                    .m_s = timed_values(*wheel),
+                    .calibrated_scale = attempt.wheel->scale,
+                    .sigma_calibrated = 0.5 * attempt.wheel->expanded_uncertainty_scale};
             std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.

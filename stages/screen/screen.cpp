@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "estimation/tables/handed_in.h"
 #include "estimation/tables/other_receiver.h"
 #include "estimation/tables/recorded_velocities.h"
 #include "estimation/tables/screening_noise.h"
@@ -176,12 +175,11 @@ bool velocities_contradict(ScreenedTable& screened, const Motion& motion, const 
     return marked > 0;
 }
 
-bool wheel_contradicts(ScreenedTable& screened, const Motion& motion,
-                       std::span<const TimedValue> speeds_m_s, const ArcCheck& check,
-                       ScreeningBasis& basis) {
-    if (speeds_m_s.empty()) return false;
+bool wheel_contradicts(ScreenedTable& screened, const Motion& motion, const WheelSpeeds& speeds,
+                       const ArcCheck& check, ScreeningBasis& basis) {
+    if (speeds.m_s.empty()) return false;
     const auto wheel =
-        wheel_witness(speeds_m_s, timed_positions<2>(screened.rows), track_of(screened, motion),
+        wheel_witness(speeds, timed_positions<2>(screened.rows), track_of(screened, motion),
                       check.noises.horizontal.model.motion.jerk_density);
     if (!wheel || wheel->made_from_positions) return false;
     return contradicts(screened,
@@ -217,7 +215,7 @@ Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check
         if (phases_contradict(screened, beside.phases, check, basis)) continue;
         Motion motion = examined();
         if (velocities_contradict(screened, motion, check, basis) ||
-            wheel_contradicts(screened, motion, beside.wheel_m_s, check, basis) ||
+            wheel_contradicts(screened, motion, beside.wheel, check, basis) ||
             limits_are_broken(screened, motion, check, basis))
             continue;
         return motion;

@@ -4,7 +4,7 @@
 #include <set>
 #include <span>
 
-#include "core/timed_value.h"
+#include "estimation/tables/handed_in.h"
 #include "estimation/witness.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
@@ -57,7 +57,7 @@ struct ScreenConfig {
 /// What was recorded beside a receiver's positions and is no part of its table.
 struct ScreeningWitnesses {
     const Witness<2>* phases = nullptr;  ///< null where there are none
-    std::span<const TimedValue> wheel_m_s = {};
+    WheelSpeeds wheel = {};
 };
 
 /// The figures that the attempt states, or the schema's own where it states none.

@@ -45,7 +45,9 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
 /// Wheel and gates, which are of the first receiver's craft and on its time.
 void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Beside& beside) {
     if (const auto wheel = handed_in_series(run, "wheel", first_epoch)) {
-        beside.wheel_m_s = timed_values(*wheel);
+        beside.wheel = {.m_s = timed_values(*wheel),
+                        .calibrated_scale = run.attempt().wheel->scale,
+                        .sigma_calibrated = 0.5 * run.attempt().wheel->expanded_uncertainty_scale};
         if (!wheel->left_out.empty()) beside.notes.push_back(wheel->left_out);
     }
     if (const auto gates = handed_in_series(run, "gates", first_epoch)) {

@@ -82,7 +82,7 @@ class Certifier {
                                        ? silence_text(witness, trajectory_, windows[i].profile)
                                    : said->normalised_error > 1.0
                                        ? contradiction_text(witness, screened_)
-                                       : std::string();
+                                       : unconfirming_text(witness, best->span, windows[i].profile);
                 if (!note.empty() && std::ranges::find(notes, note) == notes.end())
                     notes.push_back(std::move(note));
             }

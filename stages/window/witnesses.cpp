@@ -36,6 +36,26 @@ double azimuth_deg(const Eigen::Vector2d& towards) {
     return degrees < 0.0 ? degrees + 360.0 : degrees;
 }
 
+/// What was estimated of a wheel, and by which scale its speeds count.
+std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
+    if (wheel.made_from_positions)
+        return "The wheel's speeds keep to the positions more closely than a wheel can: they were "
+               "made from them, and were not heard.";
+    std::string note = fmt::format(
+        "The wheel's speeds, taken {:.3f} s {} (standard uncertainty {:.3f} s), fit the positions "
+        "of the recording best when multiplied by {:.5f} (standard uncertainty {:.5f}). ",
+        std::abs(wheel.delay_s), wheel.delay_s < 0.0 ? "earlier" : "later", wheel.sigma_delay_s,
+        wheel.scale, wheel.sigma_scale);
+    if (speeds.calibrated_scale)
+        return note + fmt::format(
+                          "They were multiplied by the calibrated {:.5f} (standard "
+                          "uncertainty {:.5f}).",
+                          *speeds.calibrated_scale, speeds.sigma_calibrated);
+    return note +
+           "For a window they count by the scale of the other runs. A wrong scale that "
+           "lasts they cannot show.";
+}
+
 }  // namespace
 
 Directions directions_of(const TrajectoryTable& trajectory) {
@@ -70,27 +90,15 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
     const bool related =
-        !(beside.wheel_m_s.empty() && beside.gates_m.empty() && beside.receivers.empty());
+        !(beside.wheel.m_s.empty() && beside.gates_m.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
     if constexpr (Axes == 2) {
-        if (auto wheel = wheel_witness(beside.wheel_m_s, timed_positions<2>(screened.rows), track,
+        if (auto wheel = wheel_witness(beside.wheel, timed_positions<2>(screened.rows), track,
                                        jerk_density)) {
-            std::string note =
-                wheel->made_from_positions
-                    ? std::string(
-                          "The wheel's speeds keep to the positions more closely than a wheel can: "
-                          "they were made from them, and were not heard.")
-                    : fmt::format(
-                          "The wheel's speeds were multiplied by {:.5f} (standard uncertainty "
-                          "{:.5f}) and "
-                          "taken {:.3f} s {} (standard uncertainty {:.3f} s), as fits the "
-                          "positions best. A "
-                          "wrong scale that lasts they cannot show.",
-                          wheel->scale, wheel->sigma_scale, std::abs(wheel->delay_s),
-                          wheel->delay_s < 0.0 ? "earlier" : "later", wheel->sigma_delay_s);
+            std::string note = wheel_note(*wheel, beside.wheel);
             witnesses.push_back(
                 {.kind = WitnessKind::wheel,
-                 .motion = std::make_shared<const VelocityWitness<2>>(std::move(wheel->motion)),
+                 .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
                  .note = std::move(note),
                  .made_from_positions = wheel->made_from_positions});
         }
@@ -128,7 +136,7 @@ std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& 
     check(beside.phases != nullptr, WitnessKind::phases, without_place);
     check(!beside.receivers.empty(), WitnessKind::receiver,
           "the two recordings have no common time or frame, or it has no estimate");
-    check(!beside.wheel_m_s.empty(), WitnessKind::wheel,
+    check(!beside.wheel.m_s.empty(), WitnessKind::wheel,
           "too few of them are at times at which the craft's motion was estimated, or nothing "
           "bounds their errors");
     check(!beside.gates_m.empty(), WitnessKind::gates,
@@ -174,6 +182,18 @@ std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTab
             std::abs(*found.positions_ahead_s),
             *found.positions_ahead_s > 0 ? "ahead of" : "behind");
     return text;
+}
+
+std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
+                              const std::string& profile) {
+    const double start_s = span.start.seconds();
+    const auto moved = witness.motion->between(start_s, start_s + span.duration.seconds());
+    if (!moved || moved->confirms) return {};
+    return fmt::format(
+        "The {} confirm nothing of the window certified under {}: their scale was fitted to the "
+        "run that it lies in, and takes in whatever drifts there in proportion to the speed. "
+        "Hand in two more runs, or state a calibrated scale.",
+        words_of(witness.kind), profile);
 }
 
 bool counts_path(SpeedDefinition definition) {
@@ -258,7 +278,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     witnessed.undetected_m_s =
         std::min(positions.fault.largest_m_s,
                  found_in_units * std::hypot(positions.standard_uncertainty_m_s, uncertainty_m_s));
-    witnessed.confirms = witness.confirms;
+    witnessed.confirms = witness.confirms && moved->confirms;
     return witnessed;
 }
 

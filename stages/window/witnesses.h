@@ -38,8 +38,8 @@ struct Beside {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};                        ///< their first epoch
     std::vector<const TrajectoryTable*> receivers = {};  ///< the others of the attempt
-    std::vector<TimedValue> wheel_m_s = {};              ///< speeds of a wheel
-    std::vector<TimedValue> gates_m = {};                ///< passages: distances from the first
+    WheelSpeeds wheel = {};
+    std::vector<TimedValue> gates_m = {};  ///< passages: distances from the first
     GateErrors gate_errors = {};
     std::vector<std::string> notes = {};  ///< on what was read of them, a sentence each
 };
@@ -57,6 +57,10 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const Beside& beside, double jerk_density);
+
+/// Why a witness that agrees with a window confirms nothing of it; empty where it does.
+std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
+                              const std::string& profile);
 
 /// Whether a witness's path is what corresponds to the speed of a definition, not its displacement.
 bool counts_path(SpeedDefinition definition);

@@ -52,7 +52,7 @@ WitnessedRun made(Heard heard) {
             row.recorded_velocity_north_m_s = recording.velocity[k].y() + 0.05 * random.normal();
         }
         if (heard == wheel)
-            run.beside.wheel_m_s.push_back(
+            run.beside.wheel.m_s.push_back(
                 {.time_s = row.time.seconds(),
                  .value = recording.velocity[k].norm() + 0.05 * random.normal()});
     }
@@ -85,9 +85,9 @@ void judge(benchmark::State& state) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     for (auto _ : state) {
-        const ScreenedTable screened = screen(
-            run.table, study_screen_config(),
-            {.phases = run.phases ? &*run.phases : nullptr, .wheel_m_s = run.beside.wheel_m_s});
+        const ScreenedTable screened =
+            screen(run.table, study_screen_config(),
+                   {.phases = run.phases ? &*run.phases : nullptr, .wheel = run.beside.wheel});
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
         const Windows windows =

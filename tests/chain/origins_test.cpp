@@ -320,16 +320,17 @@ TEST_F(Origins, ACopyIsNoSecondReceiver) {
     EXPECT_EQ(witnesses(), 1U);
 }
 
-/// Passages of gates every 180 m of the last part of the run, on the positions or the truth.
-std::string gates(const Samples& samples, bool from_positions) {
+/// Passages of so many gates from a time on, on the positions or the truth.
+std::string gates(const Samples& samples, bool from_positions, double from_s = 95.0,
+                  double apart_m = 180.0, int most = 6) {
     std::string text = "time_gps,distance_m\n";
     double distance_m = -1.0, first_m = 0.0;
     int count = 0;
-    for (std::size_t k = 1; k < samples.size() && count < 6; ++k) {
-        if (samples[k].time_s < 95.0) continue;
+    for (std::size_t k = 1; k < samples.size() && count < most; ++k) {
+        if (samples[k].time_s < from_s) continue;
         const double at_m = from_positions ? samples[k].north_m : samples[k].true_m;
         if (distance_m < 0.0) first_m = at_m;
-        if (distance_m >= 0.0 && at_m - first_m < distance_m + 180.0) continue;
+        if (distance_m >= 0.0 && at_m - first_m < distance_m + apart_m) continue;
         distance_m = at_m - first_m;
         ++count;
         text += fmt::format("2026-03-14T03:{:02}:{:07.4f},{:.4f}\n",
@@ -375,6 +376,133 @@ TEST_F(Origins, AWheelMadeFromThePositionsIsNotHeard) {
     judge_alone(sailed(), false, stated);
     EXPECT_EQ(witnesses(), 1U);
     EXPECT_EQ(status("wheel-as-measured"), "attest");
+}
+
+/// Three runs northwards, southwards and northwards, the last the fastest; some minutes apart.
+Samples three_runs(double wrong_share, std::uint64_t seed = 3) {
+    RandomGenerator random(seed);
+    Samples samples;
+    double way_m = 0.0, wrong_m = 0.0;
+    for (int k = 0; k <= 4200; ++k) {
+        const double t = 0.1 * k;
+        const auto pulse = [&](double from_s, double top_m_s) {
+            const double since_s = t - from_s;
+            const double share = std::clamp(std::min(since_s, 50.0 - since_s) / 20.0, 0.0, 1.0);
+            return top_m_s * share * share * (3.0 - 2.0 * share);
+        };
+        const double speed_m_s = pulse(20.0, 57.0) - pulse(170.0, 57.0) + pulse(330.0, 60.0);
+        way_m += 0.1 * speed_m_s;
+        if (t > 320.0) wrong_m += 0.1 * wrong_share * speed_m_s;
+        samples.push_back({.time_s = t,
+                           .east_m = 0.004 * random.normal(),
+                           .north_m = way_m + wrong_m + 0.004 * random.normal(),
+                           .speed_m_s = std::abs(speed_m_s + 0.02 * random.normal()),
+                           .true_m = way_m});
+    }
+    return samples;
+}
+
+/// Speeds of a wheel that rolls 2 % further than it says.
+std::string wheel_of(const Samples& samples) {
+    std::string text = "time_s,speed_m_s\n";
+    for (const Sample& one : samples)
+        text += fmt::format("{:.2f},{:.5f}\n", one.time_s, std::max(0.0, one.speed_m_s / 1.02));
+    return text;
+}
+
+/// The true speed (m/s) over the certified window.
+double true_speed(const YamlValue& best, const Samples& samples) {
+    const auto at = [&](const char* name) {
+        return samples[static_cast<std::size_t>(best[name].integer() - 1)];
+    };
+    const Sample first = at("first_epoch"), last = at("last_epoch");
+    return (last.true_m - first.true_m) / (last.time_s - first.time_s);
+}
+
+TEST_F(Origins, AWheelThatIsFittedToTheRunThatItWitnessesHasNoShare) {
+    // 0.5 % of the speed, 0.3 m/s: the fitted scale takes it in.
+    Samples drifting = sailed();
+    for (Sample& one : drifting)
+        one.north_m += 0.005 * one.true_m;
+    judge_alone(drifting);
+    const double alone_km_h = expanded_uncertainty_km_h();
+    write("wheel.csv", wheel_of(drifting));
+    const std::string stated = "wheel: {file: wheel.csv, source: a sensor}\n";
+    judge_alone(drifting, false, stated);
+    EXPECT_EQ(witnesses(), 1U);
+    EXPECT_TRUE(says("confirm nothing of the window"));
+    EXPECT_NEAR(expanded_uncertainty_km_h(), alone_km_h, 0.01 * alone_km_h);
+    EXPECT_TRUE(reason().starts_with("By positions alone")) << reason();
+    // One whose scale was calibrated shows it.
+    judge_alone(drifting, false,
+                "wheel: {file: wheel.csv, source: a sensor, scale: 1.02, "
+                "expanded_uncertainty_scale: 0.001}\n");
+    EXPECT_EQ(outcome(), "not_certifiable") << reason();
+    EXPECT_FALSE(says("confirm nothing of the window"));
+}
+
+TEST_F(Origins, AWheelOfOtherRunsShowsADriftInTheWindowsRun) {
+    const std::string stated = "wheel: {file: wheel.csv, source: a sensor}\n";
+    for (const double wrong_share : {0.0, 0.005, -0.005}) {
+        SCOPED_TRACE(wrong_share);
+        const Samples samples = three_runs(wrong_share);
+        write("wheel.csv", wheel_of(samples));
+        judge_alone(samples, false, stated);
+        EXPECT_FALSE(says("confirm nothing of the window"));
+        if (wrong_share == 0.0) {
+            EXPECT_EQ(witnesses(), 1U);
+            EXPECT_EQ(outcome(), "beaten") << reason();
+        } else {
+            EXPECT_EQ(outcome(), "not_certifiable") << reason();
+        }
+    }
+}
+
+// Whatever of a witness is fitted to the positions: a drift in the window that the fit could take
+// in never makes a speed that is wrong by more than its interval.
+TEST_F(Origins, WhatIsFittedOfAWitnessTakesInNoDriftOfTheWindow) {
+    const std::string with_gates =
+        "gates: {file: gates.csv, source: a survey, expanded_uncertainty_m: 0.02, "
+        "expanded_uncertainty_s: 0.0002}\n";
+    const auto rate = [](int kind, const Samples& samples, std::size_t k) {
+        const double t = samples[k].time_s;
+        if (t < 100.0 || k == 0) return 0.0;
+        const double speed_m_s = 60.0 / (1.0 + std::exp(-(t - 60.0) / 6.0));
+        switch (kind) {
+            case 0:  // as a scale does
+                return 0.005 * speed_m_s;
+            case 1:  // as a delay does, for what is left of the acceleration
+                return 10.0 * speed_m_s * (1.0 - speed_m_s / 60.0);
+            case 2:  // as a vector that turns would
+                return 0.3 * std::sin(0.5 * (t - 100.0));
+            default:
+                return 0.3;
+        }
+    };
+    const Samples true_to = sailed(), second = sailed(2);
+    write("gates.csv", gates(true_to, false, 102.0, 55.0, 19));
+    for (const int kind : {0, 1, 2, 3}) {
+        Samples drifting = true_to;
+        double wrong_m = 0.0;
+        for (std::size_t k = 0; k < drifting.size(); ++k) {
+            wrong_m += 0.1 * rate(kind, true_to, k);
+            drifting[k].north_m += wrong_m;
+        }
+        for (const std::string witness : {"velocities", "gates", "receiver"}) {
+            SCOPED_TRACE(fmt::format("{} {}", witness, kind));
+            write("one.csv", table(drifting));
+            write("two.csv", table(second));
+            std::string receivers = receiver("one", "one.csv", witness == "velocities");
+            if (witness == "receiver") receivers += ", " + receiver("two", "two.csv", false);
+            judge(receivers, witness == "gates" ? with_gates : "");
+            if (outcome() != "beaten") continue;
+            EXPECT_EQ(witnesses(), 1U);
+            const YamlValue best = windows_["profiles"].list().front()["best"];
+            const double wrong_km_h =
+                3.6 * (profile()["speed_m_s"].real() - true_speed(best, true_to));
+            EXPECT_LE(wrong_km_h, expanded_uncertainty_km_h() + 0.05) << reason();
+        }
+    }
 }
 
 TEST_F(Origins, ASeriesOfTheWindIsToBeAttestedUnderTheClauseThatItMeets) {

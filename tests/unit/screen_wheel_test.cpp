@@ -72,7 +72,8 @@ TEST(ScreenedBesideAWheel, CleanPositionsAreNotMarked) {
     int alarms = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         const std::vector<TimedValue> speeds = wheel(seed);
-        const ScreenedTable clean = screen(positions(0.0, seed), config(), {.wheel_m_s = speeds});
+        const ScreenedTable clean =
+            screen(positions(0.0, seed), config(), {.wheel = {.m_s = speeds}});
         alarms += summarise(clean.rows).usable != std::ssize(clean.rows);
         ASSERT_EQ(clean.basis.displacements.size(), 1U);
         const DisplacementComparison& found = clean.basis.displacements.front();
@@ -90,7 +91,7 @@ TEST(ScreenedBesideAWheel, ADriftIsMarkedWithItsSizeAndDirection) {
         EXPECT_EQ(summarise(screen(positions(0.4, seed), config()).rows).usable, 1201)
             << "by themselves the positions do not show it";
         const ScreenedTable drifting =
-            screen(positions(0.4, seed), config(), {.wheel_m_s = speeds});
+            screen(positions(0.4, seed), config(), {.wheel = {.m_s = speeds}});
         int marked = 0;
         for (const ScreenedEpoch& row : drifting.rows) {
             if (row.reason != Reason::wheel) continue;
@@ -113,13 +114,13 @@ TEST(ScreenedBesideAWheel, OneThatSaysNothingIsNotCompared) {
     std::vector<TimedValue> nothing = wheel(1);
     for (TimedValue& one : nothing)
         one.value = 0.0;
-    EXPECT_TRUE(
-        screen(positions(0.0, 1), config(), {.wheel_m_s = nothing}).basis.displacements.empty());
+    EXPECT_TRUE(screen(positions(0.0, 1), config(), {.wheel = {.m_s = nothing}})
+                    .basis.displacements.empty());
     std::vector<TimedValue> later = wheel(1);
     for (TimedValue& one : later)
         one.time_s += 1000.0;
     EXPECT_TRUE(
-        screen(positions(0.0, 1), config(), {.wheel_m_s = later}).basis.displacements.empty());
+        screen(positions(0.0, 1), config(), {.wheel = {.m_s = later}}).basis.displacements.empty());
 }
 
 }  // namespace

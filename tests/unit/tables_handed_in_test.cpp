@@ -69,8 +69,8 @@ std::vector<TimedValue> wheel(double length_s, double scale, double delay_s, dou
 TEST(WheelWitness, FindsItsScaleAndItsDelay) {
     const Recorded run(120.0);
     const auto found =
-        wheel_witness(wheel(120.0, 1.013, 0.24, 0.05), timed_positions<2>(run.screened.rows),
-                      track_of(run.trajectory), 0.6);
+        wheel_witness({.m_s = wheel(120.0, 1.013, 0.24, 0.05)},
+                      timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->scale, 1.013, 4.0 * found->sigma_scale);
     EXPECT_LT(found->sigma_scale, 0.002);
@@ -88,19 +88,60 @@ TEST(WheelWitness, FindsItsScaleAndItsDelay) {
     EXPECT_LT(statistics / count, 2.0);
 }
 
-// A scale that is not known well makes every way uncertain in proportion.
-TEST(WheelWitness, TheScalesUncertaintyCountsAlongTheWay) {
+/// A wheel's motion at 30 m/s towards east, and the runs that its scale is known from.
+WheelMotion rolling(std::vector<WheelRun> runs, double sigma_scale, bool calibrated) {
     VelocityErrorModel model;
     model.density = 0.0;
-    model.sigma_scale = 0.01;
     std::vector<TimedVelocity<2>> samples;
     for (int k = 0; k < 100; ++k)
         samples.push_back({.time_s = 0.1 * k, .velocity = Vector2d(30.0, 0.0)});
-    const VelocityWitness<2> witness(samples, model, 0.0);
-    const auto moved = witness.between(1.0, 4.0);
+    return {VelocityWitness<2>(samples, model, 0.0), std::move(runs), sigma_scale, calibrated};
+}
+
+WheelRun run_at(double from_s, double scale, double towards = 1.0) {
+    return {.span = {.first_s = from_s, .last_s = from_s + 10.0},
+            .direction = towards * Vector2d(300.0, 0.0),
+            .scale = scale};
+}
+
+// A scale that is not known well makes every way uncertain in proportion.
+TEST(WheelMotion, TheScalesUncertaintyCountsAlongTheWay) {
+    const auto moved = rolling({}, 0.01, true).between(1.0, 4.0);
     ASSERT_TRUE(moved);
+    EXPECT_TRUE(moved->confirms);
     EXPECT_NEAR(std::sqrt(moved->covariance_m2(0, 0)), 0.9, 1e-6);
     EXPECT_NEAR(moved->covariance_m2(1, 1), 0.0, 1e-12);
+}
+
+TEST(WheelMotion, ItsScaleIsThatOfTheOtherRuns) {
+    // The window's own run, and one within a minute of it, say nothing, whatever they show.
+    const std::vector<WheelRun> runs{run_at(-500.0, 1.010), run_at(-300.0, 1.012),
+                                     run_at(-60.0, 1.5), run_at(0.0, 1.7), run_at(400.0, 1.011)};
+    const WheelMotion wheel = rolling(runs, 1e-4, false);
+    const auto moved = wheel.between(1.0, 4.0);
+    ASSERT_TRUE(moved);
+    EXPECT_TRUE(moved->confirms);
+    EXPECT_NEAR(moved->displacement_m.x(), 90.0 * 1.011, 1e-9);
+    EXPECT_NEAR(wheel.path_between(1.0, 4.0).value(), 90.0 * 1.011, 1e-9);
+    // Three that differ by 0.001: 2.195 times, by Student's t, and for the run itself.
+    const double sigma = std::hypot(0.001, 0.001 * std::sqrt(4.0 / 3.0) * 4.3027 / 1.95996);
+    EXPECT_NEAR(std::sqrt(moved->covariance_m2(0, 0)), sigma * 90.0 * 1.011, 1e-3);
+}
+
+TEST(WheelMotion, RunsOfBothDirectionsCountAlike) {
+    const WheelMotion wheel = rolling(
+        {run_at(-500.0, 1.02), run_at(-300.0, 1.02), run_at(400.0, 1.00, -1.0)}, 1e-4, false);
+    EXPECT_NEAR(wheel.scale_for(1.0, 4.0, {1.0, 0.0}).value, 1.01, 1e-12);
+}
+
+TEST(WheelMotion, WithFewerThanTwoOtherRunsItConfirmsNothing) {
+    for (const auto& runs :
+         {std::vector<WheelRun>{}, {run_at(0.0, 1.0)}, {run_at(0.0, 1.0), run_at(300.0, 1.0)}}) {
+        const auto moved = rolling(runs, 1e-4, false).between(1.0, 4.0);
+        ASSERT_TRUE(moved);
+        EXPECT_FALSE(moved->confirms);
+        EXPECT_NEAR(moved->displacement_m.x(), 90.0, 1e-9);
+    }
 }
 
 TEST(WheelWitness, SaysNothingOfAnotherTimeOrOfStandstill) {
@@ -108,12 +149,12 @@ TEST(WheelWitness, SaysNothingOfAnotherTimeOrOfStandstill) {
     std::vector<TimedValue> later = wheel(60.0, 1.0, 0.0, 0.05);
     for (TimedValue& one : later)
         one.time_s += 1000.0;
-    EXPECT_FALSE(
-        wheel_witness(later, timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6));
+    EXPECT_FALSE(wheel_witness({.m_s = later}, timed_positions<2>(run.screened.rows),
+                               track_of(run.trajectory), 0.6));
     std::vector<TimedValue> nothing = wheel(60.0, 1.0, 0.0, 0.0);
     for (TimedValue& one : nothing)
         one.value = 0.0;
-    EXPECT_FALSE(wheel_witness(nothing, timed_positions<2>(run.screened.rows),
+    EXPECT_FALSE(wheel_witness({.m_s = nothing}, timed_positions<2>(run.screened.rows),
                                track_of(run.trajectory), 0.6));
     EXPECT_FALSE(
         wheel_witness({}, timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6));

@@ -94,42 +94,75 @@ WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     return delay.sigma_s < unknown_delay.sigma_s ? delay : unknown_delay;
 }
 
-/// Standard uncertainty of the scale: of the ratios of both paths over spans of 3 s while the craft
-/// moves fast, as many as do not overlap.
-double sigma_of_scale(std::span<const TimedValue> wheel, const Track& track, double delay_s,
-                      double scale) {
+/// Both paths over a span of 3 s or more while the craft moves fast.
+struct FastSpan {
+    TimeSpan span;
+    Eigen::Vector2d velocities = Eigen::Vector2d::Zero();  ///< sum
+    double smoothed = 0.0;
+    double wheeled = 0.0;
+
+    double ratio() const { return smoothed / wheeled; }
+};
+
+std::vector<FastSpan> fast_spans(std::span<const TimedValue> wheel, const Track& track,
+                                 double delay_s, double scale) {
     constexpr double span_s = 3.0;
-    constexpr double least = 1e-4;
     double fastest = 0.0;
     for (const TrackEpoch& epoch : track.epochs)
         fastest = std::max(fastest, speed_of(epoch));
-    std::vector<double> ratios;
-    double smoothed = 0.0, wheeled = 0.0, from_s = 0.0;
-    std::size_t count = 0;
+    std::vector<FastSpan> spans;
+    FastSpan open;
+    bool is_open = false;
     for (const TrackEpoch& epoch : track.epochs) {
         const auto speed = value_at(wheel, epoch.time_s + delay_s);
         if (!speed || speed_of(epoch) < 0.5 * fastest) {
-            count = 0;
+            is_open = false;
             continue;
         }
-        if (count == 0) {
-            smoothed = wheeled = 0.0;
-            from_s = epoch.time_s;
-        }
-        smoothed += speed_of(epoch);
-        wheeled += scale * *speed;
-        ++count;
-        if (epoch.time_s - from_s < span_s) continue;
-        ratios.push_back(smoothed / wheeled);
-        count = 0;
+        if (!is_open) open = {.span = {.first_s = epoch.time_s}};
+        is_open = true;
+        open.span.last_s = epoch.time_s;
+        open.velocities += epoch.velocity_m_s.head<2>();
+        open.smoothed += speed_of(epoch);
+        open.wheeled += scale * *speed;
+        if (epoch.time_s - open.span.first_s < span_s || !(open.wheeled > 0.0)) continue;
+        spans.push_back(open);
+        is_open = false;
     }
-    if (ratios.size() < 3) return 0.01;
+    return spans;
+}
+
+std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
+    std::vector<WheelRun> runs;
+    FastSpan sum;
+    for (const FastSpan& one : spans) {
+        if (runs.empty() || one.span.first_s - sum.span.last_s >= between_runs_s) {
+            sum = {.span = one.span};
+            runs.emplace_back();
+        }
+        sum.span.last_s = one.span.last_s;
+        sum.velocities += one.velocities;
+        sum.smoothed += one.smoothed;
+        sum.wheeled += one.wheeled;
+        runs.back() = {.span = sum.span, .direction = sum.velocities, .scale = sum.ratio()};
+    }
+    return runs;
+}
+
+/// Standard uncertainty of the scale that fits all: of the ratios of both paths, as many as do not
+/// overlap.
+double sigma_of_scale(const std::vector<FastSpan>& spans) {
+    constexpr double least = 1e-4;
+    if (spans.size() < 3) return 0.01;
+    std::vector<double> ratios;
+    for (const FastSpan& one : spans)
+        ratios.push_back(one.ratio());
     const double middle = median(ratios);
     for (double& ratio : ratios)
         ratio = std::abs(ratio - middle);
-    const auto spans = static_cast<double>(ratios.size());
+    const auto count = static_cast<double>(ratios.size());
     const double sd = median(std::move(ratios)) / normal_quantile(0.75);
-    return std::max(least, 1.2533 * sd / std::sqrt(spans));
+    return std::max(least, 1.2533 * sd / std::sqrt(count));
 }
 
 /// The epoch of the track nearest to a time; null where none is near.
@@ -163,15 +196,17 @@ bool are_from_positions(std::span<const TimedValue> wheel,
 
 }  // namespace
 
-std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s,
+std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,
                                           const Track& track, double jerk_density) {
-    const WheelDelay delay = delay_of(speeds_m_s, track);
-    const WheelFit fit = fit_at(speeds_m_s, track, delay.delay_s);
+    const std::span<const TimedValue> wheel = speeds.m_s;
+    const WheelDelay delay = delay_of(wheel, track);
+    const WheelFit fit = fit_at(wheel, track, delay.delay_s);
     if (fit.epochs < fewest_epochs || !(fit.scale > 0.0)) return std::nullopt;
-    const double sigma_scale = sigma_of_scale(speeds_m_s, track, delay.delay_s, fit.scale);
+    const double scale = speeds.calibrated_scale.value_or(fit.scale);
+    const std::vector<FastSpan> spans = fast_spans(wheel, track, delay.delay_s, scale);
     std::vector<TimedVelocity<2>> samples;
-    for (const TimedValue& one : speeds_m_s) {
+    for (const TimedValue& one : wheel) {
         const TrackEpoch* const at = epoch_near(track, one.time_s - delay.delay_s);
         if (at == nullptr) continue;
         const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
@@ -181,7 +216,7 @@ std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s
                             : samples.back().stretch +
                                   (one.time_s - samples.back().time_s > longest_step_s ? 1 : 0);
         samples.push_back({.time_s = one.time_s,
-                           .velocity = fit.scale * one.value * velocity.normalized(),
+                           .velocity = scale * one.value * velocity.normalized(),
                            .stretch = stretch});
     }
     if (samples.size() < fewest_epochs) return std::nullopt;
@@ -191,17 +226,20 @@ std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s
     delay_alone.density = 0.0;
     const VelocityWitness<2> undisturbed(samples, delay_alone, jerk_density);
     const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
-    VelocityErrorModel model = estimated.model;
-    if (!model.is_known()) return std::nullopt;
+    if (!estimated.model.is_known()) return std::nullopt;
     const bool made = keep_to_positions(estimated.spreads, false) ||
-                      are_from_positions(speeds_m_s, positions, fit.scale, delay.delay_s);
-    model.sigma_scale = sigma_scale;
-    return WheelWitness{.motion = VelocityWitness<2>(std::move(samples), model, jerk_density),
-                        .scale = fit.scale,
-                        .sigma_scale = sigma_scale,
-                        .delay_s = delay.delay_s,
-                        .sigma_delay_s = delay.sigma_s,
-                        .made_from_positions = made};
+                      are_from_positions(wheel, positions, fit.scale, delay.delay_s);
+    const bool calibrated = speeds.calibrated_scale.has_value();
+    const double sigma_scale = sigma_of_scale(spans);
+    return WheelWitness{
+        .motion = WheelMotion(VelocityWitness<2>(std::move(samples), estimated.model, jerk_density),
+                              runs_of(spans), calibrated ? speeds.sigma_calibrated : sigma_scale,
+                              calibrated),
+        .scale = fit.scale,
+        .sigma_scale = sigma_scale,
+        .delay_s = delay.delay_s,
+        .sigma_delay_s = delay.sigma_s,
+        .made_from_positions = made};
 }
 
 bool are_between_positions(std::span<const TimedValue> passages,

@@ -7,15 +7,15 @@
 #include "core/timed_value.h"
 #include "estimation/gate_witness.h"
 #include "estimation/tables/track.h"
-#include "estimation/velocity_witness.h"
+#include "estimation/wheel_motion.h"
 #include "estimation/witnessed_spans.h"
 
 namespace runcert {
 
 /// A wheel's speed as a witness, and what was estimated of it beside the positions.
 struct WheelWitness {
-    VelocityWitness<2> motion;
-    double scale = 1.0;  ///< that its speeds are multiplied by
+    WheelMotion motion;
+    double scale = 1.0;  ///< that fits the positions of the whole recording best
     double sigma_scale = 0.0;
     double delay_s = 0.0;  ///< of its speeds behind the positions
     double sigma_delay_s = 0.0;
@@ -23,12 +23,20 @@ struct WheelWitness {
                                        ///< speeds that are differences of the positions)
 };
 
-/// The speed of a wheel along the direction of travel. Its delay (within a second either way) and
-/// its scale are those with which its speeds fit those of the track best; its errors are estimated
-/// beside the positions, as those of recorded velocities are. A wrong scale that lasts it cannot
-/// see. Nothing where fewer than 30 epochs of the track have a speed of the wheel, or nothing
-/// bounds its errors.
-std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s,
+/// Speeds of a wheel, m/s, and the scale that was stated for it.
+struct WheelSpeeds {
+    std::vector<TimedValue> m_s;
+    std::optional<double> calibrated_scale = {};
+    double sigma_calibrated = 0.0;  ///< relative standard uncertainty of that
+};
+
+/// The speed of a wheel along the direction of travel. Its delay (within a second either way) is
+/// that with which its speeds fit those of the track best; its scale the calibrated one, or that of
+/// other runs (`WheelMotion`); its errors are estimated beside the positions, as those of recorded
+/// velocities are. A wrong scale of the positions that lasts it cannot see without a calibration.
+/// Nothing where fewer than 30 epochs of the track have a speed of the wheel, or nothing bounds its
+/// errors.
+std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,
                                           const Track& track, double jerk_density);
 

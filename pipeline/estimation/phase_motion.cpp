@@ -59,9 +59,10 @@ template <int Axes>
 std::optional<WitnessedDisplacement> PhaseWitness<Axes>::moved(std::size_t first,
                                                                std::size_t second) const {
     auto found = displacement_between(phases_->record, phases_->screening, first, second);
-    if (!found || std::abs(found->interval_s - (record_time_s(second) - record_time_s(first))) >
-                      largest_drift_s)
-        return std::nullopt;
+    const double by_tags_s = record_time_s(second) - record_time_s(first);
+    if (!found || std::abs(found->interval_s - by_tags_s) > largest_drift_s) return std::nullopt;
+    // The way in so much true time, for the time that is asked for.
+    found->enu_m *= by_tags_s / found->interval_s;
     return found;
 }
 

@@ -38,8 +38,9 @@ struct FrameTurn {
 ///
 /// An instant is served by the epoch nearest to it, no further than half a step; what the craft
 /// moved between the two is taken from the displacements to the neighbours, and what it may have
-/// done otherwise with a white jerk of `jerk_density` (m s^-2.5) is in the covariance. A receiver's
-/// clock that jumps between two epochs leaves open how long they are apart: nothing is answered.
+/// done otherwise with a white jerk of `jerk_density` (m s^-2.5) is in the covariance. Epochs are
+/// apart by what the receiver's clock says less what it gained: the displacement is that of the time
+/// asked for. A clock that jumps between two epochs is not worth that: nothing is answered.
 ///
 /// It cannot see what offsets phases and positions alike: a constant error, a wrong frame, a wrong
 /// time common to both; and of multipath, which disturbs both, only what they do not share.

@@ -163,6 +163,27 @@ TEST(PhaseWitness, TurnsIntoTheFrameOfThePositions) {
     EXPECT_GT((turned->displacement_m - own->displacement_m).norm(), 1.0);
 }
 
+// 2e-4 s in 3 s are 6.7e-5 of the speed, and the test of the clock lets them pass.
+TEST(PhaseWitness, TheRateOfTheReceiversClockIsTakenOut) {
+    RawSpec raw = quiet();
+    raw.clock_drift = 6e-5;
+    const RawRun run(40.0, raw, 0.010);
+    const auto witness = run.witness();
+    double along_m = 0.0, path_m = 0.0;
+    int count = 0;
+    for (double from_s = 5.0; from_s < 36.0; from_s += 0.5) {
+        const auto moved = witness->between(from_s, from_s + 3.0);
+        ASSERT_TRUE(moved) << from_s;
+        const double true_m = (run.true_m(from_s + 3.0) - run.true_m(from_s)).norm();
+        along_m += moved->displacement_m.norm() - true_m;
+        path_m += witness->path_between(from_s, from_s + 3.0).value() - true_m;
+        ++count;
+    }
+    // Without the rate 11.6 mm are missing.
+    EXPECT_NEAR(along_m / count, 0.0, 0.003);
+    EXPECT_NEAR(path_m / count, 0.0, 0.003);
+}
+
 TEST(PhaseWitness, SaysNothingWhereTheClockJumpsOrTooFewAreLeft) {
     RawSpec raw = quiet();
     raw.clock_offset_s = 0.00049;

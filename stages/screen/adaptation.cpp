@@ -160,12 +160,14 @@ class Adaptation {
                 if (!answers_for(section, candidate)) continue;
                 const SectionTests<Axes>& at = looks.at(section);
                 accept(at.part, at.tests,
-                       at.tests.best_explanation(moved(candidate, 0, section.taken_first)));
+                       at.tests.best_explanation(moved(candidate, 0, section.taken_first),
+                                                 is_hard_motion(stretch.first + candidate.first)));
                 changed = true;
             }
             if (chosen.empty() && findings.span && answers_for(section, *findings.span)) {
                 const SectionTests<Axes>& at = looks.at(section);
-                accept(at.part, at.tests, moved(*findings.span, 0, section.taken_first));
+                accept(at.part, at.tests,
+                       at.tests.explanation_of_span(moved(*findings.span, 0, section.taken_first)));
                 changed = true;
             }
         }
@@ -173,6 +175,20 @@ class Adaptation {
         for (const Section& section : sections)
             if (decided_in(stretch, section)) changed = take_back(looks.at(section)) || changed;
         return changed;
+    }
+
+    /// Whether a manoeuvre was found within 15 s of an epoch of the arc.
+    bool is_hard_motion(std::size_t epoch) const {
+        constexpr double reach_s = 15.0;
+        const auto is_near = [&](std::size_t k) {
+            return std::abs(arc_[k].time_s - arc_[epoch].time_s) <= reach_s;
+        };
+        const auto& sizes_m_s2 = decisions_.manoeuvres_m_s2;
+        for (std::size_t k = epoch; k > 0 && is_near(k); --k)
+            if (sizes_m_s2[k] > 0.0) return true;
+        for (std::size_t k = epoch; k < arc_.size() && is_near(k); ++k)
+            if (sizes_m_s2[k] > 0.0) return true;
+        return false;
     }
 
     /// Whether anything of a section could be taken back.

@@ -112,12 +112,25 @@ class StretchTests {
     }
 
     /// What stands in the candidate's place: motion, or a set of neighbouring epochs; the candidate
-    /// itself if neither does.
-    Candidate best_explanation(const Candidate& candidate) const {
+    /// itself if neither does. `hard`: a manoeuvre was found near it, so that another needs
+    /// explain but a part.
+    Candidate best_explanation(const Candidate& candidate, bool hard) const {
+        constexpr double share = 0.6;
         if (candidate.manoeuvre) return candidate;
         if (candidate.hypothesis != Hypothesis::outlier)
-            if (const auto motion = motion_instead(candidate)) return *motion;
+            if (const auto motion = motion_instead(
+                    candidate, (hard ? share_of_hard_motion : share) * candidate.statistic))
+                return *motion;
         return best_set(candidate);
+    }
+
+    /// The same of a span that fails and that no hypothesis explains: motion, where it explains a
+    /// good part of the excess. Scatter that is larger than stated it does not: this has no
+    /// direction that lasts.
+    Candidate explanation_of_span(const Candidate& span) const {
+        constexpr double share = 0.2;
+        const double excess = span.statistic - span.degrees_of_freedom;
+        return motion_instead(span, share * excess).value_or(span);
     }
 
     /// The set of neighbouring epochs, each with an error of its own, that is better supported
@@ -179,6 +192,9 @@ class StretchTests {
     static constexpr double largest_sigma_m_s = 20.0;
     static constexpr double largest_sigma_s = 1.0;
     static constexpr double largest_sigma_m_s2 = 5.0;
+    /// Of what is seen where motion is hard anyhow: it comes in several changes, and each explains
+    /// but a part.
+    static constexpr double share_of_hard_motion = 0.3;
 
     template <int Size>
     static bool is_told(const ScoreTest<Size>& test, double largest_sigma) {
@@ -212,11 +228,10 @@ class StretchTests {
             found.pop_back();
     }
 
-    /// A manoeuvre near an error that explains a good part of it. Hard motion is never quite the
+    /// A manoeuvre near an error whose statistic exceeds `support`. Hard motion is never quite the
     /// one or the other. What is wrong indeed still shows once the manoeuvre is allowed for, while
     /// a drift that is none takes the whole stretch with it.
-    std::optional<Candidate> motion_instead(const Candidate& error) const {
-        constexpr double share = 0.6;
+    std::optional<Candidate> motion_instead(const Candidate& error, double support) const {
         if (plan_.manoeuvre_max_m_s2() <= 0.0) return std::nullopt;
         const std::size_t reach = 2 * plan_.burst_epochs_max();
         const std::size_t end = std::min(stretch_.epochs.size(), error.first + reach + 1);
@@ -225,8 +240,7 @@ class StretchTests {
             if (!stretch_.epochs[k].measurement) continue;
             const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
             const double statistic = test.statistic() / factors_[k];
-            if (!(statistic > share * error.statistic) || (best && statistic <= best->statistic))
-                continue;
+            if (!(statistic > support) || (best && statistic <= best->statistic)) continue;
             if (!is_told(test, largest_sigma_m_s2) ||
                 test.estimate().norm() > plan_.manoeuvre_max_m_s2())
                 continue;

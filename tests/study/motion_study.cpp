@@ -52,6 +52,13 @@ std::vector<MotionCell> motions_at(double rate_hz) {
                 add(fmt::format("quiet {:g} min, {:g} m/s2 over {:g} s, plateau 3.5 s", quiet_min,
                                 acceleration, rounding_s),
                     plateau(60.0 * quiet_min, acceleration, rounding_s, 3.5, acceleration));
+    for (const double quiet_min : {1.0, 20.0})
+        for (const double acceleration : {4.4, 5.3, 6.2})
+            for (const double jerk : {3.0, 6.7})
+                add(fmt::format("quiet {:g} min, peak at {:g} m/s2, jerk {:g}", quiet_min,
+                                acceleration, jerk),
+                    plateau(60.0 * quiet_min, acceleration, acceleration / jerk, 0.0,
+                            acceleration));
     for (const double quiet_min : {1.0, 20.0}) {
         add(fmt::format("quiet {:g} min, peak at 4 m/s2", quiet_min),
             plateau(60.0 * quiet_min, 4.0, 0.0, 0.0, 4.0));

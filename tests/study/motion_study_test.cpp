@@ -51,6 +51,11 @@ TEST(Motion, HardAccelerationIsNotScreenedAway) {
     expect_honest(cell_of("quiet 1 min, braking at 8 m/s2 over 0.3 s", "10 mm white"), 10);
 }
 
+TEST(Motion, HardPeaksAreNotScreenedAway) {
+    expect_honest(cell_of("quiet 1 min, peak at 6.2 m/s2, jerk 6.7", "10 mm white"), 20);
+    expect_honest(cell_of("quiet 1 min, peak at 5.3 m/s2, jerk 6.7", "3 mm white, 8 mm 1.5 s"), 20);
+}
+
 TEST(Motion, GustsAndEqualRuns) {
     expect_honest(cell_of("quiet 1 min, gusts of 2.3 and 7 s", "3 mm white, 20 mm 1.5 s"), 10);
     expect_honest(cell_of("quiet 1 min, two equal runs", "3 mm white, 8 mm 1.5 s"), 10);

@@ -50,7 +50,9 @@ const Names without_unit{
     "decision.level", "decision.risk", "results[].probability", "results[].level",
     "best.probability", "best.level", "clauses[].limit", "figures[].value",
     "figures[].expanded_uncertainty", "course[].value", "course[].expanded_uncertainty",
-    "overrides[].rule", "overrides[].used"};
+    "overrides[].rule", "overrides[].used",
+    // of a wheel
+    "wheel.scale", "wheel.expanded_uncertainty_scale"};
 
 /// Whether the path, or its end after a point, stands in that list.
 bool may_lack_unit(const std::string& path) {

@@ -95,6 +95,8 @@ TEST(GoldenAttempt, OnTheEarth) {
     EXPECT_EQ(attempt.wheel->file, "wheels/rear.csv");
     EXPECT_EQ(attempt.gates->expanded_uncertainty_m, 0.0125);
     EXPECT_EQ(attempt.gates->expanded_uncertainty_s, 0.0005);
+    EXPECT_EQ(attempt.wheel->scale, 1.0125);
+    EXPECT_EQ(attempt.wheel->expanded_uncertainty_scale, 0.0025);
     EXPECT_EQ(attempt.secondary_method->method, "light gates");
     EXPECT_EQ(to_iso(attempt.secondary_method->times->start), "2022-03-18T08:51:36.250");
     EXPECT_EQ(to_iso(attempt.secondary_method->times->finish), "2022-03-18T08:51:45.125");

@@ -105,6 +105,10 @@ TEST(GoldenTables, Enu) {
     EXPECT_EQ(table.origin->position.latitude.degrees(), 35.134709483);
     EXPECT_EQ(table.origin->position.height_m, 104.728);
     EXPECT_EQ(table.origin->source, "attempt");
+    ASSERT_EQ(table.origin->places.size(), 1U);
+    EXPECT_EQ(table.origin->places[0].from.nanoseconds, 8'000'500'000'000);
+    EXPECT_EQ(table.origin->places[0].position.longitude.degrees(), 138.5);
+    EXPECT_EQ(table.origin->places[0].north_m, 13875.5);
     EXPECT_EQ(table.rows.at(3).north_m, 6.324);
     EXPECT_FALSE(table.rows.at(3).correlation_north_up);
     EXPECT_FALSE(table.rows.at(4).east_m);

@@ -9,10 +9,20 @@ namespace runcert {
 namespace {
 
 constexpr double farthest_s = 0.5;
-/// Of the speed by the positions beside a gate.
+/// Of the speed by the positions beside a gate, and of the acceleration on the way from there.
 constexpr double sigma_speed_m_s = 0.1;
+constexpr double sigma_acceleration_m_s2 = 1.0;
 /// Across the course nothing is known.
 constexpr double sigma_across_m = 100.0;
+
+/// The way of the craft in a time after a passage, or before it, and its variance.
+double way_after(const GatePassage& passage, double time_s) {
+    return passage.speed_m_s * time_s + 0.5 * passage.acceleration_m_s2 * time_s * time_s;
+}
+double variance_after(double time_s) {
+    return std::pow(sigma_speed_m_s * time_s, 2) +
+           std::pow(0.5 * sigma_acceleration_m_s2 * time_s * time_s, 2);
+}
 
 }  // namespace
 
@@ -33,12 +43,11 @@ std::optional<WitnessedMotion<2>> GateWitness::between(double from_s, double to_
     if (!(way.norm() > 0.0)) return std::nullopt;
     const double after_s = to_s - to->time_s, before_s = from_s - from->time_s;
     const double length_m =
-        to->distance_m - from->distance_m + to->speed_m_s * after_s - from->speed_m_s * before_s;
-    const double variance_m2 =
-        std::pow(errors_.sigma_distance_m, 2) +
-        std::pow(errors_.sigma_time_s, 2) *
-            (std::pow(from->speed_m_s, 2) + std::pow(to->speed_m_s, 2)) +
-        std::pow(sigma_speed_m_s, 2) * (after_s * after_s + before_s * before_s);
+        to->distance_m - from->distance_m + way_after(*to, after_s) - way_after(*from, before_s);
+    const double variance_m2 = std::pow(errors_.sigma_distance_m, 2) +
+                               std::pow(errors_.sigma_time_s, 2) *
+                                   (std::pow(from->speed_m_s, 2) + std::pow(to->speed_m_s, 2)) +
+                               variance_after(after_s) + variance_after(before_s);
     const Eigen::Vector2d along = way.normalized();
     const Eigen::Vector2d across(-along.y(), along.x());
     WitnessedMotion<2> motion;

@@ -14,6 +14,7 @@ struct GatePassage {
     /// gate, and for the direction of the way between two.
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
     double speed_m_s = 0.0;
+    double acceleration_m_s2 = 0.0;  ///< in the direction of travel
 };
 
 struct GateErrors {
@@ -22,8 +23,8 @@ struct GateErrors {
 };
 
 /// Surveyed timing gates on a straight course as a witness: the distance between the gates nearest
-/// to both instants, half a second away at most, moved to the instants by the speed. Across the
-/// course they say nothing.
+/// to both instants, half a second away at most, moved to the instants by speed and acceleration.
+/// Across the course they say nothing.
 class GateWitness final : public Witness<2> {
   public:
     /// Passages with increasing times.

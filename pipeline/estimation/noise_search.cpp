@@ -17,12 +17,22 @@ constexpr double acceleration_time_min_s = 0.2;
 constexpr double acceleration_time_max_s = 1e3;
 constexpr int evaluations_allowed = 200;
 
+// Standard deviation of the logarithm of the scale before the data are seen: what is stated is
+// within a factor of seven of what the noise is.
+constexpr double scale_prior_sd = 2.0;
+
+double log_prior_of(double log_scale) {
+    return -0.5 * (log_scale / scale_prior_sd) * (log_scale / scale_prior_sd);
+}
+
 Best best_scale_at(const Point& x, const InnovationSums& sums) {
-    const double log_likelihood = sums.log_likelihood_at_best_scale();
-    return {
-        .x = x,
-        .log_likelihood = std::isfinite(log_likelihood) ? log_likelihood : -1e12,
-        .scale = std::max(scale_min, std::sqrt(sums.statistic / static_cast<double>(sums.values)))};
+    const double scale =
+        std::max(scale_min, std::sqrt(sums.statistic / static_cast<double>(sums.values)));
+    const double log_likelihood =
+        sums.log_likelihood_at_best_scale() + log_prior_of(std::log(scale));
+    return {.x = x,
+            .log_likelihood = std::isfinite(log_likelihood) ? log_likelihood : -1e12,
+            .scale = scale};
 }
 
 }  // namespace
@@ -225,8 +235,9 @@ std::vector<double> NoiseSearch<Axes>::absolute_log_likelihoods(const std::vecto
         models.push_back(scaled(model_at(relative), std::exp(log_scale)));
     }
     std::vector<double> results;
-    for (const InnovationSums& sums : innovation_sums_of<Axes>(arcs_, models))
-        results.push_back(sums.log_likelihood());
+    const std::vector<InnovationSums> sums = innovation_sums_of<Axes>(arcs_, models);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        results.push_back(sums[i].log_likelihood() + log_prior_of(points[i].back()));
     return results;
 }
 

@@ -17,15 +17,23 @@ namespace {
 
 /// What of an error that nothing found is in the interval, and what is not.
 std::string drift_words(const CertifiableWindow& window, const SpeedUnit& unit,
-                        const WitnessedSpeed* heard) {
+                        const WitnessedSpeed* heard, double coverage_factor) {
     if (!window.evidence || window.evidence->fault_probability == 0.0) return {};
     const SpeedEvidence& evidence = *window.evidence;
+    const auto expanded = [&](double standard_m_s) {
+        return shown_in({.expanded_uncertainty_m_s =
+                             coverage_factor * standard_m_s + window.bias_limit_m_s},
+                        unit)
+            .expanded_uncertainty;
+    };
     const std::string taken = fmt::format(
         "In one window of {:.0f} the positions are taken to err unseen, by up to {} {}. The "
         "interval carries that risk on average (row d), and would not hold the speed of such a "
-        "window.",
+        "window. Taken a fifth as often, the expanded uncertainty would be {} {}; five times as "
+        "often, {} {}.",
         1.0 / evidence.fault_probability, significant_text(evidence.fault_m_s * unit.per_m_s, 3),
-        unit.name);
+        unit.name, expanded(evidence.at_a_fifth_m_s), unit.name,
+        expanded(evidence.at_five_times_m_s), unit.name);
     if (heard == nullptr) return taken;
     return fmt::format(
         "{} Beside the {} an error of more than {} {} would have been found with a probability of "
@@ -48,7 +56,8 @@ Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
 }
 
 /// The largest that is not a drift, and what all of them together are taken to do.
-Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
+Json shown_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
+    const SpeedUnit& unit = scale.unit;
     const auto& errors = window.reliability;
     const auto worst = std::ranges::find_if(
         errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
@@ -58,7 +67,9 @@ Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
     if (worst != errors.end())
         json["reliability_words"] =
             capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + ".";
-    if (std::string words = drift_words(window, unit, shared ? &*heard : nullptr); !words.empty())
+    if (std::string words =
+            drift_words(window, unit, shared ? &*heard : nullptr, scale.coverage_factor);
+        !words.empty())
         json["drift_words"] = std::move(words);
     json["reliability_unit"] = unit.name;
     return json;
@@ -73,7 +84,7 @@ void set_reliability(Json& json, const CertifiableWindow& window, const Uncertai
     json["reliability"] = Json::array();
     for (const UndetectedError& error : window.reliability)
         json["reliability"].push_back(error_json(error, scale.unit));
-    if (!window.reliability.empty()) json["reliability_shown"] = shown_json(window, scale.unit);
+    if (!window.reliability.empty()) json["reliability_shown"] = shown_json(window, scale);
 }
 
 }  // namespace runcert

@@ -66,10 +66,29 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
     return {};
 }
 
-/// Why a window that a witness contradicts forbids a certificate; empty where none does.
-std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) {
+/// What each witness gives: "recorded velocities +0.120 km/h, carrier phases -0.110 km/h".
+std::string differences_text(const std::vector<WitnessedSpeed>& witnesses) {
+    std::vector<std::string> all;
+    for (const WitnessedSpeed& one : witnesses)
+        if (one.confirms)
+            all.push_back(
+                fmt::format("{} {:+.3f} km/h", witness_name(one), -one.difference_m_s * 3.6));
+    return fmt::format("{}", fmt::join(all, ", "));
+}
+
+/// Why a window that a witness contradicts, or whose witnesses contradict one another, forbids a
+/// certificate; empty where none does.
+std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
+                                  const std::optional<SpeedEvidence>& evidence) {
     const auto one = std::ranges::find_if(witnesses, &contradicts);
-    if (one == witnesses.end()) return {};
+    if (one == witnesses.end()) {
+        if (!evidence || evidence->disagreement <= 1.0) return {};
+        return fmt::format(
+            "The witnesses contradict one another. Against the positions they give {}: together "
+            "{:.2f} times as far apart as chance makes them once in a thousand. One of them is "
+            "wrong.",
+            differences_text(witnesses), evidence->disagreement);
+    }
     return fmt::format(
         "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "
         "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
@@ -189,9 +208,11 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                                             });
         !refused.empty())
         return refused;
-    if (std::string refused = first_refusal(
-            context.windows,
-            [](const auto& window) { return refused_for_witnesses(window.witnesses); });
+    if (std::string refused = first_refusal(context.windows,
+                                            [](const auto& window) {
+                                                return refused_for_witnesses(window.witnesses,
+                                                                             window.evidence);
+                                            });
         !refused.empty())
         return refused;
     if (context.declared && context.declared->contradicts())

@@ -89,27 +89,12 @@ std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                           heading_of(course).value_or(0.0));
 }
 
-/// By how much the positions of the windows are faster than the weighted mean with their witnesses;
-/// of several windows the mean, which counts only where none is on the other side.
-double remaining_difference_m_s(const ProfileWindows& windows) {
-    if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
-        return 0.0;
-    const auto row = std::ranges::find(windows.best->budget, "e", &BudgetRow::symbol);
-    if (row == windows.best->budget.end()) return 0.0;
-    return std::copysign(row->contribution_m_s, windows.best->evidence->witnesses->difference_m_s);
-}
-
 /// The speed that the rule counts, and its expanded uncertainty; nothing where the current that it
 /// subtracts is not known.
 void set_speed(ClauseContext& context) {
-    const std::optional<RuleFigure> figure = figure_of(context.windows);
-    if (!figure) return;
-    SpeedPosterior speed{.speed_m_s = figure->speed_m_s,
-                         .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
-                         .degrees_of_freedom = figure->effective_degrees_of_freedom,
-                         .bias_limit_m_s = figure->bias_limit_m_s,
-                         .difference_m_s = remaining_difference_m_s(context.windows),
-                         .evidence = figure->evidence};
+    std::optional<SpeedPosterior> found = posterior_of(context.windows);
+    if (!found) return;
+    SpeedPosterior& speed = *found;
     if (context.profile.subtract_current) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_m_s -= context.current->along_m_s;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -93,7 +94,28 @@ std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
         .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
 }
 
+/// By how much the positions of the windows are faster than the weighted mean with their witnesses;
+/// of several windows the mean, which counts only where none is on the other side.
+double remaining_difference_m_s(const ProfileWindows& windows) {
+    if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
+        return 0.0;
+    const auto row = std::ranges::find(windows.best->budget, "e", &BudgetRow::symbol);
+    if (row == windows.best->budget.end()) return 0.0;
+    return std::copysign(row->contribution_m_s, windows.best->evidence->witnesses->difference_m_s);
+}
+
 }  // namespace
+
+std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
+    const std::optional<RuleFigure> figure = figure_of(windows);
+    if (!figure) return std::nullopt;
+    return SpeedPosterior{.speed_m_s = figure->speed_m_s,
+                          .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
+                          .degrees_of_freedom = figure->effective_degrees_of_freedom,
+                          .bias_limit_m_s = figure->bias_limit_m_s,
+                          .difference_m_s = remaining_difference_m_s(windows),
+                          .evidence = figure->evidence};
+}
 
 SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s) {
     const SpeedEvidence& evidence = *posterior.evidence;

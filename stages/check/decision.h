@@ -6,7 +6,7 @@
 
 #include "estimation/speed_mixture.h"
 #include "schemas/verdict/declared.h"
-#include "schemas/windows/declared.h"
+#include "schemas/windows/windows.h"
 #include "stages/check/threshold.h"
 
 namespace runcert {
@@ -28,6 +28,9 @@ struct SpeedPosterior {
     std::optional<SpeedEvidence> evidence = std::nullopt;
 };
 
+/// What the windows of a profile say of the rule's speed; nothing where they are too few.
+std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows);
+
 /// Which witnesses a distribution of the speed rests on: those that have a share in it, or those of
 /// them alone that were observed.
 enum class WitnessSet { all, observed };
@@ -35,8 +38,7 @@ enum class WitnessSet { all, observed };
 /// The distribution of the speed where positions and witnesses may be at fault, those chosen among
 /// rivals as often as that makes it. `also_m_s` is another standard uncertainty that moves all
 /// alike. The posterior must have evidence.
-SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard,
-                        double also_m_s = 0.0);
+SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s = 0.0);
 
 /// P(speed >= threshold) by the posterior's Student's t, and by the mixture where there is one.
 struct Conformance {

@@ -278,16 +278,17 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const std::string limit =
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
-            fmt::format("expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
-                        coverage_text(context.coverage_factor),
-                        bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
-                                                           rounded_up(bias_limit_m_s))
-                                             : std::string(),
-                        limit,
-                        context.profile.speed_source == SpeedSource::velocity
-                            ? "it rests on what the recording shows and states of its velocities' errors"
-                            : "it includes the bound on time-correlated errors and, as mean "
-                              "square, an error of any kind that nothing found"),
+            fmt::format(
+                "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
+                coverage_text(context.coverage_factor),
+                bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
+                                                   rounded_up(bias_limit_m_s))
+                                     : std::string(),
+                limit,
+                context.profile.speed_source == SpeedSource::velocity
+                    ? "it rests on what the recording shows and states of its velocities' errors"
+                    : "it includes the bound on time-correlated errors and, as mean "
+                      "square, an error of any kind that nothing found"),
             {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
              speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
                           limit)}};

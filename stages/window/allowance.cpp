@@ -7,6 +7,7 @@
 
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/budget.h"
+#include "stages/window/shares.h"
 #include "stages/window/witnesses.h"
 
 namespace runcert {

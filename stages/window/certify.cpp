@@ -16,6 +16,7 @@
 #include "stages/window/reliability.h"
 #include "stages/window/robust.h"
 #include "stages/window/selection.h"
+#include "stages/window/shares.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnesses.h"
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "estimation/speed_mixture.h"
+#include "estimation/tables/window_ends.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"

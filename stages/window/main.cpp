@@ -64,7 +64,8 @@ Beside beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::siz
     const auto& baseline = tables[own].screened.basis.baseline;
     for (std::size_t i = 0; i < tables.size(); ++i)
         if (i != own && !(baseline && baseline->same_errors))
-            all.receivers.push_back(&tables[i].trajectory);
+            all.receivers.push_back(
+                {.screened = &tables[i].screened, .trajectory = &tables[i].trajectory});
     return all;
 }
 

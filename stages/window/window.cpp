@@ -68,7 +68,7 @@ class Certifier {
         std::ranges::move(unheard(beside, horizontal_.witnesses), std::back_inserter(notes));
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
-            if (witness.made_from_positions) continue;
+            if (witness.is_copy) continue;
             for (std::size_t i = 0; i < windows.size(); ++i) {
                 const auto& best = windows[i].best;
                 if (!best || profiles[i].dimension == Dimension::vertical ||
@@ -80,7 +80,7 @@ class Certifier {
                     });
                 std::string note = said == best->witnesses.end()
                                        ? silence_text(witness, trajectory_, windows[i].profile)
-                                   : said->normalised_error > 1.0
+                                   : contradicts(*said)
                                        ? contradiction_text(witness, screened_)
                                        : unconfirming_text(witness, best->span, windows[i].profile);
                 if (!note.empty() && std::ranges::find(notes, note) == notes.end())
@@ -300,14 +300,13 @@ bool hear_the_contradicting(const std::vector<CertifiableWindow>& others,
     };
     for (const CertifiableWindow& window : first)
         for (const WitnessedSpeed& one : window.witnesses)
-            if (one.normalised_error > 1.0 && !covers(one)) return false;
+            if (contradicts(one) && !covers(one)) return false;
     return true;
 }
 
 bool contradicted(const std::vector<CertifiableWindow>& windows) {
     return std::ranges::any_of(windows, [](const CertifiableWindow& window) {
-        return std::ranges::any_of(
-            window.witnesses, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; });
+        return std::ranges::any_of(window.witnesses, &contradicts);
     });
 }
 
@@ -349,10 +348,22 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     const Profile& profile = among.profile;
     std::vector<CertifiableWindow> windows =
         certified_windows(certifier, profile, fastest, among.gates);
-    const Allowance allowance =
+    const Allowance expected =
         certifier.allowance(profile, {.window = windows.front(), .found = fastest.chosen.front()});
+    // What lies beside a window that a witness contradicts, and overlaps it, holds a part of what
+    // is wrong: nothing is claimed of it.
+    std::vector<FoundWindow> wrong;
+    for (std::size_t i = 0; i < windows.size(); ++i)
+        if (contradicted({windows[i]})) wrong.push_back(fastest.chosen[i]);
+    const auto is_wrong = [&](const FoundWindow& one) {
+        return std::ranges::any_of(wrong,
+                                   [&](const FoundWindow& other) { return overlap(one, other); });
+    };
+    const Allowance allowance = [&](const FoundWindow& one) {
+        return is_wrong(one) ? one.speed_m_s : expected(one);
+    };
     const Choice proof = better_proof(among, fastest, windows, allowance);
-    if (!proof.chosen.empty()) {
+    if (!proof.chosen.empty() && std::ranges::none_of(proof.chosen, is_wrong)) {
         std::vector<CertifiableWindow> proving =
             certified_windows(certifier, profile, proof, among.gates);
         if (!contradicted(proving) && hear_the_contradicting(proving, windows) &&

@@ -4,7 +4,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -15,20 +14,14 @@
 #include "estimation/velocity_witness.h"
 #include "estimation/witnessed_spans.h"
 #include "stages/window/budget.h"
+#include "stages/window/copies.h"
+#include "stages/window/shares.h"
 
 namespace runcert {
 namespace {
 
-/// White noise, motion, its model, time stamps and resolution: what positions have and no witness
-/// does. (Their time-correlated error another receiver may have, too.)
-constexpr std::string_view rows_of_position = "wjotr";
-
 /// Displacements differ so by chance once in a thousand.
 constexpr double by_chance = 1e-3;
-
-bool is_of(const BudgetRow& row, std::string_view symbols) {
-    return row.symbol.size() == 1 && symbols.find(row.symbol.front()) != std::string_view::npos;
-}
 
 /// Clockwise from north, 0 to 360.
 double azimuth_deg(const Eigen::Vector2d& towards) {
@@ -56,6 +49,40 @@ std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
            "lasts they cannot show.";
 }
 
+/// Wheel and gates.
+HeardWitnesses<2> handed_in_witnesses(const ScreenedTable& screened, const Track& track,
+                                      const Beside& beside,
+                                      const std::vector<WitnessSource>& sources,
+                                      double jerk_density) {
+    HeardWitnesses<2> witnesses;
+    const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
+    if (auto wheel = wheel_witness(beside.wheel, positions, track, jerk_density)) {
+        std::string note = wheel_note(*wheel, beside.wheel);
+        const auto original =
+            source_of_speeds(beside.wheel.m_s, sources, wheel->delay_s, wheel->scale);
+        if (original) note = copy_text("wheel's speeds", *original);
+        witnesses.push_back(
+            {.kind = WitnessKind::wheel,
+             .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
+             .note = std::move(note),
+             .is_copy = wheel->made_from_positions || original});
+    }
+    if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track)) {
+        const bool made =
+            gates->agrees_too_well() || are_between_positions(beside.gates_m, positions);
+        const auto original = source_of_gates(beside.gates_m, sources);
+        witnesses.push_back({.kind = WitnessKind::gates,
+                             .motion = std::make_shared<const GateWitness>(*std::move(gates)),
+                             .note = made ? "The gates agree with the positions better than the "
+                                            "errors of either allow: they were made from them, and "
+                                            "were not heard."
+                                     : original ? copy_text("passages of the gates", *original)
+                                                : "",
+                             .is_copy = made || original});
+    }
+    return witnesses;
+}
+
 }  // namespace
 
 Directions directions_of(const TrajectoryTable& trajectory) {
@@ -77,11 +104,26 @@ template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const Beside& beside, double jerk_density) {
     HeardWitnesses<Axes> witnesses;
-    if (auto velocities = velocity_witness<Axes>(screened, directions_of(trajectory)))
+    const Directions directions = directions_of(trajectory);
+    std::vector<WitnessSource> sources;
+    if constexpr (Axes == 2)
+        for (const OtherReceiver& other : beside.receivers)
+            if (auto source = source_by_receiver(screened, *other.screened))
+                sources.push_back(*std::move(source));
+    if (auto velocities = velocity_witness<Axes>(screened, directions)) {
+        std::optional<std::string> original;
+        if constexpr (Axes == 2) {
+            auto source = source_by_velocities(screened, directions);
+            original = source_of_speeds(source->speeds_m_s, sources, source->delay_s, 1.0);
+            sources.push_back(*std::move(source));
+        }
         witnesses.push_back(
             {.kind = WitnessKind::velocities,
              .motion = std::make_shared<const VelocityWitness<Axes>>(*std::move(velocities)),
+             .note = original ? copy_text("recorded velocities", *original) : std::string(),
+             .is_copy = original.has_value(),
              .confirms = !screened.basis.velocity || !screened.basis.velocity->unfit});
+    }
     if (beside.phases)
         if (auto found = phase_witness<Axes>(beside.phases, beside.first_of_phases,
                                              trajectory.facts.first_epoch, trajectory.origin,
@@ -92,34 +134,14 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     const bool related =
         !(beside.wheel.m_s.empty() && beside.gates_m.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
-    if constexpr (Axes == 2) {
-        if (auto wheel = wheel_witness(beside.wheel, timed_positions<2>(screened.rows), track,
-                                       jerk_density)) {
-            std::string note = wheel_note(*wheel, beside.wheel);
-            witnesses.push_back(
-                {.kind = WitnessKind::wheel,
-                 .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
-                 .note = std::move(note),
-                 .made_from_positions = wheel->made_from_positions});
-        }
-        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track)) {
-            const bool made =
-                gates->agrees_too_well() ||
-                are_between_positions(beside.gates_m, timed_positions<2>(screened.rows));
-            witnesses.push_back(
-                {.kind = WitnessKind::gates,
-                 .motion = std::make_shared<const GateWitness>(*std::move(gates)),
-                 .note = made ? "The gates agree with the positions better than the errors of "
-                                "either allow: they were made from them, and were not heard."
-                              : "",
-                 .made_from_positions = made});
-        }
-    }
-    for (const TrajectoryTable* const other : beside.receivers)
-        if (auto found = receiver_witness<Axes>(track_of(*other), track))
+    if constexpr (Axes == 2)
+        std::ranges::move(handed_in_witnesses(screened, track, beside, sources, jerk_density),
+                          std::back_inserter(witnesses));
+    for (const OtherReceiver& other : beside.receivers)
+        if (auto found = receiver_witness<Axes>(track_of(*other.trajectory), track))
             witnesses.push_back(
                 {.kind = WitnessKind::receiver,
-                 .receiver = other->facts.receiver,
+                 .receiver = other.trajectory->facts.receiver,
                  .motion = std::make_shared<const ReceiverWitness<Axes>>(*std::move(found))});
     return witnesses;
 }
@@ -216,7 +238,7 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions) {
-    if (witness.made_from_positions) return std::nullopt;
+    if (witness.is_copy) return std::nullopt;
     auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
     if (witness.kind == WitnessKind::receiver) {
@@ -280,140 +302,6 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                  found_in_units * std::hypot(positions.standard_uncertainty_m_s, uncertainty_m_s));
     witnessed.confirms = witness.confirms && moved->confirms;
     return witnessed;
-}
-
-namespace {
-
-/// What a witness says, as `weigh` takes it.
-WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
-    const bool receiver = one.kind == WitnessKind::receiver;
-    // Another receiver's own bound is as large as that of the positions, and in its uncertainty.
-    const double own_square = one.standard_uncertainty_m_s * one.standard_uncertainty_m_s -
-                              (receiver ? correlated_m_s * correlated_m_s : 0.0);
-    return {.difference_m_s = one.difference_m_s,
-            .own_m_s = std::sqrt(std::max(0.0, own_square)),
-            .shared_m_s = one.shared_standard_uncertainty_m_s,
-            .shares_slow = receiver,
-            .fault = {.probability = one.fault_probability.value_or(0.0),
-                      .largest_m_s = one.fault_m_s.value_or(0.0)}};
-}
-
-/// What these say together; `evidence` gets what they may share with the positions beside that.
-WitnessEvidence evidence_of(const PositionTerms& positions, const std::vector<WitnessTerm>& terms,
-                            SpeedEvidence& evidence) {
-    const WitnessMean mean = mean_of_witnesses(positions, terms);
-    evidence.shared_standard_uncertainty_m_s =
-        std::max(evidence.shared_standard_uncertainty_m_s, mean.besides_m_s);
-    return {.difference_m_s = mean.difference_m_s,
-            .standard_uncertainty_m_s = mean.standard_uncertainty_m_s,
-            .common_standard_uncertainty_m_s = mean.common_m_s,
-            .fault_probability = std::min(1.0, mean.fault.probability),
-            .fault_m_s = mean.fault.largest_m_s};
-}
-
-}  // namespace
-
-HeardTogether hear_together(const PositionTerms& positions, double correlated_m_s,
-                            std::vector<WitnessedSpeed>& witnesses, SpeedEvidence& evidence) {
-    std::vector<WitnessedSpeed*> heard;
-    std::vector<WitnessTerm> terms, observed;
-    for (WitnessedSpeed& one : witnesses)
-        if (one.confirms) {
-            heard.push_back(&one);
-            terms.push_back(term_of(one, correlated_m_s));
-            if (origin_of(one.kind).front() == to_text(InputOrigin::observed))
-                observed.push_back(terms.back());
-        }
-    evidence.disagreement = disagreement(positions, terms);
-    if (terms.empty() || evidence.disagreement > 1.0 ||
-        std::ranges::any_of(witnesses, &contradicts))
-        return {};
-    const WeightedSpeed mean = weigh(positions, terms);
-    for (std::size_t k = 0; k < heard.size(); ++k)
-        heard[k]->share = mean.witnesses[k];
-    evidence.witnesses = evidence_of(positions, terms, evidence);
-    if (!observed.empty()) evidence.observed = evidence_of(positions, observed, evidence);
-    return {.position_share = mean.positions, .difference_m_s = mean.difference_m_s};
-}
-
-void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlated_m_s,
-                  double remaining_difference_m_s, std::vector<BudgetRow>& rows) {
-    double rest = 1.0, of_slow = 0.0, of_phases = 0.0, shared_m_s = 0.0;
-    for (const WitnessedSpeed& one : witnesses) {
-        rest -= one.share;
-        if (one.kind == WitnessKind::receiver) of_slow += one.share;
-        if (one.shared_standard_uncertainty_m_s == 0.0) continue;
-        of_phases += one.share;
-        shared_m_s = one.shared_standard_uncertainty_m_s;
-    }
-    if (rest == 1.0) return;
-    rest = std::max(0.0, rest);
-    of_slow += rest;
-    // What positions and phases share is part of the positions' own time-correlated error.
-    const auto slow = std::ranges::find(rows, "b", &BudgetRow::symbol);
-    const double slow_m_s = slow == rows.end() ? 0.0 : slow->contribution_m_s;
-    const double common_m_s = of_phases > 0.0 ? std::min(shared_m_s, slow_m_s) : 0.0;
-    const auto scale = [](BudgetRow& row, double factor) {
-        row.sensitivity *= factor;
-        row.contribution_m_s *= factor;
-    };
-    for (BudgetRow& row : rows)
-        if (is_of(row, rows_of_position) || row.symbol == "d")
-            scale(row, rest);
-        else if (row.symbol == "b" && slow_m_s > 0.0)
-            scale(row, of_slow * std::sqrt(1.0 - std::pow(common_m_s / slow_m_s, 2)));
-    for (const WitnessedSpeed& one : witnesses) {
-        if (one.share == 0.0) continue;
-        const double own_m_s = term_of(one, correlated_m_s).own_m_s;
-        BudgetRow own = speed_row(
-            "g", std::string(words_of(one.kind)), "B", one.share * own_m_s,
-            independent_of_other_rows,
-            fmt::format("{:.4f} m/s by them, {:.4f} m/s times {:.3f}; the rows of the positions "
-                        "count by {:.3f}",
-                        one.speed_m_s, own_m_s, one.share, rest));
-        own.estimate = one.speed_m_s;
-        own.standard_uncertainty = own_m_s;
-        own.sensitivity = one.share;
-        rows.push_back(std::move(own));
-    }
-    rows.push_back(speed_row("e", "difference of positions and witness", "B",
-                             std::abs(remaining_difference_m_s), independent_of_other_rows,
-                             "the speed stated is that of the positions, and not corrected"));
-    if (of_phases == 0.0) return;
-    rows.push_back(speed_row(
-        "s", "time-correlated errors that positions and phases share", "B",
-        std::hypot((of_slow + of_phases) * common_m_s,
-                   of_phases * std::sqrt(shared_m_s * shared_m_s - common_m_s * common_m_s)),
-        independent_of_other_rows,
-        fmt::format("multipath disturbs both: {:g} m at either end of the window, independently",
-                    shared_by_phases_m)));
-}
-
-double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
-                                  double bias_limit_m_s, double duration_s, double interval_s) {
-    constexpr double sigma_at_epoch_m_s = 0.1;
-    constexpr double median_of_normal = 0.6745;
-    WitnessedSpeed velocities;
-    velocities.kind = WitnessKind::velocities;
-    velocities.standard_uncertainty_m_s = std::hypot(
-        least_velocity_sigma_m_s, sigma_at_epoch_m_s * std::sqrt(interval_s / duration_s));
-    velocities.difference_m_s =
-        median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
-    const WeightedSpeed mean = weigh(position_terms(rows), std::array{term_of(velocities, 0.0)});
-    velocities.share = mean.witnesses.front();
-    condition_on({velocities}, 0.0, mean.difference_m_s, rows);
-    return 2.0 * combine(rows).standard_uncertainty + mean.positions * bias_limit_m_s;
-}
-
-PositionTerms position_terms(const std::vector<BudgetRow>& rows) {
-    PositionTerms terms;
-    for (const BudgetRow& row : rows) {
-        if (is_of(row, rows_of_position))
-            terms.own_m_s = std::hypot(terms.own_m_s, row.contribution_m_s);
-        if (row.symbol == "b") terms.slow_m_s = row.contribution_m_s;
-        if (row.symbol == "d") terms.fault_m_s = row.contribution_m_s;
-    }
-    return terms;
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                            \

@@ -20,6 +20,7 @@ struct WitnessedRun {
     EnuTable table;
     Beside beside;
     std::optional<PhaseWitness<2>> phases;
+    ScreenedTable second_screened;
     std::optional<TrajectoryTable> second;
 };
 
@@ -70,8 +71,8 @@ WitnessedRun made(Heard heard) {
             *row.east_m += 0.010 * random.normal();
             *row.north_m += 0.010 * random.normal();
         }
-        run.second =
-            smooth_trajectory(screen(other, study_screen_config()), smooth_config(study_attempt()));
+        run.second_screened = screen(other, study_screen_config());
+        run.second = smooth_trajectory(run.second_screened, smooth_config(study_attempt()));
     }
     return run;
 }
@@ -81,7 +82,8 @@ void judge(benchmark::State& state) {
     const auto heard = static_cast<Heard>(state.range(0));
     if (!runs.contains(heard)) runs.emplace(heard, made(heard));
     WitnessedRun& run = runs.at(heard);
-    if (run.second) run.beside.receivers = {&*run.second};
+    if (run.second)
+        run.beside.receivers = {{.screened = &run.second_screened, .trajectory = &*run.second}};
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     for (auto _ : state) {

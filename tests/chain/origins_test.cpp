@@ -378,6 +378,62 @@ TEST_F(Origins, AWheelMadeFromThePositionsIsNotHeard) {
     EXPECT_EQ(status("wheel-as-measured"), "attest");
 }
 
+/// Speeds as a wheel gives them that rolls 2 % further than it says, each `every`-th sample a mean
+/// over so many on either side.
+std::string wheel_of_speeds(const Samples& samples, std::size_t either_side, std::size_t every) {
+    std::string text = "time_s,speed_m_s\n";
+    for (std::size_t k = either_side; k + either_side < samples.size(); k += every) {
+        double sum = 0.0;
+        for (std::size_t i = k - either_side; i <= k + either_side; ++i)
+            sum += samples[i].speed_m_s;
+        text +=
+            fmt::format("{:.2f},{:.5f}\n", samples[k].time_s,
+                        std::max(0.0, sum / (2.0 * static_cast<double>(either_side) + 1.0) / 1.02));
+    }
+    return text;
+}
+
+TEST_F(Origins, WhatWasMadeFromAnotherWitnessIsHeardOnce) {
+    const std::string wheel =
+        "wheel: {file: wheel.csv, source: a sensor, scale: 1.02, "
+        "expanded_uncertainty_scale: 0.0002}\n";
+    const Samples first = sailed();
+    judge_alone(first, true);
+    const double once_km_h = expanded_uncertainty_km_h();
+    for (const auto& [either_side, every] :
+         {std::pair(0U, 1U), {2U, 1U}, {8U, 1U}, {0U, 2U}, {3U, 5U}}) {
+        SCOPED_TRACE(fmt::format("{} {}", either_side, every));
+        write("wheel.csv", wheel_of_speeds(first, either_side, every));
+        judge_alone(first, true, wheel);
+        EXPECT_TRUE(says("The wheel's speeds have the errors of the recorded velocities"));
+        EXPECT_EQ(witnesses(), 1U);
+        EXPECT_EQ(expanded_uncertainty_km_h(), once_km_h);
+    }
+    // Another receiver's positions, made into speeds and gates.
+    const Samples second = sailed(2);
+    write("one.csv", table(first));
+    write("two.csv", table(second));
+    const std::string two =
+        receiver("one", "one.csv", false) + ", " + receiver("two", "two.csv", false);
+    write("wheel.csv", wheel_of_speeds(speeds_from_positions(second, 3), 0, 1));
+    judge(two, wheel);
+    EXPECT_TRUE(says("The wheel's speeds have the errors of receiver"));
+    EXPECT_EQ(witnesses(), 1U);
+    write("gates.csv", gates(second, true));
+    judge(two,
+          "gates: {file: gates.csv, source: a survey, expanded_uncertainty_m: 0.02, "
+          "expanded_uncertainty_s: 0.0002}\n");
+    EXPECT_TRUE(says("The passages of the gates have the errors of receiver"));
+    EXPECT_EQ(witnesses(), 1U);
+    // What was measured on its own is heard beside them.
+    write("wheel.csv", wheel_of_speeds(second, 0, 1));
+    judge(two, wheel);
+    EXPECT_EQ(witnesses(), 2U);
+    judge_alone(first, true, wheel);
+    EXPECT_EQ(witnesses(), 2U);
+    EXPECT_LE(expanded_uncertainty_km_h(), once_km_h);
+}
+
 /// Three runs northwards, southwards and northwards, the last the fastest; some minutes apart.
 Samples three_runs(double wrong_share, std::uint64_t seed = 3) {
     RandomGenerator random(seed);

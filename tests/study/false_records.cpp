@@ -111,8 +111,7 @@ void judge_window(const CertifiableWindow& best, const EstimationSummary& estima
                         one.normalised_error, one.share);
     using Outcome = CertifiedRun::Outcome;
     const bool robust_agrees = best.robust ? best.robust->agrees : estimation.robust_unsolved == 0;
-    const bool contradicted = std::ranges::any_of(
-        best.witnesses, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; });
+    const bool contradicted = std::ranges::any_of(best.witnesses, &contradicts);
     run.outcome = !robust_agrees ? Outcome::robust_refused
                   : contradicted ? Outcome::witness_refused
                   : run.expanded_m_s > profile.accuracy_limit_m_s.value()
@@ -270,7 +269,7 @@ CertifiedRun certify_run(std::uint64_t seed, const StudyWitness& witness) {
         std::optional<TrajectoryTable> second;
         if (witness.receiver) {
             second = smooth_trajectory(screened.back(), smooth_config(study_attempt()));
-            beside.receivers.push_back(&*second);
+            beside.receivers.push_back({.screened = &screened.back(), .trajectory = &*second});
         }
         certify(screened.front(), recording, profile, beside, run);
     } catch (const Failure& failure) {

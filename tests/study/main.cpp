@@ -103,6 +103,19 @@ void print_speeds(std::int64_t runs, std::uint64_t seed, const std::string& only
         if (kind.velocities == PeopleVelocities::stated) print("people, " + kind.name, kind);
 }
 
+void print_witnesses(WitnessStudyOptions options, const std::vector<int>& rivals,
+                     const std::string& only) {
+    setenv("RUNCERT_THREADS", "1", 1);
+    if (const auto named = std::ranges::find(study_heard_names, only);
+        named != study_heard_names.end())
+        options.only = static_cast<StudyHeard>(named - study_heard_names.begin());
+    for (const WitnessCell& cell : witness_cells()) {
+        if (std::ranges::find(rivals, cell.rivals) == rivals.end()) continue;
+        fmt::print("{}\n", witness_table(cell, study_witnesses(cell, options)));
+        std::fflush(stdout);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -169,15 +182,19 @@ int main(int argc, char** argv) {
 
     WitnessStudyOptions witness_options;
     CLI::App* witness = app.add_subcommand(
-        "witness", "A record run whose positions and phases share an error, with both");
-    witness->add_option("--runs", witness_options.runs)->capture_default_str();
+        "witness", "What witnesses make of intervals and probabilities, faults included");
+    witness->add_option("--runs", witness_options.runs, "without a fault, a cell")
+        ->capture_default_str();
+    witness->add_option("--faults", witness_options.faults, "with one, a cell")
+        ->capture_default_str();
     witness->add_option("--seed", witness_options.seed)->capture_default_str();
     witness->add_option("--threads", witness_options.threads, "0: as many as there are")
         ->capture_default_str();
-    witness->add_option("--common", witness_options.common_m, "m, of the error that both share")
+    std::vector<int> witness_rivals{1, 20, 60};
+    witness->add_option("--rivals", witness_rivals, "cells with so many windows as fast")
         ->capture_default_str();
-    witness->add_option("--common-time", witness_options.common_time_s, "s, how long it lasts")
-        ->capture_default_str();
+    std::string witness_heard;
+    witness->add_option("--only", witness_heard, "the witness of this name alone, beside none");
 
     MotionStudyOptions motion_options;
     std::string only;
@@ -221,8 +238,7 @@ int main(int argc, char** argv) {
     if (speeds->parsed()) print_speeds(speeds_runs, speeds_seed, speeds_only);
 
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
-    if (witness->parsed())
-        fmt::print("{}", witness_table(witness_options, study_witness(witness_options)));
+    if (witness->parsed()) print_witnesses(witness_options, witness_rivals, witness_heard);
     if (people->parsed())
         print_people(people_options, faults, people_only, people_length_s, csv_file);
     if (motion->parsed()) print_motion(motion_options, only, budget, motion_rate_hz);

@@ -33,7 +33,7 @@ struct StudyRun {
     bool shuttle = false;
     /// In place of that run: what the craft does, length_s and the speeds with it.
     std::shared_ptr<const MotionScript> script = nullptr;
-    StudyNoise noise;
+    StudyNoise noise = {};
 };
 
 /// A recording and its truth.

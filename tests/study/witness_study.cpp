@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/parallel.h"
 #include "core/random.h"
 #include "schemas/windows/windows.h"
+#include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
 #include "study_phases.h"
@@ -15,129 +17,339 @@
 namespace runcert {
 namespace {
 
-SimulationSpec salt_lake(std::uint64_t seed) {
-    SimulationSpec spec;
-    spec.run = {.top_speed_m_s = 64.5, .start_speed_m_s = 0.1, .half_speed_time_s = 25.0};
-    spec.duration_ms = 60'000;
-    spec.bearing = Angle::from_degrees(160.0);
-    spec.place = study_origin().position;
-    spec.start = study_start();
-    spec.seed = seed;
-    spec.white = {.horizontal_m = 0.003, .vertical_m = 0.006};
-    spec.correlated = {.horizontal_m = 0.006, .vertical_m = 0.012};
-    spec.correlation_time_s = 1.5;
-    return spec;
+constexpr double rate_hz = 10.0;
+constexpr double duration_of_window_s = 3.0;
+constexpr double speed_kept_m_s = 60.0;
+constexpr double fault_probability = 0.002;  // the default of window.fault_probability
+// What is stated of each, or what the program takes it to err by. Of gates both are the same: that
+// they agree with the positions too well is a sign that they were made from them.
+constexpr double white_m = 0.008, slow_m = 0.02, slow_tau_s = 5.0;
+constexpr double common_m = 0.010, common_tau_s = 20.0;  // of positions and phases
+constexpr double velocity_slow_m_s = 0.03, velocity_tau_s = 20.0;
+constexpr double wheel_noise_m_s = 0.05, wheel_scale = 2e-4;
+constexpr double gate_m = 0.003, gate_s = 1e-4, gates_apart_m = 60.0;
+
+/// First-order Gauss-Markov, two axes.
+class SlowError {
+  public:
+    SlowError(double sigma, double tau_s, RandomGenerator& random)
+        : decay_(std::exp(-1.0 / rate_hz / tau_s)),
+          sigma_(sigma),
+          random_(random),
+          now_(sigma * normals()) {}
+    Eigen::Vector2d next() {
+        const Eigen::Vector2d now = now_;
+        now_ = decay_ * now_ + sigma_ * std::sqrt(1.0 - decay_ * decay_) * normals();
+        return now;
+    }
+
+  private:
+    Eigen::Vector2d normals() {
+        const double first = random_.normal();
+        return {first, random_.normal()};
+    }
+    double decay_, sigma_;
+    RandomGenerator& random_;
+    Eigen::Vector2d now_;
+};
+
+/// Along a straight line, to the top speed, which it keeps, and back.
+SimulatedRecording motion_of(const WitnessCell& cell, std::uint64_t seed) {
+    auto script = std::make_shared<MotionScript>();
+    script->add(4.0)
+        .change_speed(speed_kept_m_s, 4.0, 2.0)
+        .add(duration_of_window_s * cell.rivals + 0.2)
+        .change_speed(-speed_kept_m_s, 4.0, 2.0)
+        .add(4.0);
+    StudyRun run{.rate_hz = rate_hz, .length_s = script->duration_s(), .jerk_density = 0.0};
+    run.noise.white_m = white_m;
+    run.script = std::move(script);
+    return simulate_recording(run, seed);
 }
 
-void add_common_error(const WitnessStudyOptions& options, std::uint64_t seed,
-                      std::vector<SimulatedEpoch>& epochs) {
-    RandomGenerator random(seed);
-    const double step_s = 0.1;
-    const double decay = std::exp(-step_s / options.common_time_s);
-    const auto normals = [&] { return Eigen::Vector2d(random.normal(), random.normal()); };
-    Eigen::Vector2d error = options.common_m * normals();
-    for (SimulatedEpoch& epoch : epochs) {
-        epoch.measured_enu_m.head<2>() += error;
-        epoch.true_enu_m.head<2>() += error;
-        error = decay * error + options.common_m * std::sqrt(1.0 - decay * decay) * normals();
+/// A run, what was recorded of it, and of what it is the truth.
+class Run {
+  public:
+    Run(const WitnessCell& cell, std::uint64_t seed)
+        : cell_(cell), random_(seed), motion_(motion_of(cell, seed + 1)) {
+        positions_ = to_be_screened(motion_.screened);
+        positions_.facts.georeferenced = true;
+        positions_.facts.time_source = "satellites";
+        positions_.facts.first_epoch = study_start();
+        positions_.origin = study_origin();
+        const double common = cell.part * common_m, slow = cell.part * slow_m;
+        SlowError shared(common, common_tau_s, random_);
+        SlowError own(std::sqrt(slow * slow - common * common), slow_tau_s, random_);
+        for (EnuEpoch& row : positions_.rows) {
+            common_.push_back(shared.next());
+            move(row, common_.back() + own.next());
+        }
+    }
+
+    /// The fault of a number in [-1, 1], times what screening leaves: in a window that begins
+    /// `first` rows after the first.
+    void add_fault(std::size_t first, double rate_m_s) {
+        const Eigen::Vector2d along = Eigen::Vector2d::Constant(1.0).normalized();
+        for (std::size_t k = first; k < positions_.rows.size(); ++k)
+            move(positions_.rows[k],
+                 rate_m_s *
+                     std::min(duration_of_window_s, static_cast<double>(k - first) / rate_hz) *
+                     along);
+    }
+
+    /// The fastest window, with what is heard. `limit_m_s` lies below the truth by so much.
+    WitnessedRun judged(StudyHeard heard, double limit_m_s);
+
+    const std::optional<CertifiableWindow>& best() const { return best_; }
+    /// Where a window begins that may have the fault: the best, or any while the top speed lasts.
+    std::size_t any_window(RandomGenerator& random) const {
+        if (cell_.rivals == 1) return static_cast<std::size_t>(best_->span.first_epoch) - 1;
+        const double from_s = 4.0 + speed_kept_m_s / 4.0 + 2.0;
+        const double at_s = from_s + duration_of_window_s * (cell_.rivals - 1) * random.uniform();
+        return static_cast<std::size_t>(std::lround(at_s * rate_hz));
+    }
+
+  private:
+    static void move(EnuEpoch& row, const Eigen::Vector2d& by_m) {
+        *row.east_m += by_m.x();
+        *row.north_m += by_m.y();
+    }
+    void record_velocities(double noise_m_s, EnuTable& table);
+    std::vector<TimedValue> wheel();
+    std::vector<TimedValue> gates();
+    EnuTable second_receiver();
+    StudyPhases phases();
+
+    const WitnessCell& cell_;
+    RandomGenerator random_;
+    SimulatedRecording motion_;
+    EnuTable positions_;
+    std::vector<Eigen::Vector2d> common_;
+    std::optional<CertifiableWindow> best_;
+};
+
+void Run::record_velocities(double noise_m_s, EnuTable& table) {
+    SlowError slow(cell_.part * velocity_slow_m_s, velocity_tau_s, random_);
+    for (std::size_t k = 0; k < table.rows.size(); ++k) {
+        const Eigen::Vector2d velocity = motion_.velocity[k] + slow.next();
+        table.rows[k].recorded_velocity_east_m_s = velocity.x() + noise_m_s * random_.normal();
+        table.rows[k].recorded_velocity_north_m_s = velocity.y() + noise_m_s * random_.normal();
     }
 }
 
-EnuTable table_of(const std::vector<SimulatedEpoch>& epochs) {
-    EnuTable table;
-    table.facts.receiver = "primary";
-    table.facts.vertical_measured = false;
-    table.facts.georeferenced = true;
-    table.facts.nominal_interval_s = 0.1;
-    table.facts.time_source = "satellites";
-    table.facts.first_epoch = study_start();
-    table.origin = study_origin();
-    for (const SimulatedEpoch& epoch : epochs) {
-        EnuEpoch& row = table.rows.emplace_back();
-        row.epoch = epoch.epoch;
-        row.time = {epoch.time_ms * 1'000'000};
-        row.east_m = epoch.measured_enu_m.x();
-        row.north_m = epoch.measured_enu_m.y();
-        row.sigma_east_m = row.sigma_north_m = 0.010;
-        row.fix = FixType::fixed;
+std::vector<TimedValue> Run::wheel() {
+    const double scale = 1.0 + cell_.part * wheel_scale * random_.normal();
+    std::vector<TimedValue> speeds;
+    for (std::size_t k = 0; k < motion_.velocity.size(); ++k)
+        speeds.push_back({.time_s = positions_.rows[k].time.seconds(),
+                          .value = std::max(0.0, scale * motion_.velocity[k].norm() +
+                                                     wheel_noise_m_s * random_.normal())});
+    return speeds;
+}
+
+std::vector<TimedValue> Run::gates() {
+    std::vector<TimedValue> passages;
+    double first_m = -1.0;
+    const auto way_m = [&](std::size_t k) { return (motion_.truth[k] - motion_.truth[0]).norm(); };
+    for (std::size_t k = 1; k < motion_.truth.size(); ++k) {
+        if (motion_.velocity[k].norm() < 0.5 * speed_kept_m_s) continue;
+        const double before_m = way_m(k - 1), here_m = way_m(k);
+        if (first_m < 0.0) first_m = before_m;
+        const double gate_at_m = first_m + gates_apart_m * static_cast<double>(passages.size());
+        if (gate_at_m >= here_m) continue;
+        const double part = (gate_at_m - before_m) / (here_m - before_m);
+        passages.push_back(
+            {.time_s = (static_cast<double>(k) - 1.0 + part) / rate_hz + gate_s * random_.normal(),
+             .value = gate_at_m - first_m + gate_m / std::numbers::sqrt2 * random_.normal()});
+    }
+    return passages;
+}
+
+EnuTable Run::second_receiver() {
+    EnuTable table = positions_;
+    table.facts.receiver = "second";
+    SlowError slow(cell_.part * slow_m, slow_tau_s, random_);
+    const Eigen::Vector2d along = Eigen::Vector2d::Constant(1.0).normalized();
+    for (std::size_t k = 0; k < table.rows.size(); ++k) {
+        const Eigen::Vector2d antenna = motion_.truth[k] - 0.9 * along + slow.next();
+        table.rows[k].east_m = antenna.x() + white_m * random_.normal();
+        table.rows[k].north_m = antenna.y() + white_m * random_.normal();
     }
     return table;
 }
 
-WitnessedRun judged(const CertifiableWindow& best, const std::vector<SimulatedEpoch>& truth,
-                    double coverage_factor) {
-    const auto at = [&](std::int64_t epoch) {
-        return truth[static_cast<std::size_t>(epoch) - 1].true_enu_m;
-    };
-    const double true_m_s = (at(best.span.last_epoch) - at(best.span.first_epoch)).norm() /
-                            best.span.duration.seconds();
-    return {.error_m_s = best.speed_m_s - true_m_s,
-            .expanded_m_s = expanded_uncertainty_by_rule_m_s(best, coverage_factor)};
+StudyPhases Run::phases() {
+    std::vector<SimulatedEpoch> epochs(motion_.truth.size());
+    for (std::size_t k = 0; k < epochs.size(); ++k) {
+        epochs[k].epoch = static_cast<std::int64_t>(k) + 1;
+        epochs[k].time_ms = positions_.rows[k].time.nanoseconds / 1'000'000;
+        epochs[k].true_enu_m.head<2>() = motion_.truth[k] + common_[k];
+    }
+    return study_phases(epochs, 0.001, 0.0, random_.next(), positions_);
 }
 
-WitnessStudyRun run_once(const WitnessStudyOptions& options, std::uint64_t seed) {
+WitnessedRun Run::judged(StudyHeard heard, double limit_m_s) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
-    const std::vector<SimulatedEpoch> truth = simulate(salt_lake(seed));
-    std::vector<SimulatedEpoch> epochs = truth;
-    add_common_error(options, seed + 1'000'000'007, epochs);
-    const EnuTable measured = table_of(epochs);
-    const StudyPhases phases = study_phases(epochs, 0.001, 0.0, seed, measured);
-    const ScreenConfig screen_config = study_screen_config();
-    const auto witness =
-        phase_witness<2>(phases.phases, phases.first_epoch, measured.facts.first_epoch,
-                         measured.origin, screen_config.jerk_density);
-    const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
-    const auto best = [&](const Witness<2>* heard, const Beside& beside) {
-        const ScreenedTable screened = screen(measured, screen_config, {.phases = heard});
-        const TrajectoryTable trajectory =
-            smooth_trajectory(screened, smooth_config(study_attempt()));
-        return find_windows(screened, trajectory, {profile}, config, std::nullopt, beside)
-            .profiles.front()
-            .best.value();
+    std::vector<EnuTable> tables{positions_};
+    Beside beside;
+    std::optional<PhaseWitness<2>> phase_motion;
+    const ScreenConfig screening = study_screen_config();
+    if (heard == StudyHeard::fine_velocities) record_velocities(0.05, tables.front());
+    if (heard == StudyHeard::coarse_velocities) record_velocities(0.3, tables.front());
+    if (heard == StudyHeard::receiver) tables.push_back(second_receiver());
+    if (heard == StudyHeard::wheel)
+        beside.wheel = {.m_s = wheel(), .calibrated_scale = 1.0, .sigma_calibrated = wheel_scale};
+    if (heard == StudyHeard::gates) {
+        beside.gates_m = gates();
+        beside.gate_errors = {.sigma_distance_m = gate_m, .sigma_time_s = gate_s};
+    }
+    if (heard == StudyHeard::phases) {
+        const StudyPhases of_run = phases();
+        beside.phases = of_run.phases;
+        beside.first_of_phases = of_run.first_epoch;
+        phase_motion =
+            phase_witness<2>(of_run.phases, of_run.first_epoch, positions_.facts.first_epoch,
+                             positions_.origin, screening.jerk_density);
+    }
+    std::vector<ScreeningWitnesses> to_screen(tables.size());
+    to_screen.front() = {.phases = phase_motion ? &*phase_motion : nullptr, .wheel = beside.wheel};
+    const std::vector<ScreenedTable> screened = screen_receivers(tables, screening, to_screen);
+    const auto smoothed = [](const ScreenedTable& table) {
+        return smooth_trajectory(table, smooth_config(study_attempt()));
     };
-    const double factor = profile.coverage_factor;
-    WitnessStudyRun run;
-    run.alone = judged(best(nullptr, {}), truth, factor);
-    const CertifiableWindow with =
-        best(&*witness, {.phases = phases.phases, .first_of_phases = phases.first_epoch});
-    run.beside = judged(with, truth, factor);
-    run.refused = with.witnesses.empty() || with.witnesses.front().normalised_error > 1.0;
+    const TrajectoryTable trajectory = smoothed(screened.front());
+    std::optional<TrajectoryTable> second;
+    if (screened.size() > 1) {
+        second = smoothed(screened.back());
+        beside.receivers.push_back({.screened = &screened.back(), .trajectory = &*second});
+    }
+    WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    // The draws check the budget, which does not rest on them.
+    config.monte_carlo_trials_max = 100'000;
+    const Windows windows =
+        find_windows(screened.front(), trajectory, {profile}, config, std::nullopt, beside);
+    best_ = windows.profiles.front().best;
+    WitnessedRun run;
+    if (!best_) return run;
+    run.certified = std::ranges::none_of(best_->witnesses, &contradicts) &&
+                    best_->evidence->disagreement <= 1.0;
+    const auto at = [&](std::int64_t epoch) {
+        return motion_.truth[static_cast<std::size_t>(epoch) - 1];
+    };
+    const double true_m_s = (at(best_->span.last_epoch) - at(best_->span.first_epoch)).norm() /
+                            best_->span.duration.seconds();
+    run.error_m_s = best_->speed_m_s - true_m_s;
+    run.expanded_m_s = expanded_uncertainty_by_rule_m_s(*best_, profile.coverage_factor);
+    const SpeedPosterior speed = *posterior_of(windows.profiles.front());
+    run.probability = conformance_probability(speed, {.speed_m_s = true_m_s - limit_m_s});
+    run.tail_m_s = speed.speed_m_s + speed.bias_limit_m_s -
+                   mixture_of(speed, WitnessSet::observed).quantile(1e-4);
     return run;
 }
 
-std::string line(const char* name, const std::vector<WitnessStudyRun>& runs,
-                 WitnessedRun WitnessStudyRun::*which) {
-    double expanded = 0.0, largest = 0.0;
-    std::int64_t held = 0;
-    for (const WitnessStudyRun& run : runs) {
-        const WitnessedRun& one = run.*which;
-        expanded += one.expanded_m_s / static_cast<double>(runs.size());
-        largest = std::max(largest, std::abs(one.error_m_s));
-        held += std::abs(one.error_m_s) <= one.expanded_m_s ? 1 : 0;
+std::vector<StudyHeard> heard_of(const WitnessStudyOptions& options) {
+    std::vector<StudyHeard> all;
+    for (std::size_t i = 1; i < study_heard_names.size(); ++i)
+        if (!options.only || static_cast<std::size_t>(*options.only) == i)
+            all.push_back(static_cast<StudyHeard>(i));
+    return all;
+}
+
+WitnessedRuns run_once(const WitnessCell& cell, const WitnessStudyOptions& options,
+                       std::uint64_t seed, bool faulted) {
+    WitnessedRuns runs;
+    Run run(cell, seed);
+    runs[0] = run.judged(StudyHeard::nothing, 0.0);
+    if (!run.best()) return runs;
+    const SpeedEvidence evidence = run.best()->evidence.value();
+    const double limit_m_s = 2.0 * evidence.position_standard_uncertainty_m_s;
+    if (faulted) {
+        RandomGenerator random(seed + 2);
+        const std::size_t first = run.any_window(random);
+        run.add_fault(first, evidence.fault_m_s * (2.0 * random.uniform() - 1.0));
     }
-    return fmt::format("{:<24} {:8.1f} % {:10.3f} {:14.3f}\n", name,
-                       100.0 * static_cast<double>(held) / static_cast<double>(runs.size()),
-                       3.6 * expanded, 3.6 * largest);
+    runs[0] = run.judged(StudyHeard::nothing, limit_m_s);
+    for (const StudyHeard heard : heard_of(options))
+        runs[static_cast<std::size_t>(heard)] = run.judged(heard, limit_m_s);
+    return runs;
 }
 
 }  // namespace
 
-std::vector<WitnessStudyRun> study_witness(const WitnessStudyOptions& options) {
-    return results_of(options.runs, options.threads, [&](std::int64_t i) {
-        return run_once(options, options.seed * 1'000'003 + static_cast<std::uint64_t>(i));
-    });
+const std::vector<WitnessCell>& witness_cells() {
+    static const std::vector<WitnessCell> cells{
+        {.part = 0.1, .rivals = 1},  {.part = 1.0, .rivals = 1},  {.part = 0.1, .rivals = 20},
+        {.part = 1.0, .rivals = 20}, {.part = 0.1, .rivals = 60}, {.part = 1.0, .rivals = 60}};
+    return cells;
 }
 
-std::string witness_table(const WitnessStudyOptions& options,
-                          const std::vector<WitnessStudyRun>& runs) {
-    std::int64_t refused = 0;
-    for (const WitnessStudyRun& run : runs)
-        refused += run.refused ? 1 : 0;
-    return fmt::format("{} runs, common error {} m over {} s; contradicted {}\n", runs.size(),
-                       options.common_m, options.common_time_s, refused) +
-           fmt::format("{:<24} {:>10} {:>10} {:>14}\n", "", "held", "U, km/h", "error, km/h") +
-           line("positions alone", runs, &WitnessStudyRun::alone) +
-           line("with phases", runs, &WitnessStudyRun::beside);
+WitnessCellRuns study_witnesses(const WitnessCell& cell, const WitnessStudyOptions& options) {
+    const auto runs = [&](std::int64_t count, bool faulted) {
+        return results_of(count, options.threads, [&, faulted](std::int64_t i) {
+            return run_once(cell, options,
+                            options.seed * 1'000'003 + 4 * static_cast<std::uint64_t>(i), faulted);
+        });
+    };
+    return {.clean = runs(options.runs, false), .faulted = runs(options.faults, true)};
+}
+
+WitnessLine witness_line(const WitnessCell& cell, const WitnessCellRuns& runs, StudyHeard heard) {
+    constexpr double negligible_m_s = 0.05 / 3.6;
+    WitnessLine line;
+    const auto share = [](double count, double of) { return of > 0.0 ? count / of : 0.0; };
+    const auto which = static_cast<std::size_t>(heard);
+    double clean = 0.0, held = 0.0, widened = 0.0;
+    for (const WitnessedRuns& run : runs.clean) {
+        const WitnessedRun& one = run[which];
+        if (!one.certified) continue;
+        ++clean;
+        line.expanded_m_s += one.expanded_m_s;
+        line.probability += one.probability;
+        line.tail_m_s += one.tail_m_s;
+        held += std::abs(one.error_m_s) <= one.expanded_m_s ? 1.0 : 0.0;
+        widened += one.expanded_m_s > run[0].expanded_m_s ? 1.0 : 0.0;
+    }
+    for (double* const sum : {&line.expanded_m_s, &line.probability, &line.tail_m_s})
+        *sum = share(*sum, clean);
+    line.held = share(held, clean);
+    line.widened = share(widened, clean);
+    line.refused = 1.0 - share(clean, static_cast<double>(runs.clean.size()));
+    double faulted = 0.0, still_held = 0.0, off = 0.0;
+    for (const WitnessedRuns& run : runs.faulted) {
+        const WitnessedRun& one = run[which];
+        if (!one.certified) continue;
+        ++faulted;
+        still_held += std::abs(one.error_m_s) <= one.expanded_m_s ? 1.0 : 0.0;
+        off += std::abs(one.error_m_s) > one.expanded_m_s + negligible_m_s ? 1.0 : 0.0;
+    }
+    const auto all = static_cast<double>(runs.faulted.size());
+    line.faults_held = share(still_held, faulted);
+    line.faults_refused = 1.0 - share(faulted, all);
+    line.faults_off = share(off, all);
+    const double prior = 1.0 - std::pow(1.0 - fault_probability, cell.rivals);
+    line.coverage = (1.0 - prior) * line.held + prior * line.faults_held;
+    return line;
+}
+
+std::string witness_table(const WitnessCell& cell, const WitnessCellRuns& runs) {
+    std::string text = fmt::format(
+        "Lasting errors {:g} of what is stated, {} window{} as fast; {} runs without a fault, {} "
+        "with one\n"
+        "{:<16} {:>7} {:>8} {:>8} {:>8} {:>8} {:>8} | {:>8} {:>8} {:>8} | {:>8}\n",
+        cell.part, cell.rivals, cell.rivals == 1 ? "" : "s", runs.clean.size(), runs.faulted.size(),
+        "", "U km/h", "p", "1e-4", "widened", "refused", "held", "refused", "held", "off",
+        "weighed");
+    for (std::size_t i = 0; i < study_heard_names.size(); ++i) {
+        const WitnessLine line = witness_line(cell, runs, static_cast<StudyHeard>(i));
+        if (line.expanded_m_s == 0.0) continue;
+        text += fmt::format(
+            "{:<16} {:7.3f} {:8.4f} {:8.3f} {:8.3f} {:8.3f} {:8.3f} | {:8.3f} {:8.3f} {:8.3f} | "
+            "{:8.4f}\n",
+            study_heard_names[i], 3.6 * line.expanded_m_s, line.probability, 3.6 * line.tail_m_s,
+            line.widened, line.refused, line.held, line.faults_refused, line.faults_held,
+            line.faults_off, line.coverage);
+    }
+    return text;
 }
 
 }  // namespace runcert

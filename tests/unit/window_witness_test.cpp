@@ -6,6 +6,7 @@
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/course_windows.h"
+#include "stages/window/shares.h"
 #include "stages/window/witnesses.h"
 #include "window_test_support.h"
 

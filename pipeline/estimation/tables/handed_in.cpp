@@ -34,6 +34,12 @@ std::optional<double> value_at(std::span<const TimedValue> samples, double time_
     return before.value + share * (after->value - before.value);
 }
 
+/// Between samples further apart than rows only the rows next to one are one filter of them.
+bool is_near_a_sample(std::span<const TimedValue> samples, double time_s, double near_s) {
+    const auto after = std::ranges::lower_bound(samples, time_s - near_s, {}, &TimedValue::time_s);
+    return after != samples.end() && after->time_s <= time_s + near_s;
+}
+
 /// How the wheel fits the smoothed speeds at one delay.
 struct WheelFit {
     double scale = 1.0;
@@ -183,18 +189,20 @@ std::vector<velocities::SpeedBesidePosition> rows_of(std::span<const TimedPositi
     return rows;
 }
 
-/// Whether the wheel's speeds were computed from the positions as recorded.
-bool are_from_positions(std::span<const TimedValue> wheel,
-                        std::span<const TimedPosition<2>> positions, double scale, double delay_s) {
+}  // namespace
+
+bool are_from_positions(std::span<const TimedValue> speeds,
+                        std::span<const TimedPosition<2>> positions, double delay_s, double scale) {
     std::vector<velocities::SpeedBesidePosition> rows = rows_of(positions);
-    for (velocities::SpeedBesidePosition& row : rows)
-        if (const auto speed = value_at(wheel, row.time_s + delay_s))
-            row.speed_m_s = scale * *speed;
+    for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
+        const double time_s = rows[k].time_s + delay_s;
+        if (!is_near_a_sample(speeds, time_s, 0.501 * (rows[k + 1].time_s - rows[k].time_s)))
+            continue;
+        if (const auto speed = value_at(speeds, time_s)) rows[k].speed_m_s = scale * *speed;
+    }
     return are_filtered_positions(rows) ||
            velocities::origin_of_speeds(rows, 0.0).origin == velocities::Origin::positions;
 }
-
-}  // namespace
 
 std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,
@@ -228,7 +236,7 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
     const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
     if (!estimated.model.is_known()) return std::nullopt;
     const bool made = keep_to_positions(estimated.spreads, false) ||
-                      are_from_positions(wheel, positions, fit.scale, delay.delay_s);
+                      are_from_positions(wheel, positions, delay.delay_s, fit.scale);
     const bool calibrated = speeds.calibrated_scale.has_value();
     const double sigma_scale = sigma_of_scale(spans);
     return WheelWitness{
@@ -273,12 +281,16 @@ std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
     for (const TimedValue& one : passages) {
         const TrackEpoch* const at = epoch_near(track, one.time_s);
         if (at == nullptr) continue;
-        const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
+        const double since_s = one.time_s - at->time_s;
+        const Eigen::Vector2d acceleration = at->acceleration_m_s2.head<2>();
+        const Eigen::Vector2d velocity = at->velocity_m_s.head<2>() + since_s * acceleration;
+        const double speed_m_s = velocity.norm();
         passed.push_back(
             {.time_s = one.time_s,
              .distance_m = one.value,
-             .position_m = at->position_m.head<2>() + (one.time_s - at->time_s) * velocity,
-             .speed_m_s = velocity.norm()});
+             .position_m = at->position_m.head<2>() + since_s * at->velocity_m_s.head<2>(),
+             .speed_m_s = speed_m_s,
+             .acceleration_m_s2 = speed_m_s > 0.0 ? acceleration.dot(velocity) / speed_m_s : 0.0});
     }
     if (passed.size() < 2) return std::nullopt;
     return GateWitness(std::move(passed), errors);

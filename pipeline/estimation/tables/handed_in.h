@@ -40,6 +40,13 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,
                                           const Track& track, double jerk_density);
 
+/// Whether speeds (m/s), multiplied by the scale, are differences of these positions or filtered
+/// ones (`are_filtered_positions`, `velocities::origin_of_speeds`). Their times are the positions'
+/// own `delay_s` later. Integrated speeds are positions, too.
+bool are_from_positions(std::span<const TimedValue> speeds,
+                        std::span<const TimedPosition<2>> positions, double delay_s,
+                        double scale = 1.0);
+
 /// Timing gates as a witness; `passages` are times and distances (m). Gates that the track does not
 /// pass in its arcs are left out; nothing where fewer than two are left.
 std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,

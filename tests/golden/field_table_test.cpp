@@ -42,15 +42,16 @@ const Names without_unit{
     "screening.largest_decision.statistic", "screening.largest_decision.threshold",
     "parameters.screen.decision_share_max", "parameters.screen.time_share_max",
     "parameters.screen.velocity_share_max", "screening.velocity.contradicted_share",
-    "witnesses[].normalised_error", "witnesses[].share", "screening.time.rate_deviation",
+    "witnesses[].normalised_error", "witnesses[].share", "fault_probability", "fault_posterior",
+    "chance_error", "disagreement", "chosen_fault_probability", "screening.time.rate_deviation",
     "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities
     "record.expanded_uncertainty", "records[].speed", "records[].expanded_uncertainty",
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",
-    "decision.level", "decision.risk", "results[].probability", "results[].level",
-    "best.probability", "best.level", "clauses[].limit", "figures[].value",
-    "figures[].expanded_uncertainty", "course[].value", "course[].expanded_uncertainty",
-    "overrides[].rule", "overrides[].used",
+    "decision.by_uncertainty", "decision.by_faults", "decision.tail_risk", "decision.level",
+    "decision.risk", "results[].probability", "results[].level", "best.probability", "best.level",
+    "clauses[].limit", "figures[].value", "figures[].expanded_uncertainty", "course[].value",
+    "course[].expanded_uncertainty", "overrides[].rule", "overrides[].used",
     // of a wheel
     "wheel.scale", "wheel.expanded_uncertainty_scale"};
 

@@ -20,7 +20,7 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
-    EXPECT_EQ(attempt.overrides.size(), 42U);
+    EXPECT_EQ(attempt.overrides.size(), 43U);
 }
 
 TEST(GoldenAttempt, RecordingsAndRawObservations) {
@@ -137,6 +137,7 @@ TEST(GoldenAttempt, ClaimsOfTheReceiver) {
     EXPECT_EQ(attempt.receivers.at(1).solution, "");
     EXPECT_EQ(attempt.receivers.at(1).time_source, "");
     EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0025);
+    EXPECT_EQ(attempt.parameters.at("window").at("fault_probability"), 0.003);
     EXPECT_EQ(read_attempt(text_of("v1.0/attempt.plane.yaml"), "f").attempts_made, 1);
 }
 
@@ -161,6 +162,7 @@ TEST(GoldenProfile, Uncertainty) {
                                              {"single", 1.5},
                                              {"dead_reckoning", 2.0},
                                              {"unknown", 0.03125}}));
+    EXPECT_EQ(profile.uncertainty.fault_probability, 0.004);
 }
 
 TEST(GoldenProfile, OfAStretch) {

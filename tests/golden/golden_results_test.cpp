@@ -92,6 +92,24 @@ TEST(GoldenWindows, WhatMayRemainOfTheBiasOfChoosing) {
     EXPECT_EQ(figure_of(mean)->bias_limit_m_s, 0.00375);
 }
 
+TEST(GoldenWindows, EvidenceWhereEitherMayBeAtFault) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    const CertifiableWindow& best = windows.profiles.at(0).best.value();
+    const SpeedEvidence& evidence = best.evidence.value();
+    EXPECT_EQ(evidence.fault_probability, 0.002);
+    EXPECT_EQ(evidence.chosen_fault_probability, 0.012);
+    EXPECT_EQ(evidence.at_five_times_m_s, 0.5);
+    EXPECT_EQ(evidence.witnesses->difference_m_s, 0.125);
+    EXPECT_EQ(evidence.observed->common_standard_uncertainty_m_s, 0.0);
+    EXPECT_EQ(evidence.disagreement, 0.375);
+    EXPECT_FALSE(best.witnesses.at(0).confirms);
+    EXPECT_EQ(best.witnesses[0].fault_posterior, 0.000125);
+    EXPECT_EQ(best.witnesses[0].chance_error, 0.25);
+    // Written before either: by the normalised error.
+    EXPECT_TRUE(best.witnesses.at(1).confirms);
+    EXPECT_FALSE(best.witnesses[1].fault_posterior);
+}
+
 TEST(GoldenWindows, OfEveryKind) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     ASSERT_EQ(windows.profiles.size(), 5U);
@@ -207,6 +225,10 @@ TEST(GoldenVerdict, DecisionAndWitnesses) {
     EXPECT_EQ(nalsa.decision->bias_limit_m_s, 0.0015);
     EXPECT_FALSE(nalsa.decision->drift_survived_m);
     EXPECT_EQ(nalsa.decision->drift_found_m_s, 0.75);
+    EXPECT_EQ(nalsa.decision->by_uncertainty, 1.5e-7);
+    EXPECT_EQ(nalsa.decision->by_faults, 1.25e-7);
+    EXPECT_EQ(nalsa.decision->tail_risk, 1e-4);
+    EXPECT_EQ(nalsa.decision->tail_speed_m_s, 55.125);
     EXPECT_EQ(nalsa.witnesses,
               (std::vector<std::string>{"the recorded velocities agree within 0.25 km/h",
                                         "the second receiver gives 202.875 km/h"}));

@@ -12,6 +12,7 @@
 #include "people_study.h"
 #include "selection_study.h"
 #include "speeds_study.h"
+#include "usefulness_study.h"
 #include "witness_study.h"
 
 using namespace runcert;
@@ -233,10 +234,20 @@ int main(int argc, char** argv) {
     speeds->add_option("--runs", speeds_runs, "sessions a cell")->capture_default_str();
     speeds->add_option("--seed", speeds_seed)->capture_default_str();
     speeds->add_option("--only", speeds_only, "cells whose name holds this");
+    std::int64_t usefulness_runs = 100;
+    std::uint64_t usefulness_seed = 1;
+    CLI::App* usefulness = app.add_subcommand(
+        "usefulness", "What certificates state, row by row, beside what could be stated");
+    usefulness->add_option("--runs", usefulness_runs, "a cell")->capture_default_str();
+    usefulness->add_option("--seed", usefulness_seed)->capture_default_str();
     CLI11_PARSE(app, argc, argv);
 
     if (speeds->parsed()) print_speeds(speeds_runs, speeds_seed, speeds_only);
 
+    if (usefulness->parsed())
+        for (const WitnessCell& cell : {WitnessCell{.part = 0.1}, WitnessCell{.part = 1.0}})
+            fmt::print("{}\n", usefulness_table(cell, study_usefulness(cell, usefulness_runs,
+                                                                       usefulness_seed, 0)));
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
     if (witness->parsed()) print_witnesses(witness_options, witness_rivals, witness_heard);
     if (people->parsed())

@@ -32,7 +32,7 @@ struct PeopleResult {
     double expanded = 0.0;                              ///< U
     double bias_limit = 0.0;
     std::optional<double> expected_beside_velocities = {};  ///< m/s
-    double undetected = 0.0;                           ///< the worst undetected error
+    double undetected = 0.0;                                ///< the worst undetected error
     std::map<std::string, double> contributions = {};  ///< of the budget's rows, by their symbols
     double processor_s = 0.0;                          ///< of all stages and rules together
 

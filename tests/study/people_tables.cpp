@@ -201,7 +201,7 @@ std::string people_csv(const std::vector<PeopleResult>& results) {
             const auto found = one.contributions.find(symbol);
             text += found == one.contributions.end() ? "," : fmt::format(",{:.6f}", found->second);
         }
-        text += "," + csv_text(one.reason) + "\n";
+        text += fmt::format(",{}\n", csv_text(one.reason));
     }
     return text;
 }

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "estimation/tables/screening_noise.h"
-#include "core/random.h"
 #include "core/parallel.h"
+#include "core/random.h"
+#include "estimation/tables/screening_noise.h"
 #include "stages/screen/adaptation.h"
 
 namespace runcert {

@@ -4,40 +4,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "simulated_attempt.h"
 
 namespace runcert {
 
-/// What is heard beside positions of 10 Hz with white noise of 8 mm.
-enum class StudyHeard {
-    nothing,
-    fine_velocities,
-    coarse_velocities,
-    phases,
-    receiver,
-    wheel,
-    gates
-};
-inline constexpr std::array<std::string_view, 7> study_heard_names{
-    "none", "velocities 0.05", "velocities 0.3", "phases", "second receiver", "wheel", "gates"};
-
-/// Runs whose lasting errors, of positions and witnesses, are a part of what is stated of them, and
-/// whose top speed lasts for so many windows of 3 s.
-struct WitnessCell {
-    double part = 0.1;
-    int rivals = 1;
-};
 const std::vector<WitnessCell>& witness_cells();
 
-/// The fastest 3 s of one run as certified, with one witness.
-struct WitnessedRun {
-    bool certified = false;  ///< there is a window, and no witness contradicts it
-    double error_m_s = 0.0;  ///< measured speed less the true one of the same window
-    double expanded_m_s = 0.0;
-    double probability = 0.0;  ///< that a limit well below the truth is reached
-    double tail_m_s = 0.0;     ///< measured speed less that which the truth is below once in 10,000
-};
 /// By witness, in the order of `StudyHeard`.
 using WitnessedRuns = std::array<WitnessedRun, study_heard_names.size()>;
 

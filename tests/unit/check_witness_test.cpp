@@ -64,6 +64,21 @@ TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
     }
 }
 
+// Each for itself may agree with the positions, and both together not.
+TEST(HeardWitness, WitnessesThatContradictOneAnotherForbidACertificate) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.best().witnesses = {heard(WitnessKind::velocities, 0.9), heard(WitnessKind::wheel, 0.9)};
+    scene.best().witnesses[1].difference_m_s = 0.01;
+    scene.best().evidence.emplace().disagreement = 0.99;
+    EXPECT_NE(scene.verdict().outcome, Outcome::not_certifiable);
+    scene.best().evidence->disagreement = 1.25;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+    EXPECT_TRUE(contains(verdict.reason, "The witnesses contradict one another")) << verdict.reason;
+    EXPECT_TRUE(contains(verdict.reason, "+0.036 km/h")) << verdict.reason;
+    EXPECT_TRUE(contains(verdict.reason, "-0.036 km/h")) << verdict.reason;
+}
+
 TEST(PositionsAlone, SayWhatDriftCouldNotHaveBeenSeen) {
     RuleScene scene(profile_text(clause_text("margin")));
     EXPECT_FALSE(scene.verdict().unseen_drift_m_s);  // nothing was computed

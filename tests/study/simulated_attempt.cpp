@@ -1,0 +1,254 @@
+#include "simulated_attempt.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "estimation/sensitivity.h"
+#include "estimation/tables/noise_models.h"
+#include "schemas/windows/windows.h"
+#include "stages/check/decision.h"
+#include "stages/smooth/smooth.h"
+#include "stages/window/position_noise.h"
+#include "supposed_errors.h"
+
+namespace runcert {
+namespace {
+
+constexpr double rate_hz = 10.0;
+constexpr double duration_of_window_s = 3.0;
+constexpr double speed_kept_m_s = 60.0, standing_s = 4.0;
+constexpr double acceleration_m_s2 = 4.0, rounding_s = 2.0;
+// What is stated of each, or what the program takes it to err by. Of gates both are the same: that
+// they agree with the positions too well is a sign that they were made from them.
+constexpr double white_m = 0.008, slow_m = 0.02, slow_tau_s = 5.0;
+constexpr double common_m = 0.010, common_tau_s = 20.0;  // of positions and phases
+constexpr double velocity_slow_m_s = 0.03, velocity_tau_s = 20.0;
+constexpr double wheel_noise_m_s = 0.05, wheel_scale = 2e-4;
+constexpr double gate_m = 0.003, gate_s = 1e-4, gates_apart_m = 60.0;
+
+/// First-order Gauss-Markov, two axes.
+class SlowError {
+  public:
+    SlowError(double sigma, double tau_s, RandomGenerator& random)
+        : decay_(std::exp(-1.0 / rate_hz / tau_s)),
+          sigma_(sigma),
+          random_(random),
+          now_(sigma * normals()) {}
+    Eigen::Vector2d next() {
+        const Eigen::Vector2d now = now_;
+        now_ = decay_ * now_ + sigma_ * std::sqrt(1.0 - decay_ * decay_) * normals();
+        return now;
+    }
+
+  private:
+    Eigen::Vector2d normals() {
+        const double first = random_.normal();
+        return {first, random_.normal()};
+    }
+    double decay_, sigma_;
+    RandomGenerator& random_;
+    Eigen::Vector2d now_;
+};
+
+/// Along a straight line, to the top speed, which it keeps, and back.
+SimulatedRecording motion_of(const WitnessCell& cell, std::uint64_t seed) {
+    auto script = std::make_shared<MotionScript>();
+    script->add(standing_s)
+        .change_speed(speed_kept_m_s, acceleration_m_s2, rounding_s)
+        .add(duration_of_window_s * cell.rivals + 0.2)
+        .change_speed(-speed_kept_m_s, acceleration_m_s2, rounding_s)
+        .add(standing_s);
+    StudyRun run{.rate_hz = rate_hz, .length_s = script->duration_s(), .jerk_density = 0.0};
+    run.noise.white_m = white_m;
+    run.script = std::move(script);
+    return simulate_recording(run, seed);
+}
+
+void move(EnuEpoch& row, const Eigen::Vector2d& by_m) {
+    *row.east_m += by_m.x();
+    *row.north_m += by_m.y();
+}
+
+const Eigen::Vector2d along = Eigen::Vector2d::Constant(1.0).normalized();
+
+}  // namespace
+
+SimulatedAttempt::SimulatedAttempt(const WitnessCell& cell, std::uint64_t seed)
+    : cell_(cell), random_(seed), motion_(motion_of(cell, seed + 1)) {
+    positions_ = to_be_screened(motion_.screened);
+    positions_.facts.georeferenced = true;
+    positions_.facts.time_source = "satellites";
+    positions_.facts.first_epoch = study_start();
+    positions_.origin = study_origin();
+    const double common = cell.part * common_m, slow = cell.part * slow_m;
+    SlowError shared(common, common_tau_s, random_);
+    SlowError own(std::sqrt(slow * slow - common * common), slow_tau_s, random_);
+    for (EnuEpoch& row : positions_.rows) {
+        common_.push_back(shared.next());
+        move(row, common_.back() + own.next());
+    }
+}
+
+void SimulatedAttempt::add_fault(std::size_t first, double rate_m_s) {
+    for (std::size_t k = first; k < positions_.rows.size(); ++k)
+        move(positions_.rows[k],
+             rate_m_s * std::min(duration_of_window_s, static_cast<double>(k - first) / rate_hz) *
+                 along);
+}
+
+std::size_t SimulatedAttempt::any_window(RandomGenerator& random) const {
+    if (cell_.rivals == 1) return static_cast<std::size_t>(best_->span.first_epoch) - 1;
+    const double from_s = standing_s + speed_kept_m_s / acceleration_m_s2 + rounding_s;
+    const double at_s = from_s + duration_of_window_s * (cell_.rivals - 1) * random.uniform();
+    return static_cast<std::size_t>(std::lround(at_s * rate_hz));
+}
+
+void SimulatedAttempt::record_velocities(double noise_m_s, EnuTable& table) {
+    SlowError slow(cell_.part * velocity_slow_m_s, velocity_tau_s, random_);
+    for (std::size_t k = 0; k < table.rows.size(); ++k) {
+        const Eigen::Vector2d velocity = motion_.velocity[k] + slow.next();
+        table.rows[k].recorded_velocity_east_m_s = velocity.x() + noise_m_s * random_.normal();
+        table.rows[k].recorded_velocity_north_m_s = velocity.y() + noise_m_s * random_.normal();
+    }
+}
+
+std::vector<TimedValue> SimulatedAttempt::wheel() {
+    const double scale = 1.0 + cell_.part * wheel_scale * random_.normal();
+    std::vector<TimedValue> speeds;
+    for (std::size_t k = 0; k < motion_.velocity.size(); ++k)
+        speeds.push_back({.time_s = positions_.rows[k].time.seconds(),
+                          .value = std::max(0.0, scale * motion_.velocity[k].norm() +
+                                                     wheel_noise_m_s * random_.normal())});
+    return speeds;
+}
+
+std::vector<TimedValue> SimulatedAttempt::gates() {
+    std::vector<TimedValue> passages;
+    double first_m = -1.0;
+    const auto way_m = [&](std::size_t k) { return (motion_.truth[k] - motion_.truth[0]).norm(); };
+    for (std::size_t k = 1; k < motion_.truth.size(); ++k) {
+        if (motion_.velocity[k].norm() < 0.5 * speed_kept_m_s) continue;
+        const double before_m = way_m(k - 1), here_m = way_m(k);
+        if (first_m < 0.0) first_m = before_m;
+        const double gate_at_m = first_m + gates_apart_m * static_cast<double>(passages.size());
+        if (gate_at_m >= here_m) continue;
+        const double part = (gate_at_m - before_m) / (here_m - before_m);
+        passages.push_back(
+            {.time_s = (static_cast<double>(k) - 1.0 + part) / rate_hz + gate_s * random_.normal(),
+             .value = gate_at_m - first_m + gate_m / std::numbers::sqrt2 * random_.normal()});
+    }
+    return passages;
+}
+
+EnuTable SimulatedAttempt::second_receiver() {
+    EnuTable table = positions_;
+    table.facts.receiver = "second";
+    SlowError slow(cell_.part * slow_m, slow_tau_s, random_);
+    for (std::size_t k = 0; k < table.rows.size(); ++k) {
+        const Eigen::Vector2d antenna = motion_.truth[k] - 0.9 * along + slow.next();
+        table.rows[k].east_m = antenna.x() + white_m * random_.normal();
+        table.rows[k].north_m = antenna.y() + white_m * random_.normal();
+    }
+    return table;
+}
+
+StudyPhases SimulatedAttempt::phases() {
+    std::vector<SimulatedEpoch> epochs(motion_.truth.size());
+    for (std::size_t k = 0; k < epochs.size(); ++k) {
+        epochs[k].epoch = static_cast<std::int64_t>(k) + 1;
+        epochs[k].time_ms = positions_.rows[k].time.nanoseconds / 1'000'000;
+        epochs[k].true_enu_m.head<2>() = motion_.truth[k] + common_[k];
+    }
+    return study_phases(epochs, 0.001, 0.0, random_.next(), positions_);
+}
+
+WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
+    static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+    std::vector<EnuTable> tables{positions_};
+    Beside beside;
+    std::optional<PhaseWitness<2>> phase_motion;
+    const ScreenConfig screening = study_screen_config();
+    if (heard == StudyHeard::fine_velocities) record_velocities(0.05, tables.front());
+    if (heard == StudyHeard::coarse_velocities) record_velocities(0.3, tables.front());
+    if (heard == StudyHeard::receiver) tables.push_back(second_receiver());
+    if (heard == StudyHeard::wheel)
+        beside.wheel = {.m_s = wheel(), .calibrated_scale = 1.0, .sigma_calibrated = wheel_scale};
+    if (heard == StudyHeard::gates) {
+        beside.gates_m = gates();
+        beside.gate_errors = {.sigma_distance_m = gate_m, .sigma_time_s = gate_s};
+    }
+    if (heard == StudyHeard::phases) {
+        const StudyPhases of_run = phases();
+        beside.phases = of_run.phases;
+        beside.first_of_phases = of_run.first_epoch;
+        phase_motion =
+            phase_witness<2>(of_run.phases, of_run.first_epoch, positions_.facts.first_epoch,
+                             positions_.origin, screening.jerk_density);
+    }
+    std::vector<ScreeningWitnesses> to_screen(tables.size());
+    to_screen.front() = {.phases = phase_motion ? &*phase_motion : nullptr, .wheel = beside.wheel};
+    const std::vector<ScreenedTable> screened = screen_receivers(tables, screening, to_screen);
+    const auto smoothed = [](const ScreenedTable& table) {
+        return smooth_trajectory(table, smooth_config(study_attempt()));
+    };
+    trajectory_ = smoothed(screened.front());
+    screened_ = screened.front();
+    std::optional<TrajectoryTable> second;
+    if (screened.size() > 1) {
+        second = smoothed(screened.back());
+        beside.receivers.push_back({.screened = &screened.back(), .trajectory = &*second});
+    }
+    WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    // The draws check the budget, which does not rest on them.
+    config.monte_carlo_trials_max = 100'000;
+    const Windows windows =
+        find_windows(screened_, trajectory_, {profile}, config, std::nullopt, beside);
+    best_ = windows.profiles.front().best;
+    WitnessedRun run;
+    if (!best_) return run;
+    run.certified = std::ranges::none_of(best_->witnesses, &contradicts) &&
+                    best_->evidence->disagreement <= 1.0;
+    const auto at = [&](std::int64_t epoch) {
+        return motion_.truth[static_cast<std::size_t>(epoch) - 1];
+    };
+    const double true_m_s = (at(best_->span.last_epoch) - at(best_->span.first_epoch)).norm() /
+                            best_->span.duration.seconds();
+    run.error_m_s = best_->speed_m_s - true_m_s;
+    run.expanded_m_s = expanded_uncertainty_by_rule_m_s(*best_, profile.coverage_factor);
+    const SpeedPosterior speed = *posterior_of(windows.profiles.front());
+    run.probability = conformance_probability(speed, {.speed_m_s = true_m_s - limit_m_s});
+    run.tail_m_s = speed.speed_m_s + speed.bias_limit_m_s -
+                   mixture_of(speed, WitnessSet::observed).quantile(1e-4);
+    return run;
+}
+
+SimulatedAttempt::Optimum SimulatedAttempt::optimum() const {
+    EstimationModel known = model_of(noise_of<2>(trajectory_));
+    known.measurement_scale = 1.0;
+    known.error = GaussMarkovError::steady(cell_.part * slow_m, slow_tau_s);
+    const std::vector<Arc<2>> arcs = arcs_of<2>(screened_, trajectory_);
+    const auto row_of = [&](std::int64_t epoch) { return static_cast<std::size_t>(epoch) - 1; };
+    const Arc<2>& arc = arcs.at(static_cast<std::size_t>(best_->arc) - 1);
+    const auto index_of = [&](std::int64_t epoch) {
+        return static_cast<std::size_t>(std::ranges::find(arc.rows, row_of(epoch)) -
+                                        arc.rows.begin());
+    };
+    const SmoothedArc<2> smoothed = smooth<2>(arc.epochs, known);
+    const EstimatedWindow<2> at{
+        .epochs = arc.epochs,
+        .smoothed = smoothed,
+        .model = known,
+        .window = {index_of(best_->span.first_epoch), index_of(best_->span.last_epoch)},
+        .duration_s = best_->span.duration.seconds()};
+    const SpeedQuantity quantity{SpeedDefinition::displacement};
+    const SpeedWeights<2> weights = speed_weights(at, quantity);
+    const double all_m_s =
+        speed_by_definition(smoothed, at.window, at.duration_s, quantity).standard_uncertainty_m_s;
+    const double white = weighted_variance<2>(arc.epochs, known.measurement_scale, weights);
+    const double slow = weighted_variance<2>(arc.epochs, known.error, weights);
+    return {.white_m_s = std::sqrt(white),
+            .slow_m_s = std::sqrt(slow),
+            .motion_m_s = std::sqrt(std::max(0.0, all_m_s * all_m_s - white - slow))};
+}
+
+}  // namespace runcert

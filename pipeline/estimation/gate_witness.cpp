@@ -8,10 +8,10 @@
 namespace runcert {
 namespace {
 
-constexpr double farthest_s = 0.5;
-/// Of the speed by the positions beside a gate, and of the acceleration on the way from there.
+constexpr double farthest_s = 0.25;
+/// Of the speed by the positions beside a gate, and of what changes the acceleration from there.
 constexpr double sigma_speed_m_s = 0.1;
-constexpr double sigma_acceleration_m_s2 = 1.0;
+constexpr double sigma_jerk_m_s3 = 4.0;
 /// Across the course nothing is known.
 constexpr double sigma_across_m = 100.0;
 
@@ -21,7 +21,7 @@ double way_after(const GatePassage& passage, double time_s) {
 }
 double variance_after(double time_s) {
     return std::pow(sigma_speed_m_s * time_s, 2) +
-           std::pow(0.5 * sigma_acceleration_m_s2 * time_s * time_s, 2);
+           std::pow(sigma_jerk_m_s3 * time_s * time_s * time_s / 6.0, 2);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ struct GateErrors {
 };
 
 /// Surveyed timing gates on a straight course as a witness: the distance between the gates nearest
-/// to both instants, half a second away at most, moved to the instants by speed and acceleration.
-/// Across the course they say nothing.
+/// to both instants, a quarter of a second away at most, moved to the instants by speed and
+/// acceleration. Across the course they say nothing.
 class GateWitness final : public Witness<2> {
   public:
     /// Passages with increasing times.

@@ -54,18 +54,19 @@ SpeedMixture::SpeedMixture(const SpeedBySource& positions,
     const double w2 = std::pow(witness->standard_uncertainty_m_s, 2);
     const double sigma = std::sqrt(p2 + w2);
     const double difference = positions.speed_m_s - witness->speed_m_s;
-    components_.push_back({.weight = (1.0 - of_positions - of_witness) * density(difference, sigma),
-                           .mean_m_s = positions.speed_m_s - p2 / (p2 + w2) * difference,
-                           .sigma_m_s = std::sqrt(p2 * w2 / (p2 + w2))});
+    components_.push_back(
+        {.weight = (1.0 - of_positions) * (1.0 - of_witness) * density(difference, sigma),
+         .mean_m_s = positions.speed_m_s - p2 / (p2 + w2) * difference,
+         .sigma_m_s = std::sqrt(p2 * w2 / (p2 + w2))});
     if (of_positions > 0.0) add_positions_at_fault(positions, *witness);
     double faulty = 0.0;
     for (std::size_t k = 1; k < components_.size(); ++k)
-        faulty += components_[k].weight;
+        faulty += components_[k].weight *= 1.0 - of_witness;
     double by_witness = 0.0;
     if (of_witness > 0.0) {
         const auto [low, high] = range_of(witness->fault);
         by_witness =
-            of_witness *
+            of_witness * (1.0 - of_positions) *
             (normal_cdf((high + difference) / sigma) - normal_cdf((low + difference) / sigma)) /
             (high - low);
         components_.push_back({.weight = by_witness,

@@ -66,6 +66,9 @@ VelocityWitness<Axes>::VelocityWitness(std::vector<TimedVelocity<Axes>> samples,
     moved_.assign(count, PositionVector<Axes>::Zero());
     path_.assign(count, 0.0);
     unseen_.assign(count, 0.0);
+    worse_.assign(count + 1, 0.0);
+    for (std::size_t k = 0; k < count; ++k)
+        worse_[k + 1] = worse_[k] + samples_[k].worse * samples_[k].worse;
     for (std::size_t k = 1; k < count; ++k) {
         moved_[k] = moved_[k - 1];
         path_[k] = path_[k - 1];
@@ -179,10 +182,12 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
     constexpr double of_step = 1.0 / 720.0;
     const double between_samples =
         jerk_density_ * jerk_density_ * of_step * (unseen_[last] - unseen_[from.sample]);
+    const double worse =
+        (worse_[last + 1] - worse_[from.sample]) / static_cast<double>(last + 1 - from.sample);
     const PositionVector<Axes> changed = velocity_at(to) - velocity_at(from);
     motion.covariance_m2 =
-        (errors_.displacement_variance(to_s - from_s) + between_samples + variance_beyond(from) +
-         variance_beyond(to)) *
+        (worse * errors_.displacement_variance(to_s - from_s) + between_samples +
+         variance_beyond(from) + variance_beyond(to)) *
             PositionMatrix<Axes>::Identity() +
         errors_.sigma_delay_s * errors_.sigma_delay_s * changed * changed.transpose();
     return motion;

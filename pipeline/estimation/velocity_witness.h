@@ -16,6 +16,8 @@ struct TimedVelocity {
     double time_s = 0.0;
     PositionVector<Axes> velocity = PositionVector<Axes>::Zero();
     std::int64_t stretch = 0;
+    /// By how much less accurate it is stated to be than the middle of the recording's; at least 1.
+    double worse = 1.0;
 };
 
 /// No estimate of the errors of recorded velocities is better than this: good receivers were seen
@@ -54,7 +56,8 @@ double integrated_gauss_markov(double time_s, double tau_s);
 /// Recorded velocities as a witness: their integral, between samples by cubic Hermite polynomials
 /// whose slopes are the differences of neighbours, taken a delay later. The covariance is that of
 /// the error model, of the delay (by what the velocity changes between the two instants), and of
-/// what the craft may do between samples with a white jerk of `jerk_density` (m s^-2.5). Where the
+/// what the craft may do between samples with a white jerk of `jerk_density` (m s^-2.5). Where
+/// samples are stated to be worse than most, so is that of the error model. Where the
 /// delay reaches beyond a stretch, by three of its steps at most, the velocity is taken to go on
 /// changing as it did, and what a white jerk may do there is added: else the end of a recording had
 /// no witness.
@@ -100,6 +103,7 @@ class VelocityWitness final : public Witness<Axes> {
     std::vector<PositionVector<Axes>> slopes_;
     std::vector<PositionVector<Axes>> moved_;  ///< up to each sample
     std::vector<double> path_;
+    std::vector<double> worse_;   ///< sum of the squares before each sample
     std::vector<double> unseen_;  ///< sum of the fifth powers of the steps up to each sample, s^5
     VelocityErrorModel errors_;
     double jerk_density_;

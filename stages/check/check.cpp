@@ -246,9 +246,13 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     return words + ".";
 }
 
-/// "12,000", the reciprocal of a probability above 0.
-std::string one_in_text(double probability) {
-    return counted(std::llround(1.0 / probability));
+/// "1 in 12,000"; "80 %" of one that is not small.
+std::string chance_text(double probability) {
+    constexpr double not_small = 0.1, hardly_any = 1e-9;
+    if (probability > not_small) return fmt::format("{:.0f} %", 100.0 * probability);
+    return probability > hardly_any
+               ? fmt::format("1 in {}", counted(std::llround(1.0 / probability)))
+               : "1 in more than a thousand million";
 }
 
 /// How often positions err unseen, what a witness makes of that, and the speed that the true one is
@@ -262,20 +266,19 @@ std::string fault_words(const ClauseContext& context) {
     if (!evidence->witnesses) {
         words = fmt::format(
             " In one window of {} positions are taken to drift unseen, by up to {} {}; the "
-            "interval "
-            "carries that risk on average and would not hold the speed of such a window.",
-            one_in_text(evidence->fault_probability),
+            "interval carries that risk on average and would not hold the speed of such a window.",
+            counted(std::llround(1.0 / evidence->fault_probability)),
             significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
     } else {
         const double at_fault = mixture_of(*context.speed, WitnessSet::all).positions_at_fault();
         words = fmt::format(
-            " That the positions drifted in this window has a probability of 1 in {} beside the "
+            " That the positions drifted in this window has a probability of {} beside the "
             "witnesses.",
-            at_fault > 1e-9 ? one_in_text(at_fault) : "more than a thousand million");
+            chance_text(at_fault));
     }
     const auto& decision = *context.decision;
-    return words + fmt::format(" With a risk of 1 in {} the true speed is below {} {}.",
-                               one_in_text(*decision.tail_risk),
+    return words + fmt::format(" With a risk of {} the true speed is below {} {}.",
+                               chance_text(*decision.tail_risk),
                                beside(*context.shown, *decision.tail_speed_m_s, SafeSide::down),
                                unit.name);
 }
@@ -310,6 +313,11 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                 "he measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
+            if (context.decision->by_uncertainty.value_or(0.0) >= context.decision->level)
+                return beginning(
+                           "he measured speed exceeds the required speed beyond its uncertainty, "
+                           "but an error that nothing found is too probable") +
+                       fault_words(context);
             return beginning(fastest_might_reach(context)
                                  ? "he window of the best proof is below the required speed, but a "
                                    "faster one, which proves less, may reach it"

@@ -188,7 +188,7 @@ class Expectation {
                                             reference_.slow * reference_.slow));
             reference_.undetected = std::sqrt(evidence->fault_probability) *
                                     rectangular_uncertainty(evidence->fault_m_s);
-            reference_.fault = {.probability = evidence->chosen_fault_probability,
+            reference_.fault = {.probability = evidence->fault_probability,
                                 .largest_m_s = evidence->fault_m_s,
                                 .upwards_alone = evidence->fault_upwards_alone};
         }

@@ -206,7 +206,6 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
         .standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s),
         .correlated_m_s = noise.correlated_m_s,
         .fault = fault.prior};
-    figures.fault.probability = fault.chosen_probability;
     figures.speed_m_s = figures.by_path ? window.definitions.path_length_m_s
                         : definition == SpeedDefinition::displacement
                             ? noise.speed.speed_m_s

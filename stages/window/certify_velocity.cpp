@@ -161,7 +161,7 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
     rows.push_back(std::move(brief));
     const bool shown = errors.slow == SlowError::shown;
     BudgetRow slow =
-        speed_row("u", "slow errors of the recorded speeds", shown ? "A" : "B", errors.slow_m_s,
+        speed_row("u", "lasting errors of the recorded speeds", shown ? "A" : "B", errors.slow_m_s,
                   independent_of_other_rows,
                   "taken as one error throughout the window; " + slow_note(errors, noise, stated));
     if (shown) slow.degrees_of_freedom = noise.over_ten->independent;

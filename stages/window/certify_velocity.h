@@ -20,7 +20,7 @@ struct VelocityEstimate {
 /// recording (`speed_errors`), the bias of the choice from draws of what of these may differ
 /// between windows (`speed_choice_bias`). `all` are the windows that it was chosen from.
 ///
-/// The rows, in this order: w white noise, b errors shorter than ten seconds, u slow errors, t time
+/// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, t time
 /// stamps and l delay, which count where positions decide the ends, k clock rate, r resolution of
 /// the speeds, d undetected error, f choice of the fastest. The smoothed positions stand beside as
 /// a witness.

@@ -143,8 +143,9 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
     if (is_fixed(screened, rows))
         fault.prior.largest_m_s =
             std::min(fault.prior.largest_m_s, (by_path ? 2.0 : 1.0) * wrong_fix_m / duration_s);
-    fault.chosen_probability = std::min(
-        1.0, fault.prior.probability * (1.0 + by_rivals(found, all, fault.prior.largest_m_s)));
+    // That of one of so many: in proportion to them where it is small.
+    fault.chosen_probability = 1.0 - std::pow(1.0 - fault.prior.probability,
+                                              1.0 + by_rivals(found, all, fault.prior.largest_m_s));
     return fault;
 }
 

@@ -76,7 +76,7 @@ struct StatedSpeedAccuracy {
     double scatter_m_s = 0.0;  ///< from the smoothed motion, as screening saw it
 };
 
-/// What decides the slow error of a speed.
+/// What decides the lasting error of a speed.
 enum class SlowError { floor, shown, stated };
 
 /// Standard uncertainties of a window's mean recorded speed, m/s.

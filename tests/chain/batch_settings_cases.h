@@ -39,7 +39,7 @@ attempt:
       right: {latitude_deg: -22.920270534, longitude_deg: 14.420723010}
   wind: {file: wind.csv, source: anemometer}
   current: {file: current.csv, source: float, expanded_uncertainty_m_s: 0.01}
-  wheel: {file: wheel.csv, source: rear wheel}
+  wheel: {file: wheel.csv, source: rear wheel, scale: 1.01, expanded_uncertainty_scale: 0.002}
   gates: {file: gates.csv, source: light gates, expanded_uncertainty_m: 0.02, expanded_uncertainty_s: 0.002}
   secondary: {method: video, source: a sheet, start_utc: "2026-10-20T11:00:41.435", finish_utc: "2026-10-20T11:00:59.297", time_expanded_uncertainty_s: 0.010}
   parameters: {window: {selection_samples: 100, monte_carlo_trials_max: 100000}}
@@ -58,7 +58,7 @@ rules:
     result: {mode: nearest, unit: km/h, decimals: 2}
     decision: {probability: 0.975}
     current: ignored
-    uncertainty: {correlation_time_min_s: 0.5, correlation_time_max_s: 10, selection_bias: covered, error_floor_m: {fixed: 0.02, float: 0.2}}
+    uncertainty: {correlation_time_min_s: 0.5, correlation_time_max_s: 10, selection_bias: covered, fault_probability: 0.002, error_floor_m: {fixed: 0.02, float: 0.2}}
     signatures: [{role: measurer, count: 1}]
     clauses:
       - {id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}
@@ -151,6 +151,8 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: current.expanded_uncertainty_m_s, set: {/attempt/current/expanded_uncertainty_m_s: 0.02}}
 - {key: wheel.file, set: {/attempt/wheel/file: other_wheel.csv}, redoes: screen window}
 - {key: wheel.source, set: {/attempt/wheel/source: front wheel}}
+- {key: wheel.scale, set: {/attempt/wheel/scale: 1.02}, redoes: screen window}
+- {key: wheel.expanded_uncertainty_scale, set: {/attempt/wheel/expanded_uncertainty_scale: 0.003}, redoes: screen window}
 - {key: gates.file, set: {/attempt/gates/file: other_gates.csv}, redoes: window}
 - {key: gates.source, set: {/attempt/gates/source: other gates}}
 - {key: gates.expanded_uncertainty_m, set: {/attempt/gates/expanded_uncertainty_m: 0.03}, redoes: window}
@@ -263,6 +265,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: uncertainty.correlation_time_min_s, set: {/rules/time/uncertainty/correlation_time_min_s: 0.6}, redoes: window}
 - {key: uncertainty.correlation_time_max_s, set: {/rules/time/uncertainty/correlation_time_max_s: 11}, redoes: window}
 - {key: uncertainty.selection_bias, set: {/rules/time/uncertainty/selection_bias: subtracted}, redoes: window}
+- {key: uncertainty.fault_probability, set: {/rules/time/uncertainty/fault_probability: 0.01}, redoes: window}
 )yaml";
 
 }  // namespace runcert::chain

@@ -56,10 +56,18 @@ void expect_refused(const ProfileVerdict& verdict) {
     EXPECT_TRUE(holds(verdict.reason, "the recorded velocities show")) << verdict.reason;
 }
 
-/// The legs' speed, 12 m/s, by the positions.
+/// The legs' speed, 12 m/s, by the positions. Of one receiver's alone, chosen among many windows,
+/// an error that nothing found may be too probable for a record.
 void expect_right_by_positions(const Verdict& verdict) {
-    ASSERT_EQ(ten_s(verdict).outcome, Outcome::beaten) << ten_s(verdict).reason;
-    EXPECT_NEAR(*ten_s(verdict).speed_m_s, 12.0, 0.3);
+    const ProfileVerdict& found = ten_s(verdict);
+    if (found.outcome == Outcome::not_proven) {
+        EXPECT_GT(*found.decision->by_uncertainty, found.decision->level) << found.reason;
+        EXPECT_TRUE(holds(found.reason, "an error that nothing found is too probable"))
+            << found.reason;
+    } else {
+        ASSERT_EQ(found.outcome, Outcome::beaten) << found.reason;
+    }
+    EXPECT_NEAR(*found.speed_m_s, 12.0, 0.3);
 }
 
 TEST(SpeedChannel, OfThePositionsMomentsIsCertified) {

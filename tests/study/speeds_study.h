@@ -16,7 +16,7 @@ enum class SpeedsPositions {
     integrated    ///< from the recorded velocities, and a little noise
 };
 
-/// A session of ten minutes whose velocities have white noise and a slow error of 0.05 m/s (20 s)
+/// A session of ten minutes whose velocities have white noise and a lasting error of 0.05 m/s (20 s)
 /// along each axis, and state 0.5 m/s.
 struct SpeedsCell {
     double rate_hz = 10.0;

@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Cells, SpeedsOfRecordedVelocities,
                                          Limits{{.white_m_s = 0.1, .filter_s = 0.3}, 1.17, 0.56},
                                          Limits{{.white_m_s = 0.3, .filter_s = 0.3}, 2.0, 0.85}));
 
-/// Where the positions follow the velocities nothing is told of slow errors, and what is stated
+/// Where the positions follow the velocities nothing is told of lasting errors, and what is stated
 /// counts whole: 0.5 m/s.
 TEST(SpeedsOfRecordedVelocities, CountWholeBesidePositionsThatFollowThem) {
     const SpeedsCell cell{.white_m_s = 0.1, .positions = SpeedsPositions::integrated};

@@ -159,7 +159,7 @@ TEST(ErrorsOfSpeeds, AreThoseShown) {
     const SpeedErrors white = speed_errors(noise_of(0.3, 0.1, 0.09), stated(0.5), 2.0, 4.0);
     EXPECT_DOUBLE_EQ(white.mean_white_m_s, 0.15);
     EXPECT_EQ(white.brief_m_s, 0.0);
-    // From 10 s on D_T says nothing, and no slow error is taken to be below 0.05 m/s.
+    // From 10 s on D_T says nothing, and no lasting error is taken to be below 0.05 m/s.
     const SpeedErrors ten = speed_errors(noise_of(0.1, 0.4, 0.01), stated(0.5), 10.0, 100.0);
     EXPECT_EQ(ten.brief_m_s, 0.0);
     EXPECT_DOUBLE_EQ(ten.slow_m_s, 0.05);

@@ -106,7 +106,7 @@ TEST(SpeedChoice, RangesFromWhiteNoiseToAllErrors) {
     EXPECT_LT(bias.most_m_s, 2.0 * 1.42 * every);
     EXPECT_GT(bias.uncertainty_m_s, 0.0);
     EXPECT_LT(bias.uncertainty_m_s, 0.1 * bias.most_m_s);
-    // Of windows next to one another a slow error moves all alike.
+    // Of windows next to one another a lasting error moves all alike.
     std::vector<FoundWindow> together;
     for (std::size_t i = 0; i < 8; ++i)
         together.push_back(window_at(0, 100 + i, 15.0));

@@ -155,6 +155,21 @@ std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
     return runs;
 }
 
+/// Samples with the scale that fits the run that each is nearest to: what a run's positions drift
+/// in proportion to the speed is no error of the wheel's.
+std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
+                                        const std::vector<WheelRun>& runs) {
+    const auto beside_s = [](const WheelRun& run, double time_s) {
+        return std::max({0.0, run.span.first_s - time_s, time_s - run.span.last_s});
+    };
+    if (runs.empty()) return samples;
+    for (TimedVelocity<2>& one : samples)
+        one.velocity *= std::ranges::min_element(runs, {}, [&](const WheelRun& run) {
+                            return beside_s(run, one.time_s);
+                        })->scale;
+    return samples;
+}
+
 /// Standard uncertainty of the scale that fits all: of the ratios of both paths, as many as do not
 /// overlap.
 double sigma_of_scale(const std::vector<FastSpan>& spans) {
@@ -232,7 +247,8 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
     delay_alone.delay_s = delay.delay_s;
     delay_alone.sigma_delay_s = delay.sigma_s;
     delay_alone.density = 0.0;
-    const VelocityWitness<2> undisturbed(samples, delay_alone, jerk_density);
+    std::vector<WheelRun> runs = runs_of(spans);
+    const VelocityWitness<2> undisturbed(as_fitted(samples, runs), delay_alone, jerk_density);
     const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
     if (!estimated.model.is_known()) return std::nullopt;
     const bool made = keep_to_positions(estimated.spreads, false) ||
@@ -241,7 +257,7 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
     const double sigma_scale = sigma_of_scale(spans);
     return WheelWitness{
         .motion = WheelMotion(VelocityWitness<2>(std::move(samples), estimated.model, jerk_density),
-                              runs_of(spans), calibrated ? speeds.sigma_calibrated : sigma_scale,
+                              std::move(runs), calibrated ? speeds.sigma_calibrated : sigma_scale,
                               calibrated),
         .scale = fit.scale,
         .sigma_scale = sigma_scale,

@@ -70,12 +70,40 @@ std::vector<bool> velocities_of_other_moments(const std::vector<ScreenedEpoch>& 
     return others;
 }
 
+namespace {
+
+template <int Axes>
+bool has_velocity(const ScreenedEpoch& row) {
+    if constexpr (Axes == 1) return row.recorded_velocity_up_m_s.has_value();
+    return row.recorded_velocity_east_m_s || row.recorded_speed_m_s;
+}
+
+/// The stated standard deviation (m/s, each axis) of the velocity of a row; zero is a field that
+/// was not filled.
+template <int Axes>
+std::optional<double> stated_sigma(const ScreenedEpoch& row) {
+    OptionalReal sigma;
+    if constexpr (Axes == 1) {
+        sigma = row.sigma_recorded_velocity_up_m_s;
+    } else if (!row.recorded_velocity_east_m_s) {
+        sigma = row.sigma_recorded_speed_m_s;
+    } else if (row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s) {
+        sigma = std::hypot(*row.sigma_recorded_velocity_east_m_s,
+                           *row.sigma_recorded_velocity_north_m_s) /
+                std::sqrt(2.0);
+    }
+    return sigma && *sigma > 0.0 ? sigma : OptionalReal{};
+}
+
+}  // namespace
+
 template <int Axes>
 std::vector<TimedVelocity<Axes>> timed_velocities(const std::vector<ScreenedEpoch>& rows,
                                                   const Directions& directions,
                                                   double nominal_interval_s,
                                                   const std::vector<bool>& left_out) {
     const double longest_s = longest_step * std::max(1.0, nominal_interval_s);
+    const auto middle = stated_velocity_sigma<Axes>(rows);
     std::vector<TimedVelocity<Axes>> velocities;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const auto velocity = recorded_velocity<Axes>(rows[i], directions[i]);
@@ -84,7 +112,11 @@ std::vector<TimedVelocity<Axes>> timed_velocities(const std::vector<ScreenedEpoc
         const double step_s = velocities.empty() ? 0.0 : time_s - velocities.back().time_s;
         const std::int64_t stretch =
             velocities.empty() ? 0 : velocities.back().stretch + (step_s > longest_s ? 1 : 0);
-        velocities.push_back({.time_s = time_s, .velocity = *velocity, .stretch = stretch});
+        const auto stated = stated_sigma<Axes>(rows[i]);
+        velocities.push_back({.time_s = time_s,
+                              .velocity = *velocity,
+                              .stretch = stretch,
+                              .worse = middle && stated ? std::max(1.0, *stated / *middle) : 1.0});
     }
     return velocities;
 }
@@ -107,24 +139,9 @@ std::optional<double> stated_velocity_sigma(const std::vector<ScreenedEpoch>& ro
     std::vector<double> stated;
     std::size_t recorded = 0;
     for (const ScreenedEpoch& row : rows) {
-        OptionalReal sigma;
-        bool has_velocity = false;
-        if constexpr (Axes == 1) {
-            has_velocity = row.recorded_velocity_up_m_s.has_value();
-            sigma = row.sigma_recorded_velocity_up_m_s;
-        } else if (row.recorded_velocity_east_m_s) {
-            has_velocity = true;
-            if (row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s)
-                sigma = std::hypot(*row.sigma_recorded_velocity_east_m_s,
-                                   *row.sigma_recorded_velocity_north_m_s) /
-                        std::sqrt(2.0);
-        } else {
-            has_velocity = row.recorded_speed_m_s.has_value();
-            sigma = row.sigma_recorded_speed_m_s;
-        }
-        recorded += has_velocity ? 1 : 0;
-        // Zero is a field that was not filled.
-        if (has_velocity && sigma && *sigma > 0.0) stated.push_back(*sigma);
+        if (!has_velocity<Axes>(row)) continue;
+        ++recorded;
+        if (const auto sigma = stated_sigma<Axes>(row)) stated.push_back(*sigma);
     }
     if (stated.empty() || 2 * stated.size() < recorded) return std::nullopt;
     return median(std::move(stated));

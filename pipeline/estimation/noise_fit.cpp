@@ -76,10 +76,7 @@ struct Maxima {
 
     /// That of white noise alone unless an error is told.
     const Best& of_persistent() const { return correlated_error_detected ? error : white; }
-    void tell() {
-        correlated_error_detected =
-            error.log_likelihood - white.log_likelihood > gain_of_two_parameters;
-    }
+    void tell() { correlated_error_detected = error.gain_over(white) > gain_of_two_parameters; }
 };
 
 template <int Axes>
@@ -112,12 +109,12 @@ class Fit {
         const bool by_part = near_part.has_value();
         const Maxima maxima = by_part ? *near_part : find(whole_);
         fit.white_scale = maxima.white.scale;
-        fit.error_gain = maxima.error.log_likelihood - maxima.white.log_likelihood;
+        fit.error_gain = maxima.error.gain_over(maxima.white);
         fit.correlated_error_detected = maxima.correlated_error_detected;
         Best best = maxima.of_persistent();
         double acceleration_time_s = infinity;
         if (maxima.singer) {
-            fit.singer_gain = maxima.singer->log_likelihood - best.log_likelihood;
+            fit.singer_gain = maxima.singer->gain_over(best);
             if (fit.singer_gain > gain_of_one_parameter ||
                 options_.motion == NoiseFitOptions::Motion::singer) {
                 best = *maxima.singer;

@@ -28,10 +28,11 @@ double log_prior_of(double log_scale) {
 Best best_scale_at(const Point& x, const InnovationSums& sums) {
     const double scale =
         std::max(scale_min, std::sqrt(sums.statistic / static_cast<double>(sums.values)));
-    const double log_likelihood =
-        sums.log_likelihood_at_best_scale() + log_prior_of(std::log(scale));
+    const double log_prior = log_prior_of(std::log(scale));
+    const double log_likelihood = sums.log_likelihood_at_best_scale() + log_prior;
     return {.x = x,
             .log_likelihood = std::isfinite(log_likelihood) ? log_likelihood : -1e12,
+            .log_prior = log_prior,
             .scale = scale};
 }
 

@@ -33,8 +33,14 @@ inline constexpr double hopeless_below = 12.0;
 /// A point, its likelihood at the scale most likely with it, and that scale.
 struct Best {
     Point x;
-    double log_likelihood = -std::numeric_limits<double>::infinity();
+    double log_likelihood = -std::numeric_limits<double>::infinity();  ///< with that of the prior
+    double log_prior = 0.0;                                            ///< of the scale
     double scale = 1.0;
+
+    /// By how much the data alone favour it over another.
+    double gain_over(const Best& other) const {
+        return log_likelihood - log_prior - (other.log_likelihood - other.log_prior);
+    }
 };
 
 /// A point of the grid over size and correlation time of the error.

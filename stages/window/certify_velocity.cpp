@@ -18,16 +18,10 @@
 namespace runcert {
 namespace {
 
-Eigen::Vector3d axes_of_speed_of(Dimension dimension) {
-    if (dimension == Dimension::horizontal) return {1.0, 1.0, 0.0};
-    return dimension == Dimension::vertical ? Eigen::Vector3d(0.0, 0.0, 1.0)
-                                            : Eigen::Vector3d::Ones();
-}
-
 /// The four definitions from the smoothed trajectory.
 SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows& arc,
                                 const Profile& profile, const FoundWindow& found) {
-    const Eigen::Vector3d axes = axes_of_speed_of(profile.dimension);
+    const Eigen::Vector3d axes = axes_of_speed(profile.dimension);
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
         return trajectory.rows[arc.rows[k]];
     };

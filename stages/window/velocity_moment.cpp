@@ -36,7 +36,7 @@ double path_between(const TrackPoint& a, const TrackPoint& b, double step_s) {
 class SmoothedTrack {
   public:
     SmoothedTrack(const TrajectoryTable& trajectory, const ArcRows& arc, Dimension dimension)
-        : trajectory_(trajectory), arc_(arc), dimension_(dimension) {}
+        : trajectory_(trajectory), arc_(arc), axes_(axes_of_speed(dimension)) {}
 
     const TrajectoryEpoch& row(std::size_t k) const { return trajectory_.rows[arc_.rows[k]]; }
     double time_s(std::size_t k) const { return row(k).time.seconds(); }
@@ -44,9 +44,9 @@ class SmoothedTrack {
     TrackPoint sample(std::size_t k) const {
         const TrajectoryEpoch& at = row(k);
         return {
-            .position = axes().cwiseProduct(
-                Eigen::Vector3d(*at.east_m, *at.north_m, at.up_m.value_or(0.0))),
-            .velocity = axes().cwiseProduct(Eigen::Vector3d(
+            .position =
+                axes_.cwiseProduct(Eigen::Vector3d(*at.east_m, *at.north_m, at.up_m.value_or(0.0))),
+            .velocity = axes_.cwiseProduct(Eigen::Vector3d(
                 *at.velocity_east_m_s, *at.velocity_north_m_s, at.velocity_up_m_s.value_or(0.0)))};
     }
 
@@ -82,11 +82,6 @@ class SmoothedTrack {
     }
 
   private:
-    Eigen::Vector3d axes() const {
-        if (dimension_ == Dimension::horizontal) return {1.0, 1.0, 0.0};
-        return dimension_ == Dimension::vertical ? Eigen::Vector3d(0.0, 0.0, 1.0)
-                                                 : Eigen::Vector3d::Ones();
-    }
     std::size_t sample_before(double time_s) const {
         const auto after = std::ranges::upper_bound(arc_.rows, time_s, {}, [&](std::size_t row) {
             return trajectory_.rows[row].time.seconds();
@@ -96,7 +91,7 @@ class SmoothedTrack {
 
     const TrajectoryTable& trajectory_;
     const ArcRows& arc_;
-    Dimension dimension_;
+    Eigen::Vector3d axes_;
 };
 
 /// Of a sample's position, and of its velocity, along the worst of the axes that count.
@@ -122,6 +117,12 @@ double floor_m(const Profile& profile, FixType fix) {
 }
 
 }  // namespace
+
+Eigen::Vector3d axes_of_speed(Dimension dimension) {
+    if (dimension == Dimension::horizontal) return {1.0, 1.0, 0.0};
+    return dimension == Dimension::vertical ? Eigen::Vector3d(0.0, 0.0, 1.0)
+                                            : Eigen::Vector3d::Ones();
+}
 
 double sigma_of_delay(const ScreenedTable& screened) {
     const auto& velocity = screened.basis.velocity;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,9 @@
 // Positions at the moments of recorded velocities, which may be behind them.
 
 namespace runcert {
+
+/// 1 for each of east, north and up that a speed of this dimension counts, else 0.
+Eigen::Vector3d axes_of_speed(Dimension dimension);
 
 /// By how much the recorded velocities are behind the positions, as far as screening tells; else 0.
 double delay_of_velocities(const ScreenedTable& screened);

@@ -35,11 +35,17 @@ double times_as_likely(const ScreenedTable& screened, EpochPair rows) {
     return disturbed ? of_disturbed : 1.0;
 }
 
-bool is_fixed(const ScreenedTable& screened, EpochPair rows) {
-    return std::all_of(
-        screened.rows.begin() + static_cast<std::ptrdiff_t>(rows.first),
-        screened.rows.begin() + static_cast<std::ptrdiff_t>(rows.last) + 1,
-        [](const ScreenedEpoch& row) { return !row.usable || row.fix == FixType::fixed; });
+/// By how much positions of a kind may be off that nothing finds: a wrong fix by 3 m; by code by a
+/// tenth of a chip, where reflections hide its edge.
+double largest_error_m(const ScreenedTable& screened, EpochPair rows) {
+    constexpr double by_phases_m = 3.0, by_code_m = 30.0;
+    for (std::size_t i = rows.first; i <= rows.last; ++i) {
+        const FixType fix = screened.rows[i].fix;
+        if (screened.rows[i].usable && fix != FixType::fixed && fix != FixType::float_ambiguities &&
+            fix != FixType::ppp)
+            return by_code_m;
+    }
+    return by_phases_m;
 }
 
 /// What the rivals of a window add to the probability that it errs, in parts of that.
@@ -132,7 +138,6 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
                          double probability) {
-    constexpr double wrong_fix_m = 3.0;
     const double duration_s = found.end.seconds() - found.start.seconds();
     WindowFault fault;
     fault.prior.probability =
@@ -140,9 +145,9 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
                                           std::max(1.0, duration_s / nominal_window_s));
     fault.prior.upwards_alone = by_path;
     if (!reliability.empty()) fault.prior.largest_m_s = reliability.front().speed_m_s;
-    if (is_fixed(screened, rows))
-        fault.prior.largest_m_s =
-            std::min(fault.prior.largest_m_s, (by_path ? 2.0 : 1.0) * wrong_fix_m / duration_s);
+    fault.prior.largest_m_s =
+        std::min(fault.prior.largest_m_s,
+                 (by_path ? 2.0 : 1.0) * largest_error_m(screened, rows) / duration_s);
     // That of one of so many: in proportion to them where it is small.
     fault.chosen_probability = 1.0 - std::pow(1.0 - fault.prior.probability,
                                               1.0 + by_rivals(found, all, fault.prior.largest_m_s));
@@ -200,7 +205,7 @@ WitnessMean mean_of_witnesses(const PositionTerms& positions,
 
 double disagreement(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
     if (witnesses.empty()) return 0.0;
-    constexpr double by_chance = 1e-3;
+    constexpr double test_size = 1e-3;
     PositionTerms healthy = positions;
     healthy.fault_m_s = 0.0;
     const Covariance covariance = covariance_of(healthy, as_independent(healthy, witnesses));
@@ -212,7 +217,7 @@ double disagreement(const PositionTerms& positions, std::span<const WitnessTerm>
     const Eigen::VectorXd apart =
         speeds - Eigen::VectorXd::Constant(covariance.rows(), inverse.dot(speeds) / inverse.sum());
     return std::sqrt(apart.dot(factor.solve(apart)) /
-                     chi_squared_upper_quantile(by_chance, static_cast<int>(witnesses.size())));
+                     chi_squared_upper_quantile(test_size, static_cast<int>(witnesses.size())));
 }
 
 }  // namespace runcert

@@ -29,8 +29,9 @@ struct WindowFault {
 /// `probability` is that of fixed ambiguities in 3 s under open sky (`window.fault_probability`).
 /// It grows with the window; it is five times as large where screening rejected an epoch within a
 /// minute of it, 25 times of other solutions, and never above 0.05. The largest effect is that of
-/// the largest undetected error of any kind, drifts included; of fixed ambiguities at most 3 m over
-/// the window's time, which a wrong fix is off by, of a path twice that, and then upwards alone.
+/// the largest undetected error of any kind, drifts included, but at most 3 m over the window's
+/// time, which a wrong fix is off by, or 30 m of positions by code: a tenth of a chip of the C/A
+/// code. Of a path it is twice that, and then upwards alone.
 ///
 /// A window chosen as the fastest is one that such an error may have made so: its probability grows
 /// with each rival that does not overlap it, by half of what of the largest effect its being slower

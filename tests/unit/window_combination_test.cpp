@@ -62,10 +62,15 @@ TEST(WindowFaults, GoByTheKindOfSolutionAndTheWindow) {
     EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002 * 10.0 / 3.0);
     EXPECT_DOUBLE_EQ(run.fault().prior.largest_m_s, 0.3);
     EXPECT_DOUBLE_EQ(run.fault(true).prior.largest_m_s, 0.6);
-    // Of other kinds what screening finds counts whole.
+    // By code what screening finds counts, up to 30 m.
     Chosen single(FixType::single);
     single.reliability[0].speed_m_s = 4.0;
     EXPECT_DOUBLE_EQ(single.fault().prior.largest_m_s, 4.0);
+    single.reliability[0].speed_m_s = 40.0;
+    EXPECT_DOUBLE_EQ(single.fault().prior.largest_m_s, 10.0);
+    Chosen wandering(FixType::float_ambiguities);
+    wandering.reliability[0].speed_m_s = 40.0;
+    EXPECT_DOUBLE_EQ(wandering.fault().prior.largest_m_s, 1.0);
 }
 
 TEST(WindowFaults, AreLikelierWhereScreeningRejectedAnEpoch) {

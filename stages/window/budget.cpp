@@ -257,26 +257,33 @@ BudgetRow undetected_row(const BudgetInput& input) {
                           1.0 / input.fault.prior.probability));
 }
 
-/// The bias itself is no row: what may remain of it is added to the expanded uncertainty.
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
-    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
-    BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_m_s,
-        independent_of_other_rows,
-        fmt::format("bias between {:.4f} m/s and {:.4f} m/s, {} could have been the fastest; {}",
-                    selection.fitted_bias_m_s, selection.bounded_bias_m_s,
-                    selection.candidates == 1 ? std::string("no other window")
-                                              : fmt::format("{} windows", selection.candidates),
-                    subtracted ? "the middle is subtracted from the speed, half the difference "
-                                 "added to the expanded uncertainty"
-                               : "the larger is added to the expanded uncertainty"));
-    row.estimate = subtracted ? selection.bias_m_s : 0.0;
-    row.sensitivity = subtracted ? -1.0 : 1.0;
-    return row;
+    return choice_row(fmt::format("{:.4f} m/s and {:.4f} m/s,", selection.fitted_bias_m_s,
+                                  selection.bounded_bias_m_s),
+                      selection.bias_uncertainty_m_s, selection.candidates,
+                      selection.treatment == SelectionTreatment::subtracted
+                          ? std::optional(selection.bias_m_s)
+                          : std::nullopt);
 }
 
 }  // namespace
+
+BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
+                     const std::optional<double>& subtracted_m_s) {
+    BudgetRow row = speed_row(
+        "f", "choice of the fastest of many windows", "A", uncertainty_m_s,
+        independent_of_other_rows,
+        fmt::format("bias between {} {} could have been the fastest; {}", between,
+                    candidates == 1 ? std::string("no other window")
+                                    : fmt::format("{} windows", candidates),
+                    subtracted_m_s ? "the middle is subtracted from the speed, half the difference "
+                                     "added to the expanded uncertainty"
+                                   : "the larger is added to the expanded uncertainty"));
+    row.estimate = subtracted_m_s.value_or(0.0);
+    row.sensitivity = subtracted_m_s ? -1.0 : 1.0;
+    return row;
+}
 
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_m_s, std::string correlation, std::string note) {

@@ -102,4 +102,11 @@ double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>&
 MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
                             double speed_m_s);
 
+/// Row f: what is known no better of the bias (m/s) of choosing the fastest window. `between` says
+/// its limits; the bias itself is no row, and what may remain of it is added to the expanded
+/// uncertainty. `subtracted_m_s`: what was taken off the speed; nothing where the rule has the bias
+/// covered.
+BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
+                     const std::optional<double>& subtracted_m_s);
+
 }  // namespace runcert

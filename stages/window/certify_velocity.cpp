@@ -242,20 +242,12 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
     const double middle_m_s = 0.5 * (bias.least_m_s + bias.most_m_s);
     window.bias_limit_m_s = subtracted ? 0.5 * (bias.most_m_s - bias.least_m_s) : bias.most_m_s;
     if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, middle_m_s);
-    BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A", bias.uncertainty_m_s,
-        independent_of_other_rows,
-        fmt::format("bias between {:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
-                    "that differ between windows; {} could have been the fastest; {}",
-                    bias.least_m_s, bias.most_m_s,
-                    bias.candidates == 1 ? std::string("no other window")
-                                         : fmt::format("{} windows", bias.candidates),
-                    subtracted ? "the middle is subtracted from the speed, half the difference "
-                                 "added to the expanded uncertainty"
-                               : "the larger is added to the expanded uncertainty"));
-    row.estimate = subtracted ? middle_m_s : 0.0;
-    row.sensitivity = subtracted ? -1.0 : 1.0;
-    window.budget.push_back(std::move(row));
+    window.budget.push_back(
+        choice_row(fmt::format("{:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
+                               "that differ between windows;",
+                               bias.least_m_s, bias.most_m_s),
+                   bias.uncertainty_m_s, static_cast<std::int64_t>(bias.candidates),
+                   subtracted ? std::optional(middle_m_s) : std::nullopt));
 }
 
 }  // namespace

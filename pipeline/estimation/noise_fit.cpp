@@ -179,16 +179,33 @@ class Fit {
         return whole;
     }
 
-    /// Whether jerk density, scale and, where there is an error, its diffusion are within a factor
-    /// of two. These the data tell; not how the others stand to the scale, which may be next to
+    /// Whether jerk density, scale and, where there is an error, its diffusion differ by less than
+    /// a factor of two. These the data tell; not how the others stand to the scale, which may be next to
     /// nothing, nor the error's size, which trades against its correlation time.
-    static bool are_alike(const Best& one, const Best& other) {
+    static bool are_close(const Best& one, const Best& other) {
         constexpr double factor = 0.7;  // ln 2
         if (one.x.size() != other.x.size()) return false;
         const double scale = std::log(one.scale / other.scale);
         const auto alike = [](double difference) { return std::abs(difference) <= factor; };
         return alike(scale) && alike(one.x[0] - other.x[0] + scale) &&
                (one.x.size() < 3 || alike(log_diffusion(one.x) - log_diffusion(other.x) + scale));
+    }
+
+    /// Whether the part's maximum is close to the whole's, or the part cannot tell one from the
+    /// other.
+    bool are_alike(const Best& of_part, const Best& of_whole) {
+        if (are_close(of_part, of_whole)) return true;
+        const auto seen = part_.absolute_log_likelihoods({absolute(of_part), absolute(of_whole)});
+        return seen[1] >= seen[0] - hopeless_below;
+    }
+
+    /// Natural logarithms of the parameters themselves, the scale last.
+    static Point absolute(const Best& best) {
+        Point y = best.x;
+        y.push_back(std::log(best.scale));
+        y[0] += std::log(best.scale);
+        if (best.x.size() > 2) y[1] += std::log(best.scale) + log_ratio - 0.5 * y[2];
+        return y;
     }
 
     /// Of an error, in units of the measurement scale, but for a constant.
@@ -320,12 +337,9 @@ class Fit {
     /// Parameters, their uncertainties and the model of the maximum.
     void describe(const Best& best, NoiseFit& fit) {
         fit.model = scaled(model_at(best.x), best.scale);
-        Point y = best.x;
-        y.push_back(std::log(best.scale));
-        y[0] += std::log(best.scale);
+        const Point y = absolute(best);
         std::vector<FittedParameter*> parameters{&fit.jerk_density};
         if (best.x.size() > 2) {
-            y[1] += std::log(best.scale) + log_ratio - 0.5 * y[2];
             parameters.push_back(&fit.error_diffusion);
             parameters.push_back(&fit.error_tau);
         }

@@ -57,24 +57,33 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
     }
     std::vector<double> factors(diagnosis.size(), 1.0);
     if (statistics.size() < fewest) return factors;
+    std::vector<double> some;
+    // That of some statistics in a row, at least 1: their median over what is expected, which is
+    // needed only where it is beyond that.
+    const auto factor_of = [&](std::size_t first, std::size_t last) {
+        const std::size_t half = (last - first) / 2;
+        if (as_expected[last] - as_expected[first] > half) return 1.0;
+        some.assign(statistics.begin() + static_cast<std::ptrdiff_t>(first),
+                    statistics.begin() + static_cast<std::ptrdiff_t>(last));
+        const auto at = some.begin() + static_cast<std::ptrdiff_t>(half);
+        std::nth_element(some.begin(), at, some.end());
+        return std::max(1.0, *at / expected);
+    };
     // Changes slowly: taken at every tenth epoch.
     constexpr std::size_t every = 10;
     double factor = 1.0;
-    std::vector<double> around;
     for (std::size_t k = 0; k < diagnosis.size(); ++k) {
         if (k % every == 0) {
             const std::size_t middle = std::min(before[k], statistics.size() - 1);
             const std::size_t first = middle < local_epochs ? 0 : middle - local_epochs;
             const std::size_t last = std::min(statistics.size(), middle + local_epochs + 1);
-            const std::size_t half = (last - first) / 2;
-            factor = 1.0;
-            // The median itself is needed only where it is beyond what is expected.
-            if (as_expected[last] - as_expected[first] <= half) {
-                around.assign(statistics.begin() + static_cast<std::ptrdiff_t>(first),
-                              statistics.begin() + static_cast<std::ptrdiff_t>(last));
-                const auto at = around.begin() + static_cast<std::ptrdiff_t>(half);
-                std::nth_element(around.begin(), at, around.end());
-                factor = std::max(1.0, *at / expected);
+            factor = factor_of(first, last);
+            // Where the noise changes, what is around the epoch is a mixture of both.
+            if (middle - first >= fewest && last - middle >= fewest) {
+                const double of_those_before = factor_of(first, middle);
+                const double of_those_after = factor_of(middle, last);
+                const auto [less, more] = std::minmax(of_those_before, of_those_after);
+                if (more > 2.0 * less) factor = more;
             }
         }
         factors[k] = factor;

@@ -8,6 +8,10 @@
 
 #include "core/failure.h"
 #include "draws.h"
+#include "schemas/windows/windows.h"
+#include "stages/smooth/smooth.h"
+#include "stages/window/window.h"
+#include "supposed_errors.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -38,6 +42,54 @@ void expect_honest(const MotionCell& cell, int in_study) {
     const auto n = static_cast<double>(sum.certified);
     EXPECT_LE(std::abs(sum.mean_error_m_s),
               sum.mean_expanded_m_s / 5.0 + 2.0 * sum.sd_error_m_s / std::sqrt(n));
+}
+
+/// Expanded uncertainty (m/s) of the fastest 3 s of a run after so many seconds of waiting, in
+/// which the white noise of 8 mm was so many times as large.
+double expanded_after(double waiting_s, double noise_factor, std::uint64_t seed) {
+    auto script = std::make_shared<MotionScript>();
+    script->add(4.0 + waiting_s)
+        .change_speed(60.0, 4.0, 2.0)
+        .add(6.0)
+        .change_speed(-60.0, 4.0, 2.0)
+        .add(4.0);
+    StudyRun run;
+    run.length_s = script->duration_s();
+    run.jerk_density = 0.0;
+    run.noise.white_m = 0.008;
+    run.script = script;
+    SimulatedRecording recording = simulate_recording(run, seed);
+    for (std::size_t k = 0; k < recording.truth.size(); ++k) {
+        ScreenedEpoch& row = recording.screened.rows[k];
+        if (row.time.seconds() > waiting_s) break;
+        row.east_m = recording.truth[k].x() + noise_factor * (*row.east_m - recording.truth[k].x());
+        row.north_m =
+            recording.truth[k].y() + noise_factor * (*row.north_m - recording.truth[k].y());
+    }
+    static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+    const ScreenedTable screened =
+        screen(to_be_screened(recording.screened), study_screen_config());
+    WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    config.monte_carlo_trials_max = 100'000;
+    const Windows windows =
+        find_windows(screened, smooth_trajectory(screened, smooth_config(study_attempt())),
+                     {profile}, config, std::nullopt, {});
+    return expanded_uncertainty_by_rule_m_s(windows.profiles.front().best.value(), 2.0);
+}
+
+// Screening took the first seconds of a run after quiet waiting for outliers.
+TEST(Motion, FiveMinutesOfWaitingWithAnotherNoiseChangeNoInterval) {
+    for (const double factor : {3.0, 1.0 / 3.0}) {
+        double alone = 0.0, after = 0.0;
+        const int runs = draws({.daily = 2, .study = 20});
+        for (int i = 0; i < runs; ++i) {
+            alone += expanded_after(0.0, 1.0, 100 + static_cast<std::uint64_t>(i));
+            after += expanded_after(300.0, factor, 100 + static_cast<std::uint64_t>(i));
+        }
+        fmt::print("noise {:.2f} times as large: U {:.4f} and {:.4f} m/s\n", factor, alone / runs,
+                   after / runs);
+        EXPECT_NEAR(after / alone, 1.0, 0.1);
+    }
 }
 
 TEST(Motion, TwentyQuietMinutesDoNotSmoothTheRunAway) {

@@ -250,8 +250,9 @@ BudgetRow undetected_row(const BudgetInput& input) {
         input.reliability.empty()
             ? std::string("not quantified: the screened epochs do not state the largest "
                           "undetected error")
-            : fmt::format("up to {:.2f} m/s would be left with a probability of {:.0f} % or more; "
-                          "taken to happen in one window of {:.0f} (parameter "
+            : fmt::format("up to {:.2f} m/s: what would be left with a probability of {:.0f} % or "
+                          "more, at most what such positions are off by; taken to happen in one "
+                          "window of {:.0f} (parameter "
                           "window.fault_probability), as mean square",
                           input.fault.prior.largest_m_s, 100.0 * share,
                           1.0 / input.fault.prior.probability));

@@ -100,7 +100,8 @@ TEST(Budget, WhatScreeningLeftCountsAsOftenAsItHappens) {
     EXPECT_NEAR(row.contribution_m_s, std::sqrt(0.002) * 0.97 / std::sqrt(3.0), 1e-15);
     EXPECT_EQ(row.type, "B");
     EXPECT_EQ(row.note,
-              "up to 0.97 m/s would be left with a probability of 20 % or more; taken to happen in "
+              "up to 0.97 m/s: what would be left with a probability of 20 % or more, at most what "
+              "such positions are off by; taken to happen in "
               "one window of 500 (parameter window.fault_probability), as mean square");
 }
 

@@ -115,7 +115,31 @@ void write(const Json& value, int indent, YamlLetters letters, std::string& out)
     }
 }
 
+void build(const Json& value, YamlBuilder& builder) {
+    if (value.is_structured()) {
+        builder.begin(value.is_object() ? YamlKind::map : YamlKind::list, {});
+        for (const auto& [key, member] : value.items()) {
+            if (value.is_object()) builder.scalar(key, !is_plain_word(key), {});
+            build(member, builder);
+        }
+        (void)builder.end();
+    } else if (value.is_null()) {
+        builder.null({});
+    } else if (value.is_string()) {
+        const auto& text = value.get_ref<const std::string&>();
+        builder.scalar(text, !is_plain_word(text), {});
+    } else {
+        builder.scalar(scalar_text(value, YamlLetters::any), false, {});
+    }
+}
+
 }  // namespace
+
+YamlNode yaml_node_of(const Json& document) {
+    YamlBuilder builder;
+    build(document, builder);
+    return std::move(builder).take();
+}
 
 std::string to_yaml_text(const Json& document, YamlLetters letters) {
     std::string out;

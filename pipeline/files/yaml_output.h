@@ -3,6 +3,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "files/yaml_node.h"
+
 namespace runcert {
 
 /// Characters beyond ASCII: as they are, where they can be seen and steer no terminal ("±"), or
@@ -14,5 +16,8 @@ enum class YamlLetters { any, ascii };
 /// numbers in their shortest form that reads back equal. Failure where a number is not finite.
 std::string to_yaml_text(const nlohmann::ordered_json& document,
                          YamlLetters letters = YamlLetters::any);
+
+/// The document as reading that text would give it, but without places.
+YamlNode yaml_node_of(const nlohmann::ordered_json& document);
 
 }  // namespace runcert

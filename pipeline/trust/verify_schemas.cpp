@@ -96,8 +96,8 @@ void check_report(const ReportFacts& report, const std::string& where) {
                         "it says made it writes report/{}",
                         escape_for_message(version), report_field_table().version()),
             "Take the original");
-    (void)read_document(to_yaml_text(nlohmann::ordered_json(predicate)), where,
-                        report_field_table());
+    check_document(YamlValue(yaml_node_of(nlohmann::ordered_json(predicate)), where),
+                   report_field_table());
 }
 
 void check_attempt_files(const fs::path& run_dir, Findings& findings) {

@@ -83,16 +83,15 @@ void check_inputs(const ReportInputs& inputs) {
                                inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
 }
 
-/// As YAML, so that the field tables of the stages' products serve for the report too; not as JSON,
-/// which leaves marks of the direction of writing in names as they are. Of a curve's many points a
-/// few stand for all: they are made by one line of code.
+/// By a field table, as the stages' products. Of a curve's many points a few stand for all: they are
+/// made by one line of code.
 void check_predicate(Json predicate, const std::string& where) {
     for (Json& figure : predicate["figures"])
         for (Json& curve : figure["curves"])
             for (const char* values : {"x", "y", "lower", "upper"})
                 if (curve.contains(values) && curve[values].size() > 3)
                     curve[values].erase(curve[values].begin() + 3, curve[values].end());
-    (void)read_document(to_yaml_text(predicate), where, report_field_table());
+    check_document(YamlValue(yaml_node_of(predicate), where), report_field_table());
 }
 
 void set_origins(Json& predicate, const Verdict& verdict) {

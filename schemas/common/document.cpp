@@ -56,8 +56,12 @@ void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& sche
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema) {
     YamlValue document(parse_yaml(text, where), where);
-    validate_revision(document, schema, check_version(document, schema));
+    check_document(document, schema);
     return document;
+}
+
+void check_document(const YamlValue& document, const DocumentSchema& schema) {
+    validate_revision(document, schema, check_version(document, schema));
 }
 
 YamlValue parse_input(std::string_view text, const std::string& where,
@@ -87,9 +91,8 @@ YamlValue read_input(std::string_view text, const std::string& where,
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema) {
     document["schema"] = {{"name", schema.name()}, {"version", schema.version()}};
     round_to_table(document, schema);
-    std::string text = to_yaml_text(document);
-    (void)read_document(text, schema.name() + " as written", schema);
-    return text;
+    check_document(YamlValue(yaml_node_of(document), schema.name() + " as written"), schema);
+    return to_yaml_text(document);
 }
 
 }  // namespace runcert

@@ -17,6 +17,9 @@ void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& sche
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema);
 
+/// The same of a document that is not read from a text.
+void check_document(const YamlValue& document, const DocumentSchema& schema);
+
 /// Parses what a person wrote, whose first line says which schema it follows ("attempt/1.0").
 /// Failure with its place where it says none that this program knows, and where a text in it holds
 /// a character that cannot be shown (hidden_character), as it is or escaped.

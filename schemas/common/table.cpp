@@ -94,7 +94,7 @@ EcsvWriter TableSchema::begin(HeldJson meta, EcsvWriter::Sink sink) const {
     nlohmann::ordered_json header = *meta;
     header["schema"] = {{"name", meta_.name()}, {"version", meta_.version()}};
     round_to_table(header, meta_);
-    meta_.validate(YamlValue(parse_yaml(to_yaml_text(header), "header"), "header of the table"));
+    meta_.validate(YamlValue(yaml_node_of(header), "header of the table"));
     return EcsvWriter(columns_, header, std::move(sink));
 }
 

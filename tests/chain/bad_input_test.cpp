@@ -47,7 +47,7 @@ std::vector<BadInput> bad_attempts() {
     const std::string good = recording_with(0, "");
     return {
         {"empty attempt", "", good, {"attempt.yaml", "empty"}},
-        {"attempt cut off", good_attempt.substr(0, 70), good, {"attempt.yaml:4:1"}},
+        {"attempt cut off", good_attempt.substr(0, 70), good, {"attempt.yaml:3:"}},
         {"not YAML", "a: [1, 2\nb: {", good, {"attempt.yaml:", "YAML"}},
         {"unknown key",
          replaced(good_attempt, "receivers:", "recievers:"),

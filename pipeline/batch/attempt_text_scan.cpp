@@ -5,7 +5,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/yaml_input.h"
-#include "schemas/attempt/attempt_id.h"
+#include "schemas/common/strict_texts.h"
 
 namespace runcert {
 namespace {

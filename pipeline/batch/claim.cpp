@@ -39,7 +39,7 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
         claim.files[profile_copy_name(claimed)] = sha256_hex(profile);
     }
     for (const AttemptFile& file : series_files(claim.attempt))
-        claim.files[file.name] = sha256_hex(find_series(file, claim.attempt, claim.source));
+        claim.files[file.name] = sha256_hex(find_series(file, claim.source));
     claim.files[std::string(attempt_copy_name)] = sha256_hex(claim.text);
     return claim;
 }

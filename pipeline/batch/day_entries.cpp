@@ -14,7 +14,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/attempt/attempt_id.h"
+#include "schemas/common/strict_texts.h"
 
 namespace runcert {
 namespace {

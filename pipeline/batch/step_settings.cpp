@@ -59,8 +59,10 @@ Json files_of(const Receiver& receiver) {
 }
 
 /// The receiver as import reads it.
-Json import_settings(const Receiver& receiver) {
-    return {{"id", receiver.id}, {"files", files_of(receiver)}, {"stated", *receiver.stated}};
+Json import_settings(const Attempt& attempt, const Receiver& receiver) {
+    return {{"id", receiver.id},
+            {"files", files_of(receiver)},
+            {"stated", *attempt.stated.at(receiver.id)}};
 }
 
 Json receiver_ids(const Attempt& attempt) {
@@ -102,7 +104,7 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     Json settings = without(document, attempt_elsewhere);
     if (step == "import") {
         for (const Receiver& receiver : attempt.receivers)
-            settings["receivers"].push_back(import_settings(receiver));
+            settings["receivers"].push_back(import_settings(attempt, receiver));
         return settings;
     }
     settings["receivers"] = receiver_ids(attempt);

@@ -133,10 +133,12 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
 
 std::vector<AttemptFile> series_files(const Attempt& attempt) {
     std::vector<AttemptFile> files;
-    const auto add = [&](const char* role, const std::optional<SeriesFile>& flow) {
+    const auto add = [&](const char* role, const auto& flow) {
         if (flow)
-            files.push_back(
-                {.role = role, .original = flow->file, .name = fmt::format("{}.csv", role)});
+            files.push_back({.role = role,
+                             .original = flow->file,
+                             .name = fmt::format("{}.csv", role),
+                             .place = flow->place});
     };
     add("wind", attempt.wind);
     add("current", attempt.current);
@@ -151,17 +153,11 @@ SeriesKind kind_of_series(std::string_view key) {
                             : SeriesKind::flow;
 }
 
-std::string find_series(const AttemptFile& file, const Attempt& attempt,
-                        const AttemptSource& source) {
-    const std::string& place = (file.role == "wind"      ? attempt.wind
-                                : file.role == "current" ? attempt.current
-                                : file.role == "wheel"   ? attempt.wheel
-                                                         : attempt.gates)
-                                   ->place;
+std::string find_series(const AttemptFile& file, const AttemptSource& source) {
     const fs::path path = source.earlier_run ? *source.earlier_run / file.name
-                                             : inside_folder(file.original, source, place);
+                                             : inside_folder(file.original, source, file.place);
     if (!fs::exists(path))
-        throw Failure(place,
+        throw Failure(file.place,
                       fmt::format("the file \"{}\" does not exist (looked for {})",
                                   escape_for_message(file.original), path.string()),
                       "Correct its name, which is relative to the attempt's folder");
@@ -178,7 +174,7 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
     for (const AttemptFile& file : series_files(attempt)) {
-        const std::string series = find_series(file, attempt, source);
+        const std::string series = find_series(file, source);
         // What is no such series is said before anything is computed. Whether its times fit those
         // of the recording, which are not known yet, the stage says that reads it.
         read_series(series, file.original, GpsTime{}, kind_of_series(file.role));

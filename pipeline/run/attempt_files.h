@@ -23,6 +23,7 @@ struct AttemptFile {
     /// In a run folder: "ROLE.ID", the number where there are several of the role, and the
     /// original's own extension ("recording.primary.pos", "recording.primary.2.nmea").
     std::string name;
+    std::string place = {};  ///< "file:line:column" of a series in the attempt, for messages
 };
 
 /// All of a receiver's files: its recordings in order, then base, navigation, raw phases.
@@ -62,8 +63,7 @@ std::vector<AttemptFile> series_files(const Attempt& attempt);
 SeriesKind kind_of_series(std::string_view key);
 
 /// The text of one of them, found and refused as above.
-std::string find_series(const AttemptFile& file, const Attempt& attempt,
-                        const AttemptSource& source);
+std::string find_series(const AttemptFile& file, const AttemptSource& source);
 
 /// Brings what is neither a recording nor made of one into a run folder: the series that
 /// it names, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one

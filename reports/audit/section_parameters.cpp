@@ -54,7 +54,7 @@ Parameters parameters_of(const Attempt& attempt, const Header& header, bool all)
                                .rows = {}}};
     for (const auto& [name, used] : header.parameters->items()) {
         const FieldRule* rule = rule_of(header.stage, name);
-        const Json fallback = rule ? default_of(*rule, attempt.craft_class) : Json();
+        const Json fallback = rule ? default_of(*rule, attempt.craft.kind) : Json();
         const bool is_default = rule && is_same(used, fallback);
         found.replaced += is_default ? 0 : 1;
         if (!is_default || all)
@@ -78,10 +78,10 @@ std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header
     if (replaced == 0)
         blocks.emplace_back(Paragraph{
             fmt::format("Parameters. All {} have the default of the class {}{}.", counted(count),
-                        attempt.craft_class, all ? "" : " (--all lists them)")});
+                        attempt.craft.kind, all ? "" : " (--all lists them)")});
     else
         table.caption = fmt::format("Parameters, {} of {} not the default of the class {}",
-                                    counted(replaced), counted(count), attempt.craft_class);
+                                    counted(replaced), counted(count), attempt.craft.kind);
     if (!table.rows.empty()) blocks.emplace_back(std::move(table));
     return blocks;
 }

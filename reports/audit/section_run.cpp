@@ -61,7 +61,7 @@ std::string signatures_text(const RunRecord& record) {
 Facts facts_of(const RunRecord& record) {
     const Attempt& attempt = record.attempt;
     Facts facts{{{"Attempt", attempt.id},
-                 {"Craft", fmt::format("{}, class {}", attempt.craft_name, attempt.craft_class)},
+                 {"Craft", fmt::format("{}, class {}", attempt.craft.name, attempt.craft.kind)},
                  {"Place", attempt.place.empty() ? "not given" : attempt.place},
                  {"Date", attempt.date.empty() ? "not given" : attempt.date},
                  {"Officials", officials_text(attempt.officials)}}};

@@ -151,7 +151,7 @@ Json signatures_required_json(const ReportInputs& inputs) {
 Json certificate_json(const ReportInputs& inputs, const std::string& report_id) {
     const Attempt& attempt = inputs.attempt;
     Json json{{"unique_identifier", report_id},
-              {"item", {{"name", attempt.craft_name}, {"class", attempt.craft_class}}}};
+              {"item", {{"name", attempt.craft.name}, {"class", attempt.craft.kind}}}};
     if (!attempt.place.empty()) json["performance_location"] = attempt.place;
     set_times(json, inputs.receivers.front());
     json["responsible_persons"] = Json::array();

@@ -143,8 +143,8 @@ void add_sources(Json& facts, const Attempt& attempt) {
 
 Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     Json json{{"id", attempt.id},
-              {"craft_name", attempt.craft_name},
-              {"craft_class", attempt.craft_class}};
+              {"craft_name", attempt.craft.name},
+              {"craft_class", attempt.craft.kind}};
     if (!attempt.place.empty()) json["place"] = attempt.place;
     if (!attempt.date.empty()) json["date"] = attempt.date;
     json["officials"] = Json::array();
@@ -153,8 +153,8 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     if (verdict.record) json["record"] = record_json(*verdict.record);
     Json facts = Json::array();
     facts.push_back(fact("Attempt", attempt.id));
-    facts.push_back(fact("Craft", attempt.craft_name));
-    facts.push_back(fact("Class", attempt.craft_class));
+    facts.push_back(fact("Craft", attempt.craft.name));
+    facts.push_back(fact("Class", attempt.craft.kind));
     if (!attempt.place.empty()) facts.push_back(fact("Place", attempt.place));
     if (!attempt.date.empty()) facts.push_back(fact("Date", attempt.date));
     if (verdict.record)

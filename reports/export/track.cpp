@@ -184,7 +184,7 @@ Track track_of(const TrackInput& input) {
                       "Export the tables instead: --format csv");
     const ToTheEarth earth(trajectory.facts, *trajectory.origin, input.receiver->height_m);
     Track track{.attempt = input.attempt->id,
-                .craft = input.attempt->craft_name,
+                .craft = input.attempt->craft.name,
                 .place = input.attempt->place,
                 .receiver = trajectory.facts.receiver,
                 .heights_measured = trajectory.facts.vertical_measured,

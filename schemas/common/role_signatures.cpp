@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "schemas/common/codec.h"
+
 namespace runcert {
 bool is_role(std::string_view text) {
     constexpr std::size_t longest = 64;
@@ -18,12 +20,17 @@ std::string read_role(const YamlValue& value) {
     return value.text();
 }
 
+template <>
+RoleSignatures read_members(const YamlValue& entry) {
+    return {.role = read_role(entry["role"]),
+            .count = entry["count"].optional_integer().value_or(1)};
+}
+
 std::vector<RoleSignatures> read_role_signatures(const YamlValue& list) {
     std::vector<RoleSignatures> needed;
     if (!list.exists()) return needed;
     for (const YamlValue& entry : list.list()) {
-        RoleSignatures one{.role = read_role(entry["role"]),
-                           .count = entry["count"].exists() ? entry["count"].integer() : 1};
+        auto one = read_members<RoleSignatures>(entry);
         if (std::ranges::find(needed, one.role, &RoleSignatures::role) != needed.end())
             entry["role"].fail("the role is there twice", "Give one count for it");
         needed.push_back(std::move(one));

@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/attempt/attempt_id.h"
+#include "schemas/common/strict_texts.h"
 #include "schemas/common/document.h"
 #include "schemas/day/merge.h"
 

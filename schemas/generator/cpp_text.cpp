@@ -15,12 +15,13 @@ std::string comment(const std::string& about, const char* indent = "") {
 /// The C++ type of one value, without what makes it optional; empty for a type that is none.
 std::string value_type(const Declaration& declaration, const std::string& type) {
     if (declaration.map(type) || declaration.words(type)) return type;
-    if (type == "text") return "std::string";
+    if (type == "text" || type == "date" || type == "id") return "std::string";
     if (type == "integer") return "std::int64_t";
     if (type == "real" || type == "speed") return "double";
     if (type == "boolean") return "bool";
     if (type == "elapsed") return "ElapsedTime";
-    if (type == "gps_time") return "GpsTime";
+    if (type == "gps_time" || type == "utc_time") return "GpsTime";
+    if (type == "files") return "std::vector<std::string>";
     if (type == "satellite") return "Satellite";
     if (type == "signal") return "SignalCode";
     return {};
@@ -28,15 +29,17 @@ std::string value_type(const Declaration& declaration, const std::string& type) 
 
 std::string initial_value(const Declaration& declaration, const YamlValue& entry,
                           const std::string& type) {
-    const bool is_said = entry["initially"].exists();
-    const std::string said = is_said ? std::string(entry["initially"].node().scalar()) : "";
+    const YamlValue initially = entry["initially"].exists() ? entry["initially"] : entry["default"];
+    const bool is_said = initially.node().is_scalar();
+    const std::string said = is_said ? std::string(initially.node().scalar()) : "";
     if (const DeclaredWords* words = declaration.words(type)) {
         if (!is_said) return type + "::" + words->words.front().enumerator;
         for (const DeclaredWord& word : words->words)
             if (word.word == said) return type + "::" + word.enumerator;
-        entry["initially"].fail("is no word of " + type, "Give one of its words");
+        initially.fail("is no word of " + type, "Give one of its words");
     }
-    if (type == "real" || type == "speed") return is_said ? said : "0.0";
+    if (type == "real" || type == "speed")
+        return is_said ? said + (said.find_first_of(".e") == std::string::npos ? ".0" : "") : "0.0";
     if (type == "integer") return is_said ? said : "0";
     if (type == "boolean") return is_said ? said : "false";
     return is_said ? '"' + said + '"' : "{}";
@@ -53,7 +56,9 @@ std::string declared_member(const Declaration& declaration, const std::string& m
         cpp = value_type(declaration, type);
         if (cpp.empty()) entry["type"].fail("has no type in C++", "Use one of the known types");
         if (is_set(entry, "required") || is_set(entry, "flat") || entry["omit"].exists() ||
-            type == "text") {
+            entry["default"].exists() ||
+            (declaration.is_input() && entry["initially"].node().is_defined()) ||
+            cpp == "std::string" || type == "files") {
             initial = initial_value(declaration, entry, type);
         } else {
             cpp = "std::optional<" + cpp + ">";
@@ -64,9 +69,9 @@ std::string declared_member(const Declaration& declaration, const std::string& m
            fmt::format("    {} {} = {};\n", cpp, member, initial);
 }
 
-/// What is computed for the readers of the file has none.
+/// What is computed for the readers of the file has none, nor what C++ code reads apart.
 bool has_member(const DeclaredStruct& made, std::size_t i) {
-    return !made.fields[i]["computed"].exists();
+    return !made.fields[i]["computed"].exists() && !is_set(made.fields[i], "apart");
 }
 
 std::string struct_of(const Declaration& declaration, const DeclaredStruct& made,
@@ -76,6 +81,8 @@ std::string struct_of(const Declaration& declaration, const DeclaredStruct& made
         if (has_member(made, i))
             out += declared_member(declaration, member_name(made.names[i], made.fields[i]),
                                    made.fields[i]);
+    if (!made.placed.empty())
+        out += "    std::string place = {};  ///< \"file:line:column\", for messages\n";
     out += after;
     if (made.comparable)
         out += fmt::format("    bool operator==(const {}&) const = default;\n", made.name);
@@ -106,6 +113,10 @@ std::string codec(const DeclaredStruct& made, bool writes) {
         if (is_set(entry, "flat"))
             line = writes ? fmt::format("map.update(members_json({}));", member)
                           : fmt::format("member::take_all(map, {});", member);
+        else if (!writes &&
+                 (type == "date" || type == "utc_time" || type == "id" || type == "files"))
+            line = fmt::format("if (map[\"{0}\"].exists()) {1} = read_{2}(map[\"{0}\"]);", name,
+                               member, type);
         else if (type == "speed")
             line = fmt::format("member::{}_speed(map, \"{}\", {});", writes ? "put" : "take", name,
                                member);
@@ -376,6 +387,24 @@ TableWriter<{4}> begin_{0}(const {1}& head, EcsvWriter::Sink sink) {{
         codec(declaration.top(), true), codec(declaration.top(), false), row_name(declaration));
 }
 
+std::string writer_source(const DeclaredStruct& map) {
+    return fmt::format(
+        "template <>\nnlohmann::ordered_json members_json(const {}& value) {{\n"
+        "    auto map = nlohmann::ordered_json::object();\n{}    return map;\n}}\n",
+        map.name, codec(map, true));
+}
+
+std::string reader_source(const DeclaredStruct& map) {
+    std::string place;
+    if (!map.placed.empty())
+        place = fmt::format("    value.place = map{}.place();\n",
+                            map.placed == "true" ? "" : "[\"" + map.placed + "\"]");
+    return fmt::format(
+        "template <>\n{0} read_members(const YamlValue& map) {{\n"
+        "    {0} value;\n{1}{2}    return value;\n}}\n\n",
+        map.name, codec(map, false), place);
+}
+
 }  // namespace
 
 std::string header_text(const Declaration& declaration) {
@@ -394,18 +423,25 @@ std::string header_text(const Declaration& declaration) {
         out += group_struct(declaration, group);
     for (const DeclaredStruct& map : declaration.own_maps())
         if (!map.by_hand)
-            out += struct_of(declaration, map) +
-                   fmt::format(
-                       "template <>\nnlohmann::ordered_json members_json(const {0}& value);\n"
-                       "template <>\n{0} read_members(const YamlValue& map);\n\n",
-                       map.name);
+            out +=
+                struct_of(declaration, map) +
+                (declaration.is_input()
+                     ? ""
+                     : fmt::format("template <>\nnlohmann::ordered_json members_json(const {}& "
+                                   "value);\n",
+                                   map.name)) +
+                fmt::format("template <>\n{0} read_members(const YamlValue& map);\n\n", map.name);
     if (is_table(declaration))
         out += row_struct(declaration) +
                fmt::format(
                    "/// The table: its columns, bound to the members of a row.\n"
                    "const TableFormat<{}>& {}_format();\n\n",
                    row_name(declaration), declaration.source()["schema"].text());
-    if (!declaration.top().name.empty())
+    if (declaration.is_input())
+        out += struct_of(declaration, declaration.top()) +
+               fmt::format("template <>\n{} read_members(const YamlValue& map);\n",
+                           declaration.top().name);
+    else if (!declaration.top().name.empty())
         out += struct_of(declaration, declaration.top(), "    Header header;\n",
                          is_table(declaration)
                              ? "    std::vector<" + row_name(declaration) + "> rows;\n"
@@ -426,14 +462,11 @@ std::string source_text(const Declaration& declaration) {
         out += enumeration_source(words);
     for (const DeclaredStruct& map : declaration.own_maps())
         if (!map.by_hand)
-            out += fmt::format(
-                "template <>\nnlohmann::ordered_json members_json(const {0}& value) {{\n"
-                "    auto map = nlohmann::ordered_json::object();\n{1}    return map;\n}}\n"
-                "template <>\n{0} read_members(const YamlValue& map) {{\n"
-                "    {0} value;\n{2}    return value;\n}}\n\n",
-                map.name, codec(map, true), codec(map, false));
+            out += (declaration.is_input() ? "" : writer_source(map)) + reader_source(map);
     if (is_table(declaration)) out += format_source(declaration);
-    if (!declaration.top().name.empty())
+    if (declaration.is_input())
+        out += reader_source(declaration.top());
+    else if (!declaration.top().name.empty())
         out += is_table(declaration) ? table_source(declaration) : document_source(declaration);
     return out + "\n}  // namespace runcert\n";
 }

@@ -42,6 +42,8 @@ DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
                         .names = {},
                         .by_hand = is_set(entry, "by_hand"),
                         .comparable = is_set(entry, "comparable"),
+                        .or_text = is_set(entry, "or_text"),
+                        .placed = entry["placed"].text_or(""),
                         .compact = is_set(entry, "compact")};
     if (const YamlValue fields = entry["fields"]; fields.exists())
         for (const std::string& key : fields.keys()) {
@@ -128,10 +130,11 @@ void Declaration::read(const YamlValue& table, bool own) {
         top_.names.push_back(key);
         top_.fields.push_back(fields[key]);
     }
-    if (table["struct"].exists()) {
-        top_.name = table["struct"]["name"].text();
-        top_.about = table["struct"]["about"].text();
-    }
+    for (const char* const holder : {"struct", "input"})
+        if (const YamlValue named = table[holder]; named.exists()) {
+            top_.name = named["name"].text();
+            top_.about = named["about"].text();
+        }
 }
 
 const DeclaredWords* Declaration::words(const std::string& name) const {

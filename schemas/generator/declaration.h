@@ -22,6 +22,8 @@
 //   maps              maps, each a struct: about, fields; `by_hand` where C++ code has the struct
 //                     and its codec
 //   groups            columns that several tables have, or that are a struct in the row
+//   input             name and about of what holds the whole of an input, which people write and no
+//                     program: it has a reader and no writer
 //   row, columns      the rows of a table: name and about of their struct, `extends` a product
 //                     whose columns come first, `compact` where empty cells take no room
 //   fields            the fields outside every map
@@ -30,11 +32,13 @@
 // description). Its type may also be a map, an enumeration, `gps_time`, `satellite` ("G02"),
 // `signal` ("1C"), or `speed`, which stands in four units; a `list` is `of` a type, and `item`
 // describes what is in it. What is not required is an optional in C++, an empty text or an empty
-// list. For C++ alone: `member` (where its name is not the field's), `initially` (the value of a
-// new struct), `flat` (the members of a map stand beside those of the one it is in), `omit` (the
-// value that is left out), `scale` (file over member), `computed` (an expression of the struct,
-// written and never read). A `unit` of "*" is that of the field which the map is used for. A column
-// that is never empty says `always`.
+// list. In inputs a type may be `files` (one name or a list of them), `date`, `utc_time` or `id`
+// (texts that are read strictly), and what has a `default` is no optional. For C++ alone: `member`
+// (where its name is not the field's), `initially` (the value of a new struct), `flat` (the members
+// of a map stand beside those of the one it is in), `omit` (the value that is left out), `scale`
+// (file over member), `computed` (an expression of the struct, written and never read), `apart` (no member: C++ code reads it), `placed`
+// (of a map: the struct says where it stands, itself or that field of it). A `unit` of "*" is that
+// of the field which the map is used for. A column that is never empty says `always`.
 
 namespace runcert {
 
@@ -62,6 +66,8 @@ struct DeclaredStruct {
     std::vector<std::string> names;  ///< their keys
     bool by_hand = false;            ///< C++ code has the struct and its codec
     bool comparable = false;
+    bool or_text = false;  ///< a text may stand in its place
+    std::string placed;    ///< the field whose place it keeps, "true" for its own; empty for none
     bool compact = false;  ///< a group whose empty cells take no room of their own
 };
 
@@ -89,6 +95,8 @@ class Declaration {
     const std::vector<DeclaredStruct>& own_groups() const { return own_groups_; }
     /// All columns: those of the row that this one extends, groups taken apart.
     const std::vector<DeclaredColumn>& columns() const { return columns_; }
+    /// Whether it is of an input, which has readers alone.
+    bool is_input() const { return source_["input"].exists(); }
     /// The name of the row that this product's extends.
     const std::string& extended_row() const { return extended_row_; }
     /// The fields outside every map.

@@ -9,9 +9,13 @@ namespace runcert {
 namespace {
 
 /// What a declaration says for C++ alone, or in other words than a field table.
-constexpr std::array<std::string_view, 11> not_of_tables{"member",    "of",    "item",    "flat",
-                                                         "initially", "scale", "omit",    "always",
-                                                         "about",     "bits",  "computed"};
+constexpr std::array<std::string_view, 13> not_of_tables{
+    "member", "of",    "item", "flat",     "initially",   "scale", "omit",
+    "always", "about", "bits", "computed", "item_values", "apart"};
+
+/// Types that a field table knows as texts.
+constexpr std::array<std::string_view, 6> kinds_of_text{"gps_time", "satellite", "signal",
+                                                        "date",     "utc_time",  "id"};
 
 std::string yaml_text(const YamlNode& node) {
     if (node.is_list()) {
@@ -19,6 +23,13 @@ std::string yaml_text(const YamlNode& node) {
         for (std::size_t i = 0; i < node.size(); ++i)
             out += (i ? ", " : "") + yaml_text(node.item(i));
         return "[" + out + "]";
+    }
+    if (node.is_map()) {
+        std::string out;
+        for (std::size_t i = 0; i < node.size(); ++i)
+            out += fmt::format("{}{}: {}", i ? ", " : "", node.key(i).scalar(),
+                               yaml_text(node.value(i)));
+        return "{" + out + "}";
     }
     return node.is_quoted() ? in_quotes(node.scalar()) : std::string(node.scalar());
 }
@@ -61,7 +72,7 @@ class Table {
                 add(key, type);
             } else if (said == "elapsed") {
                 add(key, "real, unit: s, decimals: 9");
-            } else if (said == "gps_time" || said == "satellite" || said == "signal") {
+            } else if (std::ranges::find(kinds_of_text, said) != kinds_of_text.end()) {
                 add(key, "text");
             } else if (const DeclaredWords* words = declaration_.words(said)) {
                 std::string list;
@@ -87,15 +98,17 @@ class Table {
             entry["unit"].exists() ? yaml_text(entry["unit"].node()) : std::string();
         if (const DeclaredStruct* map = declaration_.map(type)) {
             const bool flat = entry["flat"].exists() && entry["flat"].boolean();
-            if (!flat) line(path, facts(entry, "map"));
+            if (!flat) line(path, facts(entry, map->or_text ? "text|map" : "map"));
             fields(*map, flat ? prefix : path + ".", unit);
-        } else if (type == "list" && entry["of"].exists()) {
-            line(path, facts(entry, "list"));
-            const std::string of = entry["of"].text();
+        } else if (type == "files" || (type == "list" && entry["of"].exists())) {
+            line(path, facts(entry, type == "files" ? "text|list" : "list"));
+            const std::string of = entry["of"].text_or("text");
             const DeclaredStruct* item = declaration_.map(of);
-            line(path + "[]", fmt::format("type: {}, description: {}", item ? "map" : of,
-                                          in_quotes(entry["item"].exists() ? entry["item"].text()
-                                                                           : "one of them")));
+            const YamlValue words = entry["item_values"];
+            line(path + "[]",
+                 fmt::format("type: {}{}, description: {}", item ? "map" : of,
+                             words.exists() ? ", values: " + yaml_text(words.node()) : "",
+                             in_quotes(entry["item"].text_or("one of them"))));
             if (item) fields(*item, path + "[].", unit);
         } else if (type == "speed") {
             constexpr std::array<std::pair<const char*, const char*>, 4> units{

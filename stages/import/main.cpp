@@ -168,7 +168,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     StageRun one = run;
     const OpenFiles open = open_files(receiver, source);
     // Not the attempt as a whole: a claim that changes elsewhere leaves the positions as they are.
-    one.use_parameters(receiver.stated);
+    one.use_parameters(run.attempt().stated.at(receiver.id));
     const std::vector<RecordingBytes> recordings = open.of("recording");
     StreamedRecording observations = read_receiver(one, receiver, open, recordings);
     std::vector<RecordingBytes> files = recordings;

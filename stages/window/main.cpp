@@ -47,12 +47,12 @@ void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Be
     if (const auto wheel = handed_in_series(run, "wheel", first_epoch)) {
         beside.wheel = {.m_s = timed_values(*wheel),
                         .calibrated_scale = run.attempt().wheel->scale,
-                        .sigma_calibrated = 0.5 * run.attempt().wheel->expanded_uncertainty_scale};
+                        .sigma_calibrated = 0.5 * run.attempt().wheel->expanded_uncertainty_scale.value_or(0.0)};
         if (!wheel->left_out.empty()) beside.notes.push_back(wheel->left_out);
     }
     if (const auto gates = handed_in_series(run, "gates", first_epoch)) {
         beside.gates_m = timed_values(*gates);
-        const SeriesFile& stated = *run.attempt().gates;
+        const GateSeries& stated = *run.attempt().gates;
         beside.gate_errors = {.sigma_distance_m = 0.5 * stated.expanded_uncertainty_m,
                               .sigma_time_s = 0.5 * stated.expanded_uncertainty_s};
     }

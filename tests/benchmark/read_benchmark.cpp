@@ -309,7 +309,7 @@ std::size_t read_recording(const std::string& text) {
 std::size_t read_described(const std::string& text) {
     Receiver described = receiver();
     described.format = "csv";
-    described.frame = CoordinateFrame::geodetic;
+    described.frame = StatedFrame{CoordinateFrame::geodetic};
     described.time_format = "iso";
     described.time_scale = "utc";
     described.columns = {{"time", "time"},     {"latitude", "lat"},     {"longitude", "lon"},

@@ -12,7 +12,7 @@ Receiver geodetic() {
     receiver.recordings = {"recording"};
     receiver.format = "csv";
     receiver.place = "attempt.yaml:5:5";
-    receiver.frame = CoordinateFrame::geodetic;
+    receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     receiver.columns = {
         {"time", "time"}, {"latitude", "lat"}, {"longitude", "lon"}, {"height", "h"}};
     return receiver;
@@ -50,7 +50,7 @@ Receiver unix() {
 
 Receiver ecef() {
     Receiver receiver = geodetic();
-    receiver.frame = CoordinateFrame::ecef;
+    receiver.frame = StatedFrame{CoordinateFrame::ecef};
     receiver.time_format = "seconds_of_week";
     receiver.columns = {{"week", "1"}, {"time", "2"}, {"x", "3"}, {"y", "4"}, {"z", "5"}};
     return receiver;
@@ -58,15 +58,15 @@ Receiver ecef() {
 
 Receiver utm() {
     Receiver receiver = geodetic();
-    receiver.frame = CoordinateFrame::utm;
-    receiver.utm_zone = UtmZone{.zone = 55, .northern = false};
+    receiver.frame = StatedFrame{CoordinateFrame::utm};
+    receiver.frame->utm_zone = UtmZone{.zone = 55, .northern = false};
     receiver.columns = {{"time", "t"}, {"east", "e"}, {"north", "n"}, {"up", "u"}};
     return receiver;
 }
 
 Receiver local_plane() {
     Receiver receiver = geodetic();
-    receiver.frame = CoordinateFrame::local_plane;
+    receiver.frame = StatedFrame{CoordinateFrame::local_plane};
     receiver.columns = {{"time", "t"}, {"east", "e"}, {"north", "n"}};
     receiver.start_gps = GpsTime{};
     return receiver;

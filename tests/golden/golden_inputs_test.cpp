@@ -14,8 +14,8 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.id, "urban-car_2");
     EXPECT_EQ(attempt.place, "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b (Nagoya)");
     EXPECT_EQ(attempt.date, "2022-03-18");
-    EXPECT_EQ(attempt.receivers.at(0).utm_zone->zone, 53);
-    EXPECT_TRUE(attempt.receivers.at(0).utm_zone->northern);
+    EXPECT_EQ(attempt.receivers.at(0).frame->utm_zone->zone, 53);
+    EXPECT_TRUE(attempt.receivers.at(0).frame->utm_zone->northern);
     EXPECT_EQ(attempt.receivers.at(0).columns.size(), 12U);
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
@@ -249,8 +249,8 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
 
     const Attempt second = read_attempt(attempt_text(day.entries[1].keys, "second"), "f");
     EXPECT_EQ(second.id, "run-2");
-    EXPECT_EQ(second.craft_name, "0042");
-    EXPECT_EQ(second.craft_class, "land-yacht");
+    EXPECT_EQ(second.craft.name, "0042");
+    EXPECT_EQ(second.craft.kind, "land-yacht");
     EXPECT_FALSE(second.record);
     ASSERT_EQ(second.receivers.size(), 1U);
     EXPECT_EQ(second.receivers[0].id, "primary");

@@ -288,7 +288,7 @@ TEST(DayExample, IsFourAttemptsOfSimulatedRecordings) {
     EXPECT_EQ(day.name, "lake-day");
     EXPECT_EQ(ids_of(day),
               (Ids{"yacht-a-heat-1", "yacht-a-heat-2", "yacht-a-heat-3", "yacht-b-final"}));
-    EXPECT_EQ(read_attempt(day.attempts.at(3).text, "f").craft_name, "Yacht B");
+    EXPECT_EQ(read_attempt(day.attempts.at(3).text, "f").craft.name, "Yacht B");
     for (const DayAttempt& attempt : day.attempts) {
         const fs::path recording = recordings_of(attempt).at(0);
         const fs::path spec_file = folder / "specs" / recording.stem().concat(".yaml");

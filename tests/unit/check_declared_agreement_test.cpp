@@ -96,10 +96,10 @@ RuleScene with_times(double start_off_s, double finish_off_s, double length_unce
     };
     const CourseLine line{.left = {.geodetic = std::nullopt, .plane_m = std::array{-20.0, 0.0}},
                           .right = {.geodetic = std::nullopt, .plane_m = std::array{20.0, 0.0}}};
-    scene.attempt.course = Course{.start = line,
-                                  .finish = line,
-                                  .length_m = 500.0,
+    scene.attempt.course = Course{.length_m = 500.0,
                                   .length_expanded_uncertainty_m = length_uncertainty_m,
+                                  .start = line,
+                                  .finish = line,
                                   .place = "attempt:1:1"};
     scene.attempt.secondary_method = SecondaryMethod{
         .method = "light gates",

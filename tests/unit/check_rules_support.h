@@ -162,7 +162,7 @@ inline MeasuredSeries steady(double speed_m_s, double direction_deg, double from
 inline void set_current(RuleScene& scene, double speed_m_s, double direction_deg,
                         double expanded_uncertainty_m_s) {
     scene.current = steady(speed_m_s, direction_deg, 0.0, 50.0);
-    scene.attempt.current = SeriesFile{.file = "current.csv",
+    scene.attempt.current = CurrentSeries{.file = "current.csv",
                                      .source = "meter",
                                      .expanded_uncertainty_m_s = expanded_uncertainty_m_s,
                                      .place = "attempt:1:1"};

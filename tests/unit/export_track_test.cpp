@@ -103,7 +103,7 @@ TEST(HostileText, IsTextOnEveryMap) {
     const TrajectoryTable table = flat_trajectory();
     Attempt attempt;
     attempt.id = "hostile";
-    attempt.craft_name =
+    attempt.craft.name =
         "=cmd()<script>alert(1)</script>&amp;]]>'\"\xe2\x80\xaegnp.\x01\n\xff\xf0\x9f\x9a\xa9" +
         std::string(10'000, 'y');
     Receiver receiver;

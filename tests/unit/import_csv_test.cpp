@@ -125,7 +125,7 @@ TEST(Csv, RelativeTimeWithAStartIsGpsTime) {
 
 TEST(Csv, EarthCentred) {
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::ecef;
+    receiver.frame = StatedFrame{CoordinateFrame::ecef};
     receiver.columns = {{"time", "t"}, {"x", "X"}, {"y", "Y"}, {"z", "Z"}};
     const Observations read =
         import_text(receiver, "t,X,Y,Z\n0,-3810228.582,3567868.547,3652903.300\n");
@@ -141,8 +141,8 @@ TEST(Csv, UtmComesBackToTheEllipsoid) {
     const Geodetic place{Angle::from_degrees(-37.8), Angle::from_degrees(149.5), 210.25};
     const UtmCoordinates grid = utm_from_geodetic(zone, place);
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::utm;
-    receiver.utm_zone = zone;
+    receiver.frame = StatedFrame{CoordinateFrame::utm};
+    receiver.frame->utm_zone = zone;
     receiver.columns = {{"time", "t"},           {"east", "E"},
                         {"north", "N"},          {"up", "h"},
                         {"sigma_east", "sE"},    {"sigma_north", "sN"},
@@ -176,8 +176,8 @@ TEST(Csv, TheGridTurnsTheRightWay) {
     };
     const Eigen::Vector3d step = LocalFrame(at(0.0)).enu_from_geodetic(at(10.0)).m;
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::utm;
-    receiver.utm_zone = zone;
+    receiver.frame = StatedFrame{CoordinateFrame::utm};
+    receiver.frame->utm_zone = zone;
     receiver.height_m = 0.0;
     receiver.columns = {
         {"time", "1"}, {"east", "2"}, {"north", "3"}, {"sigma_east", "4"}, {"sigma_north", "5"}};
@@ -194,7 +194,7 @@ TEST(Csv, TheGridTurnsTheRightWay) {
 
 TEST(Csv, LocalPlane) {
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::local_plane;
+    receiver.frame = StatedFrame{CoordinateFrame::local_plane};
     receiver.columns = {{"time", "t"}, {"east", "e"}, {"north", "n"}};
     receiver.accuracy = AttemptAccuracy{.horizontal_m = 0.012, .vertical_m = 0.02};
     const Observations read = import_text(receiver, "t,e,n\n0,1000.5,-20\n1,,\n");
@@ -314,7 +314,7 @@ TEST(CsvRefused, ByTheAttempt) {
         {[](Receiver& r) { r.columns.erase("time"); }, "\"time\", which time_format seconds needs"},
         {[](Receiver& r) { r.columns.erase("latitude"); }, "\"latitude\", which frame geodetic"},
         {[](Receiver& r) { r.columns.erase("height"); }, "no column of heights"},
-        {[](Receiver& r) { r.frame = CoordinateFrame::ecef; }, "of no use with frame ecef"},
+        {[](Receiver& r) { r.frame = StatedFrame{CoordinateFrame::ecef}; }, "of no use with frame ecef"},
         {[](Receiver& r) { r.columns["east"] = "lon"; }, "\"east\", which is of no use"},
         {[](Receiver& r) { r.columns["week"] = "h"; }, "\"week\", which is of no use"},
         {[](Receiver& r) { r.time_format = "seconds_of_week"; }, "\"week\", which time_format"},

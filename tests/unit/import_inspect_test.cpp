@@ -93,7 +93,7 @@ TEST(RealCsv, TheSimulatedRunOfDeakin2022) {
     const std::string bytes =
         read_file(RUNCERT_SOURCE_DIR "/examples/land_yacht/appendix_a_simulated_ppk.csv");
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::local_plane;
+    receiver.frame = StatedFrame{CoordinateFrame::local_plane};
     receiver.columns = {{"time", "time_s"}, {"east", "east_m"}, {"north", "north_m"}};
     const Observations read = import_text(receiver, bytes);
     EXPECT_EQ(read.rows.size(), 451u);
@@ -114,7 +114,7 @@ std::string straight_run() {
 
 Receiver plane_receiver() {
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::local_plane;
+    receiver.frame = StatedFrame{CoordinateFrame::local_plane};
     receiver.columns = {{"time", "time"}, {"east", "east"}, {"north", "north"}};
     return receiver;
 }

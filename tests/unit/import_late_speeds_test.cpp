@@ -20,7 +20,7 @@ struct Format {
 Receiver receiver_of(const Format& format) {
     if (format.name != std::string("csv")) return pos_receiver();
     Receiver receiver = csv_receiver();
-    receiver.frame = CoordinateFrame::geodetic;
+    receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     receiver.height_m = 0.0;
     receiver.columns = {
         {"time", "time_s"}, {"latitude", "lat"}, {"longitude", "lon"}, {"speed", "speed"}};

@@ -330,7 +330,7 @@ TEST(TableUnits, OfHeaderAndUnitsLineAreUsed) {
                     "coordinates in degrees"))
         << failure_of(other, text);
     Receiver plane = csv_receiver();
-    plane.frame = CoordinateFrame::local_plane;
+    plane.frame = StatedFrame{CoordinateFrame::local_plane};
     plane.columns = {{"time", "time"}, {"east", "e [ft]"}, {"north", "n [ft]"}};
     EXPECT_NE(failure_of(plane, "time,e [ft],n [ft]\n0,1,2\n1,2,3\n").find("is in ft"),
               std::string::npos);

@@ -187,8 +187,8 @@ std::vector<Sample> samples() {
     all.push_back({receiver,
                    "# c\ntime,lat,lon,h,se,sn,fix\n2023-07-11T06:04:30.0,35.5,-137.25,40,0.01,0.02,"
                    "fixed\n2023-07-11T06:04:30.1,35.5,-137.25,40,\"0.01\",,1\n"});
-    receiver.frame = CoordinateFrame::utm;
-    receiver.utm_zone = UtmZone{.zone = 33, .northern = true};
+    receiver.frame = StatedFrame{CoordinateFrame::utm};
+    receiver.frame->utm_zone = UtmZone{.zone = 33, .northern = true};
     receiver.time_format = "seconds";
     receiver.columns = {{"time", "1"},       {"east", "2"},        {"north", "3"}, {"up", "4"},
                         {"sigma_east", "5"}, {"sigma_north", "6"}, {"fix", "7"}};

@@ -16,7 +16,7 @@ using namespace import_test;
 Receiver table_of(const std::vector<std::string>& columns) {
     Receiver receiver = pos_receiver();
     receiver.format = "csv";
-    receiver.frame = CoordinateFrame::geodetic;
+    receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     receiver.columns = {{"time", "1"}, {"latitude", "2"}, {"longitude", "3"}, {"height", "4"}};
     for (std::size_t i = 0; i < columns.size(); ++i)
         receiver.columns[columns[i]] = fmt::format("{}", 5 + i);

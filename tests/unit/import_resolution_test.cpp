@@ -118,9 +118,9 @@ TEST(CsvResolution, OfLatitudeAndLongitude) {
 
 Receiver metre_receiver(CoordinateFrame frame) {
     Receiver receiver = csv_receiver();
-    receiver.frame = frame;
+    receiver.frame = StatedFrame{frame};
     receiver.columns = {{"time", "1"}, {"east", "2"}, {"north", "3"}, {"up", "4"}};
-    receiver.utm_zone = UtmZone{.zone = 55, .northern = false};
+    receiver.frame->utm_zone = UtmZone{.zone = 55, .northern = false};
     return receiver;
 }
 
@@ -132,7 +132,7 @@ TEST(CsvResolution, OfMetres) {
     expect_resolution(import_text(utm, "0.0,544036.123,5815882.12,2\n").facts, 1e-2, 0.1);
 
     Receiver ecef = csv_receiver();
-    ecef.frame = CoordinateFrame::ecef;
+    ecef.frame = StatedFrame{CoordinateFrame::ecef};
     ecef.columns = {{"time", "1"}, {"x", "2"}, {"y", "3"}, {"z", "4"}};
     expect_resolution(import_text(ecef, "0.0,-3810228.582,3567868.547,3652903.30\n").facts, 1e-2,
                       0.1);
@@ -227,7 +227,7 @@ TEST(RealCsvResolution, TheReferenceOfTheUrbanCar) {
         {"time", "1"}, {"week", "2"}, {"latitude", "3"}, {"longitude", "4"}, {"height", "5"}};
     expect_resolution(import_text(receiver, *bytes).facts, 1e-8 * longest_degree_m(35.16536109),
                       0.1);
-    receiver.frame = CoordinateFrame::ecef;
+    receiver.frame = StatedFrame{CoordinateFrame::ecef};
     receiver.columns = {{"time", "1"}, {"week", "2"}, {"x", "6"}, {"y", "7"}, {"z", "8"}};
     expect_resolution(import_text(receiver, *bytes).facts, 1e-3, 0.1);
 }

@@ -45,7 +45,7 @@ inline Receiver pos_receiver() {
 /// A CSV receiver with columns time, latitude, longitude, height by those names.
 inline Receiver csv_receiver() {
     Receiver receiver = pos_receiver();
-    receiver.frame = CoordinateFrame::geodetic;
+    receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     receiver.columns = {
         {"time", "time"}, {"latitude", "lat"}, {"longitude", "lon"}, {"height", "h"}};
     receiver.time_format = "seconds";

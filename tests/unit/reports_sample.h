@@ -411,7 +411,7 @@ inline Attempt attempt(const Options& options) {
     Attempt attempt = read_attempt(text, "attempt.yaml");
     attempt.parameters["smooth"]["jerk_density"] = 0.9;
     attempt.overrides = {"smooth.jerk_density"};
-    attempt.craft_name = options.craft;
+    attempt.craft.name = options.craft;
     attempt.place = options.place;
     return attempt;
 }

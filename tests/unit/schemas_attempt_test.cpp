@@ -46,8 +46,8 @@ profiles: [nalsa]
 TEST(Attempt, TheExampleOfTheDesignIsRead) {
     const Attempt attempt = read_attempt(design, "attempt.yaml");
     EXPECT_EQ(attempt.id, "urban-car");
-    EXPECT_EQ(attempt.craft_name, "test car");
-    EXPECT_EQ(attempt.craft_class, "car");
+    EXPECT_EQ(attempt.craft.name, "test car");
+    EXPECT_EQ(attempt.craft.kind, "car");
     EXPECT_EQ(attempt.place, "Nagoya");
     EXPECT_EQ(attempt.date, "");
     ASSERT_EQ(attempt.officials.size(), 1U);
@@ -131,9 +131,9 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     ASSERT_EQ(attempt.receivers.size(), 2U);
     const Receiver& first = attempt.receivers[0];
     EXPECT_EQ(first.recordings, std::vector<std::string>{"day 1/r.csv"});
-    EXPECT_EQ(first.frame, CoordinateFrame::utm);
-    EXPECT_EQ(first.utm_zone->zone, 55);
-    EXPECT_FALSE(first.utm_zone->northern);
+    EXPECT_EQ(first.frame->kind, CoordinateFrame::utm);
+    EXPECT_EQ(first.frame->utm_zone->zone, 55);
+    EXPECT_FALSE(first.frame->utm_zone->northern);
     EXPECT_EQ(first.columns,
               (std::map<std::string, std::string>{{"time", "t"}, {"east", "2"}, {"north", "3"}}));
     EXPECT_EQ(first.time_format, "seconds_of_week");
@@ -148,15 +148,15 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     ASSERT_TRUE(first.lever_arm);
     EXPECT_EQ(*first.lever_arm, (std::array<double, 3>{0.5, -0.25, -1.2}));
     const Receiver& second = attempt.receivers[1];
-    EXPECT_EQ(second.frame, CoordinateFrame::local_plane);
-    EXPECT_FALSE(second.utm_zone || second.accuracy->vertical_m || second.lever_arm);
+    EXPECT_EQ(second.frame->kind, CoordinateFrame::local_plane);
+    EXPECT_FALSE(second.frame->utm_zone || second.accuracy->vertical_m || second.lever_arm);
 }
 
 TEST(Attempt, EveryFrameHasAWord) {
     for (const char* word : {"geodetic", "ecef", "local_plane"}) {
         const std::string text =
             replaced(least, "r.csv}", std::string("r.csv, frame: ") + word + "}");
-        EXPECT_EQ(to_text(*read_attempt(text, "f").receivers.at(0).frame), word);
+        EXPECT_EQ(to_text(read_attempt(text, "f").receivers.at(0).frame->kind), word);
     }
 }
 

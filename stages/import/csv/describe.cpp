@@ -111,7 +111,7 @@ void check_position(const Receiver& receiver, Description& description) {
     require_column(receiver, needed[1], setting);
     description.has_up = maps(receiver, needed[2]);
     if (description.frame == CoordinateFrame::ecef) require_column(receiver, needed[2], setting);
-    if (description.frame == CoordinateFrame::utm && !receiver.utm_zone)
+    if (description.frame == CoordinateFrame::utm && !receiver.frame->utm_zone)
         fail(receiver, "UTM coordinates need their zone and hemisphere",
              "Write frame: {utm: {zone: 55, hemisphere: south}}");
     if (description.has_up || description.frame == CoordinateFrame::local_plane) return;
@@ -200,7 +200,7 @@ Description describe(const Receiver& receiver) {
     if (!receiver.frame)
         fail(receiver, "the recording is a table, and its frame is not stated",
              "Write frame: geodetic, ecef, local_plane, or {utm: {zone: 55, hemisphere: south}}");
-    description.frame = *receiver.frame;
+    description.frame = receiver.frame->kind;
     check_position(receiver, description);
     check_accuracy(receiver);
     check_time(receiver, description);

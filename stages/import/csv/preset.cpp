@@ -85,7 +85,7 @@ Head find_preset_head(const Preset& preset, const RecordingBytes& recording) {
 Receiver described(const Preset& preset, const Receiver& given, const Layout& layout,
                    const RecordingBytes& recording) {
     Receiver receiver = given;
-    receiver.frame = CoordinateFrame::geodetic;
+    receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     receiver.columns.clear();
     for (std::size_t i = 0; i < layout.place.size(); ++i)
         if (layout.place[i])

@@ -257,7 +257,7 @@ std::optional<Proposal> propose(const RecordingBytes& recording) {
     Proposal proposal;
     proposal.first_row = first_row_of(*table);
     Layout layout = find_columns(*table);
-    proposal.receiver.frame = CoordinateFrame::geodetic;
+    proposal.receiver.frame = StatedFrame{CoordinateFrame::geodetic};
     proposal.receiver.format = "csv";
     set_time(*table, layout, proposal);
     set_speed_unit(layout, proposal);

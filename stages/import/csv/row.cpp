@@ -124,7 +124,7 @@ Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_
     const double easting_m = fields.real(Column::east);
     const double northing_m = fields.real(Column::north);
     try {
-        return geodetic_from_utm(*receiver.utm_zone, easting_m, northing_m, height_m);
+        return geodetic_from_utm(*receiver.frame->utm_zone, easting_m, northing_m, height_m);
     } catch (const Failure& failure) {
         fields.cell(Column::east).fail(failure.problem(), failure.remedy());
     }
@@ -202,7 +202,7 @@ StatedAccuracy read_accuracy(const Fields& fields, const Description& descriptio
     accuracy.sigma_east_m = fields.deviation(Column::sigma_east);
     accuracy.sigma_north_m = fields.deviation(Column::sigma_north);
     if (description.frame != CoordinateFrame::utm) return accuracy;
-    return accuracy_from_grid(accuracy, utm_geometry(*receiver.utm_zone, fields.real(Column::east),
+    return accuracy_from_grid(accuracy, utm_geometry(*receiver.frame->utm_zone, fields.real(Column::east),
                                                      fields.real(Column::north)));
 }
 

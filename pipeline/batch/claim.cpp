@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "batch/epoch_estimate.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
@@ -12,14 +10,6 @@
 #include "schemas/common/header.h"
 
 namespace runcert {
-namespace {
-
-nlohmann::ordered_json json_of_yaml(const std::string& text, const std::string& where) {
-    return json_from_yaml(YamlValue(parse_yaml(text, where), where));
-}
-
-}  // namespace
-
 Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed) {
     Claim claim;
     claim.source.file = given.file.empty() ? composed : given.file;
@@ -32,10 +22,9 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
                       fmt::format("the id is \"{}\", and was \"{}\" when the day was listed",
                                   claim.attempt.id, given.id),
                       "Leave the attempt as it is while the batch runs, and run it again");
-    claim.document = json_of_yaml(claim.text, where);
     for (const std::string& claimed : claim.attempt.profiles) {
         const std::string profile = find_profile(claimed, claim.source);
-        claim.profiles.push_back(json_of_yaml(profile, claimed));
+        claim.profiles.emplace_back(parse_yaml(profile, claimed), claimed);
         claim.files[profile_copy_name(claimed)] = sha256_hex(profile);
     }
     for (const AttemptFile& file : series_files(claim.attempt))

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "batch/day_attempts.h"
-#include "files/held_json.h"
+#include "files/yaml_input.h"
 #include "run/attempt_files.h"
 
 namespace runcert {
@@ -18,8 +18,7 @@ struct Claim {
     AttemptSource source;
     std::string text;  ///< of the attempt
     Attempt attempt;
-    HeldJson document;               ///< the attempt as written
-    std::vector<HeldJson> profiles;  ///< the claimed ones as written, in that order
+    std::vector<YamlValue> profiles;  ///< the claimed ones as written, in that order
     FileHashes files;                ///< attempt, profiles, and series of wind and current
 };
 

@@ -69,12 +69,12 @@ RecordPlace RunMaking::record_place() const {
 
 /// What a step would now be made from.
 StepRecord RunMaking::expected(const std::string& step) const {
-    StepRecord record{.programs = context_.programs.at(step),
-                      .settings = settings_of_step(step, claim_.attempt, claim_.document,
-                                                   claim_.profiles, context_.report),
-                      .inputs = {},
-                      .outputs = {},
-                      .said = {}};
+    StepRecord record{
+        .programs = context_.programs.at(step),
+        .settings = settings_of_step(step, claim_.attempt, claim_.profiles, context_.report),
+        .inputs = {},
+        .outputs = {},
+        .said = {}};
     for (const std::string& name : inputs_of(step_named(step), claim_.attempt))
         record.inputs[name] = current_.at(name);
     if (step == "claim") record.inputs = claim_.files;

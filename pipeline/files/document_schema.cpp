@@ -43,6 +43,11 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));
     rule.description = entry["description"].text();
     rule.origin = read_origin(entry);
+    if (const YamlValue stages = entry["read_by"]; stages.is_list()) {
+        rule.read_by.emplace();
+        for (const YamlValue& stage : stages.list())
+            rule.read_by->push_back(stage.text());
+    }
     return rule;
 }
 
@@ -91,6 +96,20 @@ bool is_sound(const FieldRule& rule, const YamlNode& scalar) {
     const std::optional<double> number = parse_double(scalar.scalar());
     return number && !(rule.minimum && *number < *rule.minimum) &&
            !(rule.maximum && *number > *rule.maximum);
+}
+
+std::string field_path(const std::string& path, std::string_view name) {
+    std::string whole = path;
+    if (!whole.empty()) whole += '.';
+    whole += name;
+    return whole;
+}
+
+/// The path of what a field is in.
+std::string_view above(std::string_view path) {
+    if (path.ends_with("[]")) return path.substr(0, path.size() - 2);
+    const std::size_t point = path.rfind('.');
+    return point == std::string_view::npos ? "" : path.substr(0, point);
 }
 
 }  // namespace
@@ -146,13 +165,58 @@ const FieldRule* DocumentSchema::find(std::string_view path) const {
 }
 
 const FieldOrigin* DocumentSchema::origin_of(std::string_view path) const {
-    while (!path.empty()) {
+    for (; !path.empty(); path = above(path))
         if (const FieldRule* rule = find(path); rule && rule->origin) return &*rule->origin;
-        path = path.ends_with("[]") ? path.substr(0, path.size() - 2)
-                                    : path.substr(0, path.rfind('.') + 1);
-        if (path.ends_with('.')) path.remove_suffix(1);
-    }
     return nullptr;
+}
+
+bool DocumentSchema::is_read_by(std::string_view path, std::string_view stage) const {
+    for (; !path.empty(); path = above(path))
+        if (const FieldRule* rule = find(path); rule && rule->read_by)
+            return std::ranges::count(*rule->read_by, stage) > 0;
+    return false;
+}
+
+YamlNode DocumentSchema::part_read_by(const YamlValue& document, std::string_view stage) const {
+    YamlBuilder builder;
+    add_part(document.node(), "", stage, builder);
+    return std::move(builder).take();
+}
+
+bool DocumentSchema::has_part(const YamlNode& node, const std::string& path,
+                              std::string_view stage) const {
+    if (node.is_map()) {
+        for (std::size_t i = 0; i < node.size(); ++i)
+            if (has_part(node.value(i), field_path(path, node.key(i).scalar()), stage)) return true;
+        return false;
+    }
+    if (node.is_list() && node.size() > 0 && node.item(0).is_map()) {
+        for (std::size_t i = 0; i < node.size(); ++i)
+            if (has_part(node.item(i), path + "[]", stage)) return true;
+        return false;
+    }
+    return is_read_by(path, stage);
+}
+
+void DocumentSchema::add_part(const YamlNode& node, const std::string& path, std::string_view stage,
+                              YamlBuilder& builder) const {
+    if (node.is_map()) {
+        builder.begin(YamlKind::map, node.mark());
+        for (std::size_t i = 0; i < node.size(); ++i) {
+            const std::string below = field_path(path, node.key(i).scalar());
+            if (!has_part(node.value(i), below, stage)) continue;
+            builder.copy(node.key(i));
+            add_part(node.value(i), below, stage, builder);
+        }
+        (void)builder.end();
+    } else if (node.is_list() && node.size() > 0 && node.item(0).is_map()) {
+        builder.begin(YamlKind::list, node.mark());
+        for (std::size_t i = 0; i < node.size(); ++i)
+            add_part(node.item(i), path + "[]", stage, builder);
+        (void)builder.end();
+    } else {
+        builder.copy(node);
+    }
 }
 
 std::vector<std::string_view> DocumentSchema::children(std::string_view path) const {
@@ -210,13 +274,6 @@ class DocumentSchema::Validation {
     }
 
   private:
-    static std::string field_path(const std::string& path, std::string_view name) {
-        std::string whole = path;
-        if (!whole.empty()) whole += '.';
-        whole += name;
-        return whole;
-    }
-
     YamlValue at(const YamlNode& node, const Step& step) const {
         return {node, document_.where(), step.path(document_.path())};
     }

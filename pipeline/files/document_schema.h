@@ -34,6 +34,8 @@ struct FieldRule {
     YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
+    /// The stages that read it; where it does not say, those of what it is in.
+    std::optional<std::vector<std::string>> read_by{};
 };
 
 /// The field table of one product or input: `schemas/NAME/v1.yaml`, the normative text, from which
@@ -64,6 +66,14 @@ class DocumentSchema {
     /// Null where none declares it.
     const FieldOrigin* origin_of(std::string_view path) const;
 
+    /// Whether that field is read by that stage: its own declaration, or the nearest one of what it
+    /// is in. Not where none declares it.
+    bool is_read_by(std::string_view path, std::string_view stage) const;
+
+    /// Of a valid document what that stage reads, with the places that it has there. Lists of maps
+    /// keep their number of items.
+    YamlNode part_read_by(const YamlValue& document, std::string_view stage) const;
+
     /// Checks every key, type, range and required field of a document. The first deviation is a
     /// Failure with file, line and column; an unknown key's names the nearest known one. Keys
     /// that are unknown are passed over where `newer_revision` says that the document follows a
@@ -78,6 +88,9 @@ class DocumentSchema {
     class Validation;
     void add(FieldRule rule);
     std::vector<std::string_view> children(std::string_view path) const;
+    bool has_part(const YamlNode& node, const std::string& path, std::string_view stage) const;
+    void add_part(const YamlNode& node, const std::string& path, std::string_view stage,
+                  YamlBuilder& builder) const;
 
     std::string name_;
     std::string version_;

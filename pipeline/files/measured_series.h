@@ -27,7 +27,8 @@ struct SeriesSample {
 struct MeasuredSeries {
     std::string where;
     std::vector<SeriesSample> samples;
-    std::string left_out = {};  ///< a sentence on the lines that were left out; empty where none were
+    std::string left_out =
+        {};  ///< a sentence on the lines that were left out; empty where none were
 };
 
 /// Reads a series from comma-separated text. Its header line names these columns, in any order:

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
@@ -22,6 +24,15 @@ InputFile input_file(const std::string& role, const std::string& file, const Fil
             .original = original == file ? "" : original};
 }
 
+/// What a stage read of the attempt beside its own parameters.
+HeldJson beside_parameters(nlohmann::ordered_json read, const std::string& stage) {
+    if (const auto parameters = read.find("parameters"); parameters != read.end()) {
+        parameters->erase(stage);
+        if (parameters->empty()) read.erase("parameters");
+    }
+    return read;
+}
+
 }  // namespace
 
 StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
@@ -32,8 +43,23 @@ StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
       attempt_text_(read_handwritten(attempt_file)),
       attempt_(read_attempt(attempt_text_, attempt_file.string())) {
     make_directory(run_dir_);
-    const auto parameters = attempt_.parameters.find(stage_);
-    if (parameters != attempt_.parameters.end()) parameters_ = parameters->second;
+    parameters_ = parameters_of(attempt_, stage_);
+    if (!reads_part(stage_)) return;
+    StagePart part = part_of_stage(attempt_, stage_);
+    read_ = beside_parameters(*part.settings, stage_);
+    attempt_ = std::move(part.attempt);
+}
+
+std::vector<Profile> StageRun::read_profiles() {
+    std::vector<Profile> profiles;
+    std::vector<YamlValue> texts;
+    for (const std::string& claimed : attempt_.profiles) {
+        profiles.push_back(read_claimed_profile(run_dir_, claimed, attempt_));
+        const std::filesystem::path file = run_dir_ / profile_copy_name(claimed);
+        texts.emplace_back(parse_yaml(read_handwritten(file), file.string()), file.string());
+    }
+    read_["profiles"] = profiles_of_stage(texts, stage_);
+    return profiles;
 }
 
 void StageRun::note(const InputFile& input) {
@@ -103,6 +129,7 @@ Header StageRun::header() const {
     header.source_revision = source_revision();
     header.inputs = inputs_;
     header.parameters = parameters_;
+    header.attempt = read_;
     return header;
 }
 

@@ -12,6 +12,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
 #include "schemas/common/product_files.h"
+#include "schemas/profile/profile.h"
 
 namespace runcert {
 
@@ -64,16 +65,24 @@ class StageRun {
     StageRun(std::string stage, const std::filesystem::path& attempt_file,
              std::filesystem::path run_dir);
 
+    /// Of a stage that says what it reads of the attempt (`reads_part`), that part.
     const Attempt& attempt() const { return attempt_; }
     const std::filesystem::path& run_dir() const { return run_dir_; }
     const std::filesystem::path& attempt_path() const { return attempt_path_; }
     const std::string& attempt_text() const { return attempt_text_; }
 
+    /// The profiles that the attempt claims, its figures in place of theirs. What the stage reads
+    /// of them is named in its header.
+    std::vector<Profile> read_profiles();
+
     /// The attempt as an input of the stage; a stage that uses more of it than its parameters calls
     /// this to have it named in its header.
     void note_attempt();
     /// What the stage uses in place of the attempt's parameters of its name.
-    void use_parameters(HeldJson parameters) { parameters_ = std::move(parameters); }
+    void use_parameters(HeldJson parameters) {
+        parameters_ = std::move(parameters);
+        read_ = {};
+    }
     /// Notes bytes that do not come from the run folder's products.
     void note_input(const std::string& role, const std::string& file, std::string_view bytes,
                     const std::string& original = {});
@@ -160,6 +169,7 @@ class StageRun {
     std::string attempt_text_;
     Attempt attempt_;
     HeldJson parameters_;
+    HeldJson read_;  ///< of the attempt, beside these
     std::vector<InputFile> inputs_;
     std::map<std::string, Claim> claims_;
     std::vector<std::string> said_;

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <nlohmann/json.hpp>
 
 #include "run/attempt_files.h"
+#include "schemas/common/header.h"
+#include "schemas/profile/profile.h"
 
 namespace runcert {
 namespace {
@@ -49,8 +52,7 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
 Names heard_files(const Step& step, const Attempt& attempt) {
     Names names;
     for (const AttemptFile& file : series_files(attempt))
-        if (std::ranges::find(step.hears, file.role) != step.hears.end())
-            names.push_back(file.name);
+        if (attempt_schema().is_read_by(file.role + ".file", step.name)) names.push_back(file.name);
     return names;
 }
 
@@ -76,8 +78,7 @@ const std::vector<Step>& steps() {
         {.name = "screen",
          .program = "runcert-screen",
          .products = {screened, screened_phase},
-         .made_from = {products::enu, phase},
-         .hears = {"wheel"}},
+         .made_from = {products::enu, phase}},
         {.name = "smooth",
          .program = "runcert-smooth",
          .products = {trajectory},
@@ -85,8 +86,7 @@ const std::vector<Step>& steps() {
         {.name = "window",
          .program = "runcert-window",
          .products = {windows},
-         .made_from = {screened, trajectory, phase, screened_phase},
-         .hears = {"wheel", "gates"}},
+         .made_from = {screened, trajectory, phase, screened_phase}},
         {.name = "check",
          .program = "runcert-check",
          .products = {verdict},
@@ -101,6 +101,36 @@ const std::vector<Step>& steps() {
          .options = {"--render-only"},
          .calls = {"gnuplot", "weasyprint"}}};
     return all;
+}
+
+bool reads_part(std::string_view stage) {
+    const auto found = std::ranges::find(steps(), stage, &Step::name);
+    return found != steps().end() && !found->products.empty() && !is_of_run(*found);
+}
+
+StagePart part_of_stage(const Attempt& attempt, std::string_view stage) {
+    StagePart part{part_read_by(attempt, stage), settings_of(attempt, stage)};
+    // Of figures that replace a profile's, those of the fields of a profile that the stage reads.
+    const auto is_read = [stage](std::string figure) {
+        if (figure.starts_with("clauses.")) figure = "clauses[]" + figure.substr(figure.rfind('.'));
+        return profile_schema().is_read_by(figure, stage);
+    };
+    if (part.attempt.rules.empty()) return part;
+    std::erase_if(part.attempt.rules,
+                  [&](const ReplacedFigure& rule) { return !is_read(rule.figure); });
+    auto rules = nlohmann::ordered_json::array();
+    for (const auto& rule : part.settings->at("rules"))
+        if (is_read(rule.at("figure"))) rules.push_back(rule);
+    part.settings["rules"] = rules;
+    return part;
+}
+
+HeldJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage) {
+    auto parts = nlohmann::ordered_json::array();
+    for (const YamlValue& profile : profiles)
+        parts.push_back(json_from_yaml(
+            YamlValue(profile_schema().part_read_by(profile, stage), profile.where())));
+    return parts;
 }
 
 const Step& step_named(std::string_view name) {

@@ -20,12 +20,24 @@ struct Step {
     std::vector<std::string> calls = {};      ///< programs of others that it may run
     std::vector<ProductFile> products = {};   ///< what a stage writes, its own first
     std::vector<ProductFile> made_from = {};  ///< the products that it reads at least
-    /// The attempt's keys of the series that it reads besides, as witnesses.
-    std::vector<std::string_view> hears = {};
 };
 
 /// The steps, in their order: the one list that certify, batch, verify and the inventory go by.
 const std::vector<Step>& steps();
+
+/// Whether a program is a stage that gets what the attempt's fields declare for it, and no more.
+bool reads_part(std::string_view stage);
+
+/// What such a stage gets, and that as its header and the record of the step have it: what its
+/// files depend on beside the files that it reads.
+struct StagePart {
+    Attempt attempt;
+    HeldJson settings;
+};
+StagePart part_of_stage(const Attempt& attempt, std::string_view stage);
+
+/// What a stage reads of the profiles that an attempt claims.
+HeldJson profiles_of_stage(const std::vector<YamlValue>& profiles, std::string_view stage);
 
 /// The step of that name, which must be one.
 const Step& step_named(std::string_view name);

@@ -80,15 +80,14 @@ Json software_json(const ReportInputs& inputs) {
 Json deviations_json(const ReportInputs& inputs) {
     Json list = Json::array();
     for (const std::string& parameter : inputs.attempt.overrides) {
-        const std::size_t dot = parameter.find('.');
-        const auto stage = inputs.attempt.parameters.find(parameter.substr(0, dot));
-        const std::string name = dot == std::string::npos ? "" : parameter.substr(dot + 1);
-        const bool known =
-            stage != inputs.attempt.parameters.end() && stage->second->contains(name);
+        const std::size_t dot = std::min(parameter.find('.'), parameter.size() - 1);
+        const YamlValue value =
+            inputs.attempt
+                .resolved["parameters"][parameter.substr(0, dot)][parameter.substr(dot + 1)];
         list.push_back(fmt::format(
             "Parameter {}{}, set by the attempt.", parameter,
-            known
-                ? ": " + stage->second.at(name).dump(-1, ' ', false, Json::error_handler_t::replace)
+            value.exists()
+                ? ": " + json_from_yaml(value).dump(-1, ' ', false, Json::error_handler_t::replace)
                 : ""));
     }
     for (const ProfileVerdict& verdict : inputs.verdict.profiles)

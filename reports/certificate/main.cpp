@@ -36,8 +36,8 @@ void view_phases(const StageRun& run, auto& phases, auto& judged, ReceiverResult
     results.phase_view = phase_view(
         judged_phases(phases, judged,
                       ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
-                      run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>(),
-                      start_s - around_s, start_s + span.duration.seconds() + around_s),
+                      run.attempt().parameters.screen.phase_mask_deg, start_s - around_s,
+                      start_s + span.duration.seconds() + around_s),
         first, results.trajectory, span.duration.seconds());
 }
 

@@ -83,8 +83,8 @@ void check_inputs(const ReportInputs& inputs) {
                                inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
 }
 
-/// By a field table, as the stages' products. Of a curve's many points a few stand for all: they are
-/// made by one line of code.
+/// By a field table, as the stages' products. Of a curve's many points a few stand for all: they
+/// are made by one line of code.
 void check_predicate(Json predicate, const std::string& where) {
     for (Json& figure : predicate["figures"])
         for (Json& curve : figure["curves"])

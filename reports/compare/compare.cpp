@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/statistics.h"
 #include "estimation/tables/certifiable.h"
+#include "estimation/tables/noise_models.h"
 
 namespace runcert {
 namespace {
@@ -227,17 +228,13 @@ void count_truth(const TrajectoryTable& trajectory, const TruthRows* truth,
 }  // namespace
 
 CompareConfig compare_config(const Attempt& attempt) {
-    const nlohmann::ordered_json& smooth = attempt.parameters.at("smooth");
-    using Motion = NoiseFitOptions::Motion;
+    const SmoothParameters& smooth = attempt.parameters.smooth;
     CompareConfig config;
-    config.fit.initial_jerk_density = smooth.at("jerk_density");
-    config.fit.tau_min_s = smooth.at("error_time_min_s");
-    config.fit.tau_max_s = smooth.at("error_time_max_s");
-    const std::string motion = smooth.at("motion_model");
-    config.fit.motion = motion == "singer"                  ? Motion::singer
-                        : motion == "constant_acceleration" ? Motion::constant_acceleration
-                                                            : Motion::by_likelihood;
-    config.duration_tolerance_s = attempt.parameters.at("window").at("duration_tolerance_s");
+    config.fit.initial_jerk_density = smooth.jerk_density;
+    config.fit.tau_min_s = smooth.error_time_min_s;
+    config.fit.tau_max_s = smooth.error_time_max_s;
+    config.fit.motion = motion_of(smooth.motion_model);
+    config.duration_tolerance_s = attempt.parameters.window.duration_tolerance_s;
     return config;
 }
 

@@ -83,29 +83,56 @@ void require_heights(const YamlValue& receivers, const std::string& craft_class)
     }
 }
 
-void resolve_parameters(const YamlValue& document, Attempt& attempt) {
-    for (const FieldRule& rule : attempt_schema().fields()) {
-        constexpr std::string_view prefix = "parameters.";
-        if (!rule.path.starts_with(prefix) || rule.path.ends_with("[]")) continue;
-        const std::string path = rule.path.substr(prefix.size());
-        const std::size_t point = path.find('.');
-        if (point == std::string::npos) continue;
-        const std::string stage = path.substr(0, point);
-        const std::string name = path.substr(point + 1);
-        YamlValue value = document["parameters"][stage][name];
-        if (value.exists())
-            attempt.overrides.push_back(path);
-        else
-            value = rule.default_value.is_map() ? rule.default_value[attempt.craft.kind]
-                                                : rule.default_value;
-        attempt.parameters[stage][name] = json_from_yaml(value);
+/// The stages that have parameters, with these resolved.
+void add_parameters(const YamlValue& stated, Attempt& attempt, YamlBuilder& builder) {
+    const auto names_in = [](const std::string& path) {
+        std::vector<std::string> names;
+        for (const FieldRule& rule : attempt_schema().fields())
+            if (rule.path.starts_with(path + ".") && !rule.path.ends_with("[]") &&
+                rule.path.find('.', path.size() + 1) == std::string::npos)
+                names.push_back(rule.path.substr(path.size() + 1));
+        return names;
+    };
+    builder.begin(YamlKind::map, stated.node().mark());
+    for (const std::string& stage : names_in("parameters")) {
+        builder.scalar(stage, false, {});
+        builder.begin(YamlKind::map, {});
+        for (const std::string& name : names_in("parameters." + stage)) {
+            YamlValue value = stated[stage][name];
+            const YamlValue& usual =
+                attempt_schema().find("parameters." + stage + "." + name)->default_value;
+            if (value.exists())
+                attempt.overrides.push_back(stage + "." + name);
+            else
+                value = usual.is_map() ? usual[attempt.craft.kind] : usual;
+            if (!value.exists()) continue;
+            builder.scalar(name, false, {});
+            builder.copy(value.node());
+        }
+        (void)builder.end();
     }
+    (void)builder.end();
+}
+
+void resolve_parameters(const YamlValue& document, Attempt& attempt) {
+    YamlBuilder builder;
+    builder.begin(YamlKind::map, document.node().mark());
+    for (const std::string& key : document.keys()) {
+        if (key == "parameters") continue;
+        builder.scalar(key, false, {});
+        builder.copy(document[key].node());
+    }
+    builder.scalar("parameters", false, {});
+    add_parameters(document["parameters"], attempt, builder);
+    (void)builder.end();
+    attempt.resolved = YamlValue(std::move(builder).take(), document.where());
+    attempt.parameters = read_members<Parameters>(attempt.resolved["parameters"]);
 }
 
 /// The interval that the correlation time of a time-correlated position error is looked for in.
-void require_error_times(const YamlValue& smooth, const nlohmann::ordered_json& resolved) {
-    const double shortest = resolved["error_time_min_s"].get<double>();
-    const double longest = resolved["error_time_max_s"].get<double>();
+void require_error_times(const YamlValue& smooth, const SmoothParameters& resolved) {
+    const double shortest = resolved.error_time_min_s;
+    const double longest = resolved.error_time_max_s;
     if (longest > shortest) return;
     const bool stated = smooth["error_time_max_s"].exists();
     smooth[stated ? "error_time_max_s" : "error_time_min_s"].fail(
@@ -207,6 +234,29 @@ const Record* Attempt::record_for(const std::string& profile) const {
     return record ? &*record : nullptr;
 }
 
+Attempt part_read_by(const Attempt& attempt, std::string_view stage) {
+    const YamlValue document(attempt_schema().part_read_by(attempt.resolved, stage),
+                             attempt.resolved.where());
+    Attempt part{read_members<AttemptDocument>(document)};
+    part.parameters = read_members<Parameters>(document["parameters"]);
+    for (const YamlValue& entry : document["receivers"].list())
+        part.stated[entry["id"].text()] = reading_of(entry);
+    if (!part.profiles.empty()) part.profiles = attempt.profiles;
+    if (!part.rules.empty()) part.rules = attempt.rules;
+    part.resolved = document;
+    return part;
+}
+
+HeldJson settings_of(const Attempt& attempt, std::string_view stage) {
+    return json_from_yaml(YamlValue(attempt_schema().part_read_by(attempt.resolved, stage),
+                                    attempt.resolved.where()));
+}
+
+HeldJson parameters_of(const Attempt& attempt, const std::string& stage) {
+    const YamlValue own = attempt.resolved["parameters"][stage];
+    return own.exists() ? HeldJson(json_from_yaml(own)) : HeldJson();
+}
+
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, attempt_schema());
     Attempt attempt{read_members<AttemptDocument>(document)};
@@ -219,7 +269,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     require_sound_rules(document["rules"], attempt);
     require_sound_wheel(document["wheel"]);
     resolve_parameters(document, attempt);
-    require_error_times(document["parameters"]["smooth"], attempt.parameters["smooth"]);
+    require_error_times(document["parameters"]["smooth"], attempt.parameters.smooth);
     attempt.inputs = inputs_of(document);
     return attempt;
 }

@@ -31,9 +31,10 @@ struct Attempt : AttemptDocument {
     /// How each receiver's recording is to be read, by its id, as the attempt has it: all but the
     /// names of receiver and files, and what is said of the antenna's place on the craft.
     std::map<std::string, HeldJson> stated = {};
-    /// For each stage, every parameter resolved: the attempt's figure, or the default of the
-    /// craft's class.
-    std::map<std::string, HeldJson> parameters = {};
+    /// Every one resolved: the attempt's figure, or the default of the craft's class.
+    Parameters parameters = {};
+    /// The document with these in it, that the part of a stage is taken from.
+    YamlValue resolved{YamlNode(), ""};
     /// Paths of the parameters that the attempt sets itself ("smooth.jerk_density").
     std::vector<std::string> overrides = {};
     /// Everything in it that its fields declare to change something and that is not the default, in
@@ -43,6 +44,17 @@ struct Attempt : AttemptDocument {
     /// The record to beat under the profile of that name; null where there is none.
     const Record* record_for(const std::string& profile) const;
 };
+
+/// What a stage reads of an attempt, by the declaration of its fields (`read_by`). All else is as
+/// in an attempt that does not say it.
+Attempt part_read_by(const Attempt& attempt, std::string_view stage);
+
+/// The same as the attempt has it, parameters resolved: what the stage's files depend on beside the
+/// files that it reads.
+HeldJson settings_of(const Attempt& attempt, std::string_view stage);
+
+/// A stage's own parameters, as its header has them; none for a stage that has none.
+HeldJson parameters_of(const Attempt& attempt, const std::string& stage);
 
 /// Reads and checks an attempt. Failure with file, line, column and remedy on any deviation from
 /// the schema, two receivers with one id, an unusable id, or a bad date.

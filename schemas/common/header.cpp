@@ -43,6 +43,7 @@ Json header_json(const Header& header) {
         json["inputs"].push_back(std::move(entry));
     }
     json["parameters"] = *header.parameters;
+    if (!header.attempt->empty()) json["attempt"] = *header.attempt;
     return json;
 }
 
@@ -65,6 +66,7 @@ Header read_header(const YamlValue& document) {
                                  .bytes = static_cast<std::uint64_t>(input["bytes"].integer()),
                                  .original = input["original"].text_or("")});
     header.parameters = json_from_yaml(document["parameters"]);
+    if (document["attempt"].exists()) header.attempt = json_from_yaml(document["attempt"]);
     return header;
 }
 

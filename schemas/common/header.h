@@ -42,6 +42,8 @@ struct Header {
     std::vector<CalledProgram> programs;
     std::vector<InputFile> inputs;
     HeldJson parameters = {};
+    /// What else of the attempt the stage read, as the attempt has it; empty for nothing.
+    HeldJson attempt = {};
 };
 
 /// The field table of the header, the part all products share.

@@ -10,8 +10,8 @@
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/common/strict_texts.h"
 #include "schemas/common/document.h"
+#include "schemas/common/strict_texts.h"
 #include "schemas/day/merge.h"
 
 namespace runcert {

@@ -36,9 +36,10 @@
 // (texts that are read strictly), and what has a `default` is no optional. For C++ alone: `member`
 // (where its name is not the field's), `initially` (the value of a new struct), `flat` (the members
 // of a map stand beside those of the one it is in), `omit` (the value that is left out), `scale`
-// (file over member), `computed` (an expression of the struct, written and never read), `apart` (no member: C++ code reads it), `placed`
-// (of a map: the struct says where it stands, itself or that field of it). A `unit` of "*" is that
-// of the field which the map is used for. A column that is never empty says `always`.
+// (file over member), `computed` (an expression of the struct, written and never read), `apart` (no
+// member: C++ code reads it), `placed` (of a map: the struct says where it stands, itself or that
+// field of it). A `unit` of "*" is that of the field which the map is used for. A column that is
+// never empty says `always`.
 
 namespace runcert {
 

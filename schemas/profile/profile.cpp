@@ -19,13 +19,13 @@ std::string_view own_clauses_text(std::string_view name);
 std::string_view published_rules_text(std::string_view name);
 std::vector<std::string_view> builtin_profile_text_names();
 
-namespace {
-
 const DocumentSchema& profile_schema() {
     static const DocumentSchema schema =
         DocumentSchema::read(profile_field_table_node(), "schemas/profile/v1.yaml");
     return schema;
 }
+
+namespace {
 
 /// Whether this very text is a revision of a rule that this program, or one before it, came with.
 bool is_published(const Profile& profile) {

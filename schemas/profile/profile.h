@@ -122,6 +122,8 @@ std::string rule_unit_name(const Profile& profile);
 /// place, for a figure that the profile does not have, or a value outside its range.
 void override_figure(Profile& profile, FigureOverride figure);
 
+const DocumentSchema& profile_schema();
+
 /// Reads and checks a profile; Failure with file, line and column on any deviation.
 Profile read_profile(std::string_view text, const std::string& where);
 

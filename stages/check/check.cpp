@@ -113,8 +113,7 @@ std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
 std::string refused_for_decision(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const auto& largest = judged.tests.largest_decision;
-    const double share_max =
-        context.input.attempt.parameters.at("screen").at("decision_share_max").get<double>();
+    const double share_max = context.input.attempt.parameters.screen.decision_share_max;
     if (!largest || largest->share <= share_max) return {};
     return fmt::format(
         "One decision of screening left out {:.0f} % of all epochs, more than {:.0f} % "
@@ -149,8 +148,7 @@ std::string refused_for_times(const ClauseContext& context) {
     const std::int64_t left_out = judged.tests.time.left_out.value_or(0);
     const std::int64_t epochs = std::ssize(judged.trajectory);
     const double share = static_cast<double>(left_out) / static_cast<double>(epochs);
-    const double share_max =
-        context.input.attempt.parameters.at("screen").at("time_share_max").get<double>();
+    const double share_max = context.input.attempt.parameters.screen.time_share_max;
     if (left_out == 0 || share <= share_max) return {};
     std::string refused = fmt::format(
         "{} of {} epochs were left out for their times alone, more than {:g} % "

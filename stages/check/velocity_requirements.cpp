@@ -60,9 +60,7 @@ std::string unfit(const ClauseContext& context) {
         "the recorded velocities are not those of these positions: {}{}, more than {:g} % "
         "(screen.velocity_share_max){}",
         others.empty() ? "" : others + "; ", unfit_text(*velocity),
-        100.0 *
-            context.input.attempt.parameters.at("screen").at("velocity_share_max").get<double>(),
-        shown_speed(context));
+        100.0 * context.input.attempt.parameters.screen.velocity_share_max, shown_speed(context));
 }
 
 }  // namespace

@@ -193,7 +193,8 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
 
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
 void import_attempt(StageRun& run, const AttemptSource& source) {
-    bring_in_claim(run.attempt(), run.attempt_text(), source, run.run_dir());
+    bring_in_claim(read_attempt(run.attempt_text(), run.attempt_path().string()),
+                   run.attempt_text(), source, run.run_dir());
     for (const Receiver& receiver : run.attempt().receivers)
         import_receiver(run, receiver, source);
 }

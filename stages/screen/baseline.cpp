@@ -114,8 +114,8 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
     constexpr double angular_jerk_density = 0.1;
     constexpr double least_jerk_density = 0.05;
     config.jerk_density = std::max(least_jerk_density, angular_jerk_density * length_m);
-    const bool fit = config.fit_noise;
-    config.fit_noise = false;
+    const bool fit = config.noise == NoiseChoice::fitted;
+    config.noise = NoiseChoice::stated;
     const EstimationModel stated = estimate_screening_noise<Axes>(series.table, config).model;
     if (!fit) return stated;
     ScreenedTable first_look = series.table;
@@ -124,7 +124,7 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
                   MarkOptions{});
     finish_arcs(first_look.rows, config.bridged_s(first_look.facts.nominal_interval_s),
                 config.min_arc_epochs);
-    config.fit_noise = true;
+    config.noise = NoiseChoice::fitted;
     const ScreeningNoise fitted = estimate_screening_noise<Axes>(first_look, config);
     return fitted.summary.noise == NoiseBasis::fitted ? fitted.model : stated;
 }

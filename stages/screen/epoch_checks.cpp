@@ -22,7 +22,7 @@ struct Finding {
 
 std::optional<Finding> check_fix(const ScreenedEpoch& row, const ScreenConfig& config) {
     if (row.fix == FixType::none) return Finding{Reason::no_fix, {}, {}};
-    if (config.allowed_fixes.contains(counted_as(row.fix))) return std::nullopt;
+    if (config.counted_fixes.contains(counted_as(row.fix))) return std::nullopt;
     return Finding{
         row.fix == FixType::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix,
         {},

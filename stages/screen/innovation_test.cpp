@@ -88,7 +88,7 @@ void readmit(ScreenedEpoch& row) {
 template <int Axes>
 void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
                const ScreenConfig& config) {
-    const double threshold = chi_squared_upper_quantile(config.first_false_alarm_rate, Axes);
+    const double threshold = chi_squared_upper_quantile(config.false_alarm_rate, Axes);
     ArcFilter<Axes> filter(class_model(config), variance_factor);
     std::vector<std::size_t> rejected;  // in a row, without an accepted epoch between
     std::vector<bool> given_up(rows.size(), false);
@@ -112,7 +112,7 @@ void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
         }
         reject(row);
         rejected.push_back(i);
-        if (static_cast<std::int64_t>(rejected.size()) < config.first_restart_after) continue;
+        if (static_cast<std::int64_t>(rejected.size()) < config.restart_after) continue;
         const std::size_t first = rejected.front();
         for (const std::size_t index : rejected)
             readmit(rows[index]);

@@ -64,7 +64,8 @@ int main(int argc, char** argv) {
                 beside.front().wheel = {
                     .m_s = timed_values(*wheel),
                     .calibrated_scale = attempt.wheel->scale,
-                    .sigma_calibrated = 0.5 * attempt.wheel->expanded_uncertainty_scale.value_or(0.0)};
+                    .sigma_calibrated =
+                        0.5 * attempt.wheel->expanded_uncertainty_scale.value_or(0.0)};
             std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.

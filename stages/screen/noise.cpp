@@ -84,7 +84,7 @@ ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look,
     model.motion.jerk_density = config.jerk_density;
     noise.summary.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     noise.summary.noise = NoiseBasis::stated;
-    if (config.fit_noise) {
+    if (config.noise == NoiseChoice::fitted) {
         NoiseFitOptions options;
         options.initial_jerk_density = config.jerk_density;
         options.tau_min_s = config.tau_min_s;

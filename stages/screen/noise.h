@@ -24,7 +24,7 @@ struct ScreeningNoise {
 /// epochs, in stretches over the whole recording, so that it costs the same for a long one. Figures
 /// are rounded to the decimals of the file.
 ///
-/// Noise is not fitted where `config.fit_noise` is false or the fit does not succeed. The model is
+/// Noise is not fitted where `config.noise` is not fitted or the fit does not succeed. The model is
 /// then the class's jerk density and the stated standard deviations times a robust factor. That
 /// factor is the root of the median innovation statistic over the median of chi squared with Axes
 /// degrees of freedom, and at least 1.

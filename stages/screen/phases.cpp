@@ -145,10 +145,10 @@ void list_findings(const PhaseRecord& record, const PhaseScreening& screening,
 }  // namespace
 
 PhaseScreeningConfig phase_screening_config(const Attempt& attempt) {
-    const nlohmann::ordered_json& parameters = attempt.parameters.at("screen");
+    const ScreenParameters& parameters = attempt.parameters.screen;
     PhaseScreeningConfig config;
-    config.mask_deg = parameters.at("phase_mask_deg");
-    config.repair = parameters.at("phase_slips") == "repair";
+    config.mask_deg = parameters.phase_mask_deg;
+    config.repair = parameters.phase_slips == SlipTreatment::repair;
     return config;
 }
 

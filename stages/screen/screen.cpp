@@ -119,7 +119,7 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     // No craft on the ground goes up or down faster; those that do have scores in it.
     constexpr double on_the_ground_m_s = 20.0;
     const MarkOptions options{
-        .bridge_steps = config.bridge_steps,
+        .bridge_steps = config.steps == StepTreatment::bridge,
         .on_the_ground = config.limits.vertical_rate_m_s <= on_the_ground_m_s};
     mark_arcs(screened, horizontal, options, basis);
     mark_arcs(screened, vertical, options, basis);
@@ -339,38 +339,17 @@ bool receivers_contradict(std::array<ReceiverScreening*, 2> pair, const ScreenCo
 }  // namespace
 
 ScreenConfig screen_config(const Attempt& attempt) {
-    const nlohmann::ordered_json& parameters = attempt.parameters.at("screen");
-    ScreenConfig config;
-    for (const auto& word : parameters.at("allowed_fixes")) {
+    ScreenConfig config{attempt.parameters.screen};
+    for (const std::string& word : config.allowed_fixes) {
         FixType fix{};
-        from_text(word.get<std::string>(), fix);
-        config.allowed_fixes.insert(counted_as(fix));
+        from_text(word, fix);
+        config.counted_fixes.insert(counted_as(fix));
     }
-    config.accuracy_min_m = parameters.at("accuracy_min_m");
-    config.accuracy_max_m = parameters.at("accuracy_max_m");
-    config.satellites_min = parameters.at("satellites_min");
-    config.ratio_min = parameters.at("ratio_min");
-    config.correction_age_max_s = parameters.at("correction_age_max_s");
-    config.gap_factor = parameters.at("gap_factor");
-    config.gap_max_s = parameters.at("gap_max_s");
-    config.session_gap_s = parameters.at("session_gap_s");
-    config.min_arc_epochs = parameters.at("min_arc_epochs");
-    config.jerk_density = parameters.at("jerk_density");
-    config.fit_noise = parameters.at("noise") == "fitted";
-    config.noise_scale_min = parameters.at("noise_scale_min");
-    config.tau_min_s = attempt.parameters.at("smooth").at("error_time_min_s");
-    config.tau_max_s = attempt.parameters.at("smooth").at("error_time_max_s");
-    config.first_false_alarm_rate = parameters.at("false_alarm_rate");
-    config.first_restart_after = parameters.at("restart_after");
-    config.family_false_alarm_rate = parameters.at("family_false_alarm_rate");
-    config.power = parameters.at("power");
-    config.burst_epochs_max = parameters.at("burst_epochs_max");
-    config.bridge_steps = parameters.at("steps") == "bridge";
-    config.velocity_delay_max_s = parameters.at("velocity_delay_max_s");
-    config.velocity_share_max = parameters.at("velocity_share_max");
-    config.limits.acceleration_m_s2 = parameters.at("acceleration_max_m_s2");
-    config.limits.jerk_m_s3 = parameters.at("jerk_max_m_s3");
-    config.limits.vertical_rate_m_s = parameters.at("vertical_rate_max_m_s");
+    config.tau_min_s = attempt.parameters.smooth.error_time_min_s;
+    config.tau_max_s = attempt.parameters.smooth.error_time_max_s;
+    config.limits.acceleration_m_s2 = config.acceleration_max_m_s2;
+    config.limits.jerk_m_s3 = config.jerk_max_m_s3;
+    config.limits.vertical_rate_m_s = config.vertical_rate_max_m_s;
     return config;
 }
 

@@ -19,33 +19,11 @@ constexpr FixType counted_as(FixType fix) {
     return fix == FixType::unknown ? FixType::single : fix;
 }
 
-struct ScreenConfig {
-    std::set<FixType> allowed_fixes;  ///< as counted (`counted_as`): none of them is unknown
-    double accuracy_min_m = 0.0;
-    double accuracy_max_m = 0.0;
-    std::int64_t satellites_min = 0;
-    double ratio_min = 0.0;
-    double correction_age_max_s = 0.0;
-    double gap_factor = 0.0;
-    double gap_max_s = 0.0;
-    double session_gap_s = 0.0;
-    std::int64_t min_arc_epochs = 0;
-
-    double jerk_density = 0.0;  ///< m s^-2.5, of the craft's class: what its hardest motion needs
-    bool fit_noise = true;
-    double noise_scale_min = 0.0;  ///< of the stated standard deviations, in the tests
-    double tau_min_s = 0.0;        ///< correlation times that a time-correlated error may have
+struct ScreenConfig : ScreenParameters {
+    std::set<FixType> counted_fixes = {};  ///< allowed, as counted (`counted_as`): none is unknown
+    double tau_min_s = 0.0;  ///< correlation times that a time-correlated error may have
     double tau_max_s = 0.0;
-    double first_false_alarm_rate = 0.0;  ///< of the first look
-    std::int64_t first_restart_after = 0;
-
-    double family_false_alarm_rate = 0.0;
-    double power = 0.0;
-    std::int64_t burst_epochs_max = 0;
-    bool bridge_steps = false;
-    double velocity_delay_max_s = 0.0;
-    double velocity_share_max = 0.05;
-    PhysicalLimits limits;
+    PhysicalLimits limits = {};
     std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
 
     /// A step of time up to this (s) is bridged by the estimate.

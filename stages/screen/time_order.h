@@ -45,9 +45,9 @@ struct TimeOrderOptions {
 /// the room for it between their stamps and the positions go on from them to it and from it to
 /// them: it was recorded there, and its stamps are wrong. So is one of fewer than `fewest` epochs
 /// at an end of the recording, further than `session_gap_s` from all others in time, that goes on
-/// from its neighbour. Of epochs less than a twentieth of the interval apart the first alone stays: no
-/// receiver measures at such steps, and they would make every estimate stiff. Takes n log n time; rows are returned as they are where all steps go
-/// forward and no session is that short.
+/// from its neighbour. Of epochs less than a twentieth of the interval apart the first alone stays:
+/// no receiver measures at such steps, and they would make every estimate stiff. Takes n log n
+/// time; rows are returned as they are where all steps go forward and no session is that short.
 TimeOrder order_by_time(const std::vector<EnuEpoch>& rows, const TimeOrderOptions& options);
 
 }  // namespace runcert

@@ -262,19 +262,15 @@ Agreement estimate_vertical(const ScreenedTable& screened, const SmoothConfig& c
 }  // namespace
 
 SmoothConfig smooth_config(const Attempt& attempt) {
-    const nlohmann::ordered_json& parameters = attempt.parameters.at("smooth");
+    const SmoothParameters& parameters = attempt.parameters.smooth;
     SmoothConfig config;
-    config.fit_noise = parameters.at("noise") == "fitted";
-    config.fit.initial_jerk_density = parameters.at("jerk_density");
-    config.fit.tau_min_s = parameters.at("error_time_min_s");
-    config.fit.tau_max_s = parameters.at("error_time_max_s");
-    using Motion = NoiseFitOptions::Motion;
-    const std::string motion = parameters.at("motion_model");
-    config.fit.motion = motion == "singer"                  ? Motion::singer
-                        : motion == "constant_acceleration" ? Motion::constant_acceleration
-                                                            : Motion::by_likelihood;
-    config.robust_scale = parameters.at("robust_scale");
-    config.dhd22_acceleration_sigma_m_s2 = parameters.at("dhd22_acceleration_sigma");
+    config.fit_noise = parameters.noise == NoiseChoice::fitted;
+    config.fit.initial_jerk_density = parameters.jerk_density;
+    config.fit.tau_min_s = parameters.error_time_min_s;
+    config.fit.tau_max_s = parameters.error_time_max_s;
+    config.fit.motion = motion_of(parameters.motion_model);
+    config.robust_scale = parameters.robust_scale;
+    config.dhd22_acceleration_sigma_m_s2 = parameters.dhd22_acceleration_sigma;
     return config;
 }
 

@@ -296,10 +296,8 @@ void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                 CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
     const Profile::Uncertainty& rule = choice.profile.uncertainty;
-    const double probability =
-        estimate.config.fault_probability_given
-            ? estimate.config.fault_probability
-            : rule.fault_probability.value_or(estimate.config.fault_probability);
+    const double probability = estimate.config.fault_probability.value_or(
+        rule.fault_probability.value_or(default_fault_probability));
     const WindowFault fault =
         window_fault(estimate.screened, choice.found, choice.all,
                      {rows.rows[choice.found.first], rows.rows[choice.found.last]},

@@ -20,10 +20,10 @@ struct VelocityEstimate {
 /// recording (`speed_errors`), the bias of the choice from draws of what of these may differ
 /// between windows (`speed_choice_bias`). `all` are the windows that it was chosen from.
 ///
-/// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, t time
-/// stamps and l delay, which count where positions decide the ends, k clock rate, r resolution of
-/// the speeds, d undetected error, f choice of the fastest. The smoothed positions stand beside as
-/// a witness.
+/// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, t
+/// time stamps and l delay, which count where positions decide the ends, k clock rate, r resolution
+/// of the speeds, d undetected error, f choice of the fastest. The smoothed positions stand beside
+/// as a witness.
 ///
 /// Failure where an epoch inside states no accuracy of its velocity.
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,

@@ -30,7 +30,7 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
     tables.first_of_phases = phases.head().first_epoch;
     tables.phases = std::make_shared<const JudgedPhases>(judged_phases(
         phases, judged, ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
-        run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>()));
+        run.attempt().parameters.screen.phase_mask_deg));
 }
 
 ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
@@ -47,7 +47,8 @@ void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Be
     if (const auto wheel = handed_in_series(run, "wheel", first_epoch)) {
         beside.wheel = {.m_s = timed_values(*wheel),
                         .calibrated_scale = run.attempt().wheel->scale,
-                        .sigma_calibrated = 0.5 * run.attempt().wheel->expanded_uncertainty_scale.value_or(0.0)};
+                        .sigma_calibrated =
+                            0.5 * run.attempt().wheel->expanded_uncertainty_scale.value_or(0.0)};
         if (!wheel->left_out.empty()) beside.notes.push_back(wheel->left_out);
     }
     if (const auto gates = handed_in_series(run, "gates", first_epoch)) {
@@ -75,9 +76,7 @@ int main(int argc, char** argv) {
     return stage_main(
         argc, argv, "window", "The best window of each rule profile", [](StageRun& run) {
             const Attempt& attempt = run.attempt();
-            std::vector<Profile> profiles;
-            for (const std::string& claimed : attempt.profiles)
-                profiles.push_back(read_claimed_profile(run.run_dir(), claimed, attempt));
+            const std::vector<Profile> profiles = run.read_profiles();
             std::vector<ReceiverTables> tables;
             for (const Receiver& receiver : attempt.receivers)
                 tables.push_back(read_tables(run, receiver));

@@ -428,26 +428,14 @@ ProfileOrFailure result_or_failure(const Task& task) {
 }  // namespace
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
-    const nlohmann::ordered_json& parameters = attempt.parameters.at("window");
-    std::optional<Eigen::Vector3d> lever_arm;
-    if (receiver.lever_arm) lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
-    return {.duration_tolerance_s = parameters.at("duration_tolerance_s"),
-            .seed = parameters.at("seed"),
-            .selection_samples = parameters.at("selection_samples"),
-            .monte_carlo_trials_max = parameters.at("monte_carlo_trials_max"),
-            .plane_scale_bound = parameters.at("plane_scale_bound"),
-            .clock_rate_bound = parameters.at("clock_rate_bound"),
-            .height_bound_m = parameters.at("height_bound_m"),
-            .fault_probability = parameters.at("fault_probability"),
-            .fault_probability_given =
-                std::ranges::find(attempt.overrides, "window.fault_probability") !=
-                attempt.overrides.end(),
-            .gap_max_s = attempt.parameters.at("screen").at("gap_max_s"),
-            .gap_factor = attempt.parameters.at("screen").at("gap_factor"),
-            .lever_arm = lever_arm,
-            .rotation_bound_deg = receiver.rotation_bound_deg,
-            .velocity_accuracy_claimed =
-                receiver.accuracy && receiver.accuracy->velocity_m_s.has_value()};
+    WindowConfig config{attempt.parameters.window};
+    config.gap_max_s = attempt.parameters.screen.gap_max_s;
+    config.gap_factor = attempt.parameters.screen.gap_factor;
+    if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
+    config.rotation_bound_deg = receiver.rotation_bound_deg;
+    config.velocity_accuracy_claimed =
+        receiver.accuracy && receiver.accuracy->velocity_m_s.has_value();
+    return config;
 }
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,

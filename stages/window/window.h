@@ -15,18 +15,9 @@ namespace runcert {
 
 /// The figures of the window search; `parameters.window` in `schemas/attempt/v1.yaml`, and what
 /// the attempt says of the receiver.
-struct WindowConfig {
-    double duration_tolerance_s = 0.0;
-    std::int64_t seed = 1;
-    std::int64_t selection_samples = 500;
-    std::int64_t monte_carlo_trials_max = 1'000'000;
-    double plane_scale_bound = 0.001;
-    double clock_rate_bound = 1e-4;        ///< of a clock that is not known to be the satellites'
-    double height_bound_m = 150.0;         ///< of a height that the attempt states
-    double fault_probability = 2e-3;       ///< that fixed positions err unseen in 3 s
-    bool fault_probability_given = false;  ///< by the attempt, and not by default
-    double gap_max_s = 2.0;                ///< a longer gap ended the arc, in screening
-    double gap_factor = 1.5;               ///< or one of more intervals, where that is longer
+struct WindowConfig : WindowParameters {
+    double gap_max_s = 2.0;   ///< a longer gap ended the arc, in screening
+    double gap_factor = 1.5;  ///< or one of more intervals, where that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, where the recording states none

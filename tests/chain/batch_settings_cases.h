@@ -200,7 +200,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].start_gps", set: {/attempt/receivers/0/start_gps: "2026-10-20T11:00:00.000"}, redoes: import}
 - {key: "receivers[].height_m", set: {/attempt/receivers/0/height_m: 30}, redoes: import}
 - {key: "receivers[].accuracy.horizontal_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02}}, redoes: import}
-- {key: "receivers[].accuracy.velocity_mps", set: {/attempt/receivers/0/accuracy: {velocity_mps: 0.2}}, redoes: import}
+- {key: "receivers[].accuracy.velocity_mps", set: {/attempt/receivers/0/accuracy: {velocity_mps: 0.2}}, redoes: "import window"}
 - {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
 - {key: "receivers[].solution", set: {/attempt/receivers/0/solution: float}, redoes: import}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
@@ -239,7 +239,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: "clauses[].text", set: {/rules/time/clauses/0/text: another average}}
 - {key: "clauses[].source", set: {/rules/time/clauses/0/source: another book}}
 - {key: "clauses[].certainty", set: {/rules/time/clauses/0/certainty: secondary}}
-- {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}}
+- {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}, redoes: window}
 - {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}, redoes: window}
 - {key: "clauses[].accepts[]", set: {/rules/time/clauses/5/accepts: [phases]}}
 - {key: "clauses[].unit", set: {/rules/time/clauses/3/unit: m/s}}

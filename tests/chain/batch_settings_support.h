@@ -86,7 +86,7 @@ class AttemptCase {
     const Attempt& attempt() const { return claim_.attempt; }
 
     Json settings(const std::string& step) const {
-        return settings_of_step(step, claim_.attempt, claim_.document, claim_.profiles, {});
+        return *settings_of_step(step, claim_.attempt, claim_.profiles, {});
     }
 
     /// Does a step in a folder that holds the attempt, its profiles, and of `given` what the step

@@ -44,7 +44,7 @@ Json other_value(const FieldRule& rule, const Json& value) {
     return rule.maximum && more > *rule.maximum ? value.get<double>() * 0.9 : more;
 }
 
-/// A change for every parameter of the field table; those of smooth's error times are screen's too.
+/// A change for every parameter of the field table, and the stages that it says read it.
 std::vector<Change> parameter_changes(const Attempt& attempt) {
     std::vector<Change> changes;
     for (const FieldRule& rule : attempt_schema().fields()) {
@@ -55,12 +55,11 @@ std::vector<Change> parameter_changes(const Attempt& attempt) {
         if (names.size() != 3 || names[0] != "parameters" || rule.types.front() == "list" ||
             rule.path.ends_with("[]"))
             continue;
-        Change change{.key = rule.path, .edits = {}, .redone = {names[1]}};
+        Change change{.key = rule.path, .edits = {}, .redone = {}};
+        for (const Step& step : steps())
+            if (attempt_schema().is_read_by(rule.path, step.name)) change.redone.insert(step.name);
         change.edits["/attempt/parameters/" + names[1] + "/" + names[2]] =
-            other_value(rule, attempt.parameters.at(names[1]).at(names[2]));
-        if (names[2].starts_with("error_time_")) change.redone.insert("screen");
-        if (names[2].starts_with("gap_") || names[2] == "phase_mask_deg")
-            change.redone.insert("window");
+            other_value(rule, parameters_of(attempt, names[1])->value(names[2], Json(0.01)));
         changes.push_back(std::move(change));
     }
     return changes;

@@ -41,17 +41,17 @@ TEST(GoldenAttempt, Smoothing) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
     EXPECT_EQ(attempt.receivers.at(0).rotation_bound_deg, 7.5);
     EXPECT_FALSE(attempt.receivers.at(1).rotation_bound_deg);
-    EXPECT_EQ(attempt.parameters.at("smooth").at("motion_model"), "singer");
-    EXPECT_EQ(attempt.parameters.at("smooth").at("error_time_max_s"), 20);
-    EXPECT_EQ(attempt.parameters.at("window").at("plane_scale_bound"), 0.0004);
-    EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
-    EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "stated");
-    EXPECT_EQ(attempt.parameters.at("window").at("seed"), 42);
+    EXPECT_EQ(parameters_of(attempt, "smooth")->at("motion_model"), "singer");
+    EXPECT_EQ(parameters_of(attempt, "smooth")->at("error_time_max_s"), 20);
+    EXPECT_EQ(parameters_of(attempt, "window")->at("plane_scale_bound"), 0.0004);
+    EXPECT_EQ(parameters_of(attempt, "smooth")->at("jerk_density"), 1.25);
+    EXPECT_EQ(parameters_of(attempt, "smooth")->at("noise"), "stated");
+    EXPECT_EQ(parameters_of(attempt, "window")->at("seed"), 42);
 }
 
 TEST(GoldenAttempt, Screening) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
-    const nlohmann::ordered_json& screen = attempt.parameters.at("screen");
+    const nlohmann::ordered_json screen = *parameters_of(attempt, "screen");
     EXPECT_EQ(screen.at("family_false_alarm_rate"), 1e-4);
     EXPECT_EQ(screen.at("power"), 0.95);
     EXPECT_EQ(screen.at("burst_epochs_max"), 12);
@@ -87,7 +87,7 @@ TEST(GoldenAttempt, OnTheEarth) {
     EXPECT_EQ(attempt.course->start.right.geodetic->longitude.degrees(), 136.9775);
     EXPECT_EQ(attempt.course->finish.left.geodetic->longitude.degrees(), 136.980375);
     EXPECT_EQ(attempt.course->finish.right.geodetic->latitude.degrees(), 35.1385);
-    EXPECT_EQ(attempt.parameters.at("screen").at("noise_scale_min"), 0.25);
+    EXPECT_EQ(parameters_of(attempt, "screen")->at("noise_scale_min"), 0.25);
     EXPECT_EQ(attempt.wind->file, "weather/wind.csv");
     EXPECT_EQ(attempt.wind->source, "mast at the start");
     EXPECT_EQ(attempt.current->expanded_uncertainty_m_s, 0.0625);
@@ -136,8 +136,8 @@ TEST(GoldenAttempt, ClaimsOfTheReceiver) {
     EXPECT_EQ(attempt.receivers.at(0).time_source, "satellites");
     EXPECT_EQ(attempt.receivers.at(1).solution, "");
     EXPECT_EQ(attempt.receivers.at(1).time_source, "");
-    EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0025);
-    EXPECT_EQ(attempt.parameters.at("window").at("fault_probability"), 0.003);
+    EXPECT_EQ(parameters_of(attempt, "window")->at("clock_rate_bound"), 0.0025);
+    EXPECT_EQ(parameters_of(attempt, "window")->at("fault_probability"), 0.003);
     EXPECT_EQ(read_attempt(text_of("v1.0/attempt.plane.yaml"), "f").attempts_made, 1);
 }
 
@@ -256,7 +256,7 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
     EXPECT_EQ(second.receivers[0].id, "primary");
     EXPECT_EQ(second.receivers[0].format, "csv");
     EXPECT_EQ(second.receivers[0].columns.at("time"), "1");
-    EXPECT_EQ(second.parameters.at("smooth").at("jerk_density"), 1.0);
+    EXPECT_EQ(parameters_of(second, "smooth")->at("jerk_density"), 1.0);
 
     auto keys = day.entries[2].keys;
     keys["id"] = "third";

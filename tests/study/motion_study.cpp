@@ -144,7 +144,7 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
     MotionResult result;
     try {
         ScreenConfig screen_config = study_screen_config();
-        screen_config.allowed_fixes.insert(cell.run.noise.fix);
+        screen_config.counted_fixes.insert(cell.run.noise.fix);
         const ScreenedTable screened = screen(to_be_screened(recording.screened), screen_config);
         result.left_out = std::ssize(screened.rows) - summarise(screened.rows).usable;
         const TrajectoryTable trajectory =

@@ -102,7 +102,7 @@ TEST(WalkThrough, ParametersAgainstTheDefaultsOfTheClass) {
     RunRecord record = record_of("parameters: {smooth: {robust_scale: 3}}\n");
     TrajectoryTable& table = record.receivers.front().trajectory.emplace();
     table.header.stage = "smooth";
-    table.header.parameters = record.attempt.parameters.at("smooth");
+    table.header.parameters = parameters_of(record.attempt, "smooth");
     record.files["4-trajectory.ecsv"] = {"trajectory", "4-trajectory.ecsv", hash_b, 1, ""};
     const WalkOptions smooth{.stages = {"smooth"}};
     // The defaults are those of schemas/attempt/v1.yaml.

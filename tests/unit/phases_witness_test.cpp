@@ -428,7 +428,7 @@ TEST(RecordedPair, IsFlaggedInItsFirstMinute) {
         std::make_shared<const PhaseWitness<2>>(screened.witness<2>(table, 1.0).value());
 
     ScreenConfig config = screen_config(default_attempt());
-    config.allowed_fixes = {FixType::fixed, FixType::float_ambiguities};
+    config.counted_fixes = {FixType::fixed, FixType::float_ambiguities};
     const ScreenedTable positions = screen(table, config);
     const UsablePositions usable = usable_positions(positions.rows);
     int early = 0, early_flagged = 0, late = 0, late_flagged = 0;

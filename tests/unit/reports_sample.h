@@ -409,7 +409,7 @@ inline Attempt attempt(const Options& options) {
         "record: {speed: 202.9, unit: km/h, source: published figure of 2009}\n"
         "profiles: [nalsa, fisly]\n";
     Attempt attempt = read_attempt(text, "attempt.yaml");
-    attempt.parameters["smooth"]["jerk_density"] = 0.9;
+    attempt.resolved = YamlValue(parse_yaml("parameters: {smooth: {jerk_density: 0.9}}", "f"), "f");
     attempt.overrides = {"smooth.jerk_density"};
     attempt.craft.name = options.craft;
     attempt.place = options.place;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "files_test_support.h"
@@ -38,7 +39,7 @@ TEST(AttemptClaims, AreNoneWhereNothingStands) {
     EXPECT_EQ(attempt.attempts_made, 1);
     EXPECT_EQ(attempt.receivers.at(0).solution, "");
     EXPECT_EQ(attempt.receivers.at(0).time_source, "");
-    EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0001);
+    EXPECT_EQ(parameters_of(attempt, "window")->at("clock_rate_bound"), 0.0001);
     EXPECT_TRUE(attempt.overrides.empty());
     const Attempt null =
         read_attempt(replaced(replaced(least, "r.csv}", "r.csv, solution: null, time_source: ~}"),
@@ -66,7 +67,7 @@ TEST(AttemptClaims, AreThoseOfEachReceiver) {
 TEST(AttemptClaims, TheClocksRateMayBeBounded) {
     const Attempt attempt = read_attempt(
         replaced(least, "[nalsa]", "[nalsa]\nparameters: {window: {clock_rate_bound: 0.01}}"), "f");
-    EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.01);
+    EXPECT_EQ(parameters_of(attempt, "window")->at("clock_rate_bound"), 0.01);
     EXPECT_EQ(attempt.overrides, std::vector<std::string>{"window.clock_rate_bound"});
 }
 

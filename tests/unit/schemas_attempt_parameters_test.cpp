@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "files_test_support.h"
@@ -26,13 +27,13 @@ profiles: [nalsa]
 
 TEST(AttemptParameters, HaveTheirDefaults) {
     const Attempt attempt = read_attempt(least, "f");
-    const auto smooth = attempt.parameters.at("smooth");
+    const auto smooth = *parameters_of(attempt, "smooth");
     EXPECT_EQ(smooth.at("noise"), "fitted");
     EXPECT_EQ(smooth.at("motion_model"), "auto");
     EXPECT_EQ(smooth.at("error_time_min_s"), 0.5);
     EXPECT_EQ(smooth.at("error_time_max_s"), 10);
     EXPECT_EQ(smooth.at("robust_scale"), 2.0);
-    const auto window = attempt.parameters.at("window");
+    const auto window = *parameters_of(attempt, "window");
     EXPECT_EQ(window.at("seed"), 1);
     EXPECT_EQ(window.at("selection_samples"), 500);
     EXPECT_EQ(window.at("monte_carlo_trials_max"), 1'000'000);
@@ -75,7 +76,7 @@ TEST(AttemptHeights, MayBeAllowedMoreForAndNeverLess) {
     const auto bound = [](const std::string& metres) {
         return least + "parameters: {window: {height_bound_m: " + metres + "}}\n";
     };
-    EXPECT_EQ(read_attempt(bound("300"), "f").parameters.at("window").at("height_bound_m"), 300);
+    EXPECT_EQ(parameters_of(read_attempt(bound("300"), "f"), "window")->at("height_bound_m"), 300);
     EXPECT_TRUE(failure_of([&] { read_attempt(bound("149"), "f"); }).contains("149 is below 150"));
 }
 
@@ -117,7 +118,7 @@ TEST(AttemptParameters, BadInputIsNamedWithItsPlace) {
 }
 
 TEST(AttemptScreening, HasItsDefaults) {
-    const auto screen = read_attempt(least, "f").parameters.at("screen");
+    const auto screen = *parameters_of(read_attempt(least, "f"), "screen");
     EXPECT_EQ(screen.at("family_false_alarm_rate"), 0.001);
     EXPECT_EQ(screen.at("power"), 0.8);
     EXPECT_EQ(screen.at("burst_epochs_max"), 20);
@@ -140,12 +141,12 @@ TEST(AttemptScreening, ItsLimitsAreThoseOfTheCraftsClass) {
                    {"car", 25, 300, 10},       {"skydiver", 40, 400, 200},
                    {"other", 50, 500, 300}};
     for (const auto& each : classes) {
-        const auto screen =
+        const ScreenParameters screen =
             read_attempt(replaced(least, "class: board", "class: " + each.name), "f")
-                .parameters.at("screen");
-        EXPECT_EQ(screen.at("acceleration_max_m_s2"), each.acceleration_m_s2) << each.name;
-        EXPECT_EQ(screen.at("jerk_max_m_s3"), each.jerk_m_s3) << each.name;
-        EXPECT_EQ(screen.at("vertical_rate_max_m_s"), each.vertical_rate_m_s) << each.name;
+                .parameters.screen;
+        EXPECT_EQ(screen.acceleration_max_m_s2, each.acceleration_m_s2) << each.name;
+        EXPECT_EQ(screen.jerk_max_m_s3, each.jerk_m_s3) << each.name;
+        EXPECT_EQ(screen.vertical_rate_max_m_s, each.vertical_rate_m_s) << each.name;
     }
 }
 

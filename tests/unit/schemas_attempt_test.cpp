@@ -281,15 +281,15 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
     const auto of_class = [](const std::string& name) {
         return read_attempt(replaced(least, "class: board", "class: " + name), "f").parameters;
     };
-    EXPECT_EQ(of_class("land-yacht")["smooth"]["jerk_density"], 0.6);
-    EXPECT_EQ(of_class("ice-yacht")["smooth"]["jerk_density"], 0.8);
-    EXPECT_EQ(of_class("board")["smooth"]["jerk_density"], 2.0);
-    EXPECT_EQ(of_class("car")["screen"]["jerk_density"], 3.0);
-    EXPECT_EQ(of_class("car")["screen"]["allowed_fixes"], nlohmann::ordered_json({"fixed"}));
-    EXPECT_EQ(of_class("skydiver")["screen"]["allowed_fixes"].size(), 6U);
-    EXPECT_EQ(of_class("other")["screen"]["restart_after"], 3);
-    EXPECT_EQ(of_class("other")["screen"]["false_alarm_rate"], 1e-6);
-    EXPECT_EQ(of_class("other")["window"]["duration_tolerance_s"], 0.001);
+    EXPECT_EQ(of_class("land-yacht").smooth.jerk_density, 0.6);
+    EXPECT_EQ(of_class("ice-yacht").smooth.jerk_density, 0.8);
+    EXPECT_EQ(of_class("board").smooth.jerk_density, 2.0);
+    EXPECT_EQ(of_class("car").screen.jerk_density, 3.0);
+    EXPECT_EQ(of_class("car").screen.allowed_fixes, std::vector<std::string>{"fixed"});
+    EXPECT_EQ(of_class("skydiver").screen.allowed_fixes.size(), 6U);
+    EXPECT_EQ(of_class("other").screen.restart_after, 3);
+    EXPECT_EQ(of_class("other").screen.false_alarm_rate, 1e-6);
+    EXPECT_EQ(of_class("other").window.duration_tolerance_s, 0.001);
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
@@ -299,17 +299,14 @@ TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
         const Attempt attempt =
             read_attempt(replaced(newest, "class: board", "class: " + name), "f");
         // As if the attempt had set them all: types, ranges and words hold for defaults too.
-        nlohmann::ordered_json parameters;
+        const nlohmann::ordered_json parameters{
+            {"parameters", json_from_yaml(attempt.resolved["parameters"])}};
         std::size_t count = 0;
-        for (const auto& [stage, values] : attempt.parameters)
-            for (const auto& [key, value] : values->items()) {
-                EXPECT_FALSE(value.is_null()) << stage << "." << key << " of " << name;
-                parameters["parameters"][stage][key] = value;
-                ++count;
-            }
+        for (const auto& stage : parameters["parameters"])
+            count += stage.size();
         const Attempt again = read_attempt(
             replaced(newest, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
-        EXPECT_EQ(again.parameters, attempt.parameters) << name;
+        EXPECT_EQ(json_from_yaml(again.resolved["parameters"]), parameters["parameters"]) << name;
         EXPECT_EQ(again.overrides.size(), count);
     }
 }
@@ -323,12 +320,12 @@ TEST(Attempt, OverridesReplaceDefaultsAndAreListed) {
     EXPECT_EQ(attempt.overrides,
               (std::vector<std::string>{"screen.allowed_fixes", "screen.restart_after",
                                         "smooth.jerk_density"}));
-    EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
-    EXPECT_EQ(attempt.parameters.at("screen").at("restart_after"), 5);
-    EXPECT_EQ(attempt.parameters.at("screen").at("allowed_fixes"),
+    EXPECT_EQ(parameters_of(attempt, "smooth")->at("jerk_density"), 1.25);
+    EXPECT_EQ(parameters_of(attempt, "screen")->at("restart_after"), 5);
+    EXPECT_EQ(parameters_of(attempt, "screen")->at("allowed_fixes"),
               nlohmann::ordered_json({"fixed"}));
-    EXPECT_EQ(attempt.parameters.at("screen").at("gap_factor"), 1.5);
-    EXPECT_EQ(attempt.parameters.at("screen").at("jerk_density"), 2.0);
+    EXPECT_EQ(parameters_of(attempt, "screen")->at("gap_factor"), 1.5);
+    EXPECT_EQ(parameters_of(attempt, "screen")->at("jerk_density"), 2.0);
 }
 
 TEST(ProfileName, IsTheFilesNameWithoutFolderAndEnding) {

@@ -211,7 +211,7 @@ TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
     for (std::size_t k = 100; k < 200; ++k)
         *table.rows[k].north_m += 0.5;
     ScreenConfig bridging = config();
-    bridging.bridge_steps = true;
+    bridging.steps = StepTreatment::bridge;
     const ScreenedTable screened = screen(table, bridging);
     EXPECT_EQ(summarise(screened.rows).arcs, 1);
     EXPECT_EQ(screened.rows[100].break_before, ArcBreak::bridged);

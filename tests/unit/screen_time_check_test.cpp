@@ -560,7 +560,7 @@ TEST(TimeCheck, TheNominalIntervalIsFoundWhereItIsNotGiven) {
 
 ScreenConfig config() {
     ScreenConfig config;
-    config.allowed_fixes = {FixType::fixed};
+    config.counted_fixes = {FixType::fixed};
     config.accuracy_min_m = 1e-4;
     config.accuracy_max_m = 10.0;
     config.gap_factor = 1.5;

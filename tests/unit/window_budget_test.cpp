@@ -216,6 +216,7 @@ TEST(Budget, TangentPlaneTenKilometresFromItsOrigin) {
 
 TEST(Budget, ATypedHeightHasARowThatHoldsWhatGeodesySaysOfIt) {
     Scene scene;
+    scene.config.height_bound_m = 150.0;
     const auto rows = budget_of(scene.input());
     EXPECT_EQ(std::ranges::count(rows, "h", &BudgetRow::symbol), 0);
     scene.trajectory.facts.vertical_measured = false;

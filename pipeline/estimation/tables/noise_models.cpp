@@ -16,6 +16,19 @@ EstimationModel model_of(const NoiseSummary& noise) {
     return model;
 }
 
+NoiseFitOptions::Motion motion_of(MotionChoice choice) {
+    using Motion = NoiseFitOptions::Motion;
+    switch (choice) {
+        case MotionChoice::by_likelihood:
+            return Motion::by_likelihood;
+        case MotionChoice::constant_acceleration:
+            return Motion::constant_acceleration;
+        case MotionChoice::singer:
+            return Motion::singer;
+    }
+    return {};
+}
+
 NoiseBasis basis_of(NoiseFit::Status status) {
     switch (status) {
         case NoiseFit::Status::fitted:

@@ -4,12 +4,16 @@
 
 #include "estimation/noise_fit.h"
 #include "estimation/tables/arcs.h"
+#include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/trajectory.h"
 
 namespace runcert {
 
 /// The noise model that a trajectory was estimated with.
 EstimationModel model_of(const NoiseSummary& noise);
+
+/// The models of the motion that an attempt's choice allows.
+NoiseFitOptions::Motion motion_of(MotionChoice choice);
 
 /// What an estimate rests on after this fit.
 NoiseBasis basis_of(NoiseFit::Status status);

@@ -64,15 +64,26 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
     return clusters;
 }
 
-/// The four definitions of a window between two states. Of heights alone they are vertical.
+/// The four definitions of a window between two states, with what they lack. Of heights alone they
+/// are vertical.
 template <int Axes>
 SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                                double duration_s) {
+                                double duration_s, double lacking_m_s) {
     const auto [first, last] = window;
-    return {.displacement_m_s = displacement_speed(smoothed, first, last, duration_s).speed_m_s,
-            .path_length_m_s = path_speed(smoothed, first, last, duration_s).speed_m_s,
-            .mean_n_plus_1_m_s = mean_speed(smoothed, first, last).speed_m_s,
-            .mean_n_m_s = mean_speed(smoothed, first + 1, last).speed_m_s};
+    const auto with = [lacking_m_s](const SpeedEstimate& by) { return by.speed_m_s + lacking_m_s; };
+    return {.displacement_m_s = with(displacement_speed(smoothed, first, last, duration_s)),
+            .path_length_m_s = with(path_speed(smoothed, first, last, duration_s)),
+            .mean_n_plus_1_m_s = with(mean_speed(smoothed, first, last)),
+            .mean_n_m_s = with(mean_speed(smoothed, first + 1, last))};
+}
+
+/// The same estimates of a speed that is larger by so much.
+OtherEstimates raised(OtherEstimates estimates, double by_m_s) {
+    estimates.stiffer_m_s += by_m_s;
+    estimates.softer_m_s += by_m_s;
+    estimates.whole_m_s += by_m_s;
+    if (estimates.chord_m_s) *estimates.chord_m_s += by_m_s;
+    return estimates;
 }
 
 template <int Axes>
@@ -118,10 +129,11 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     return selection;
 }
 
-/// Adds what a vertical speed of coordinate "up" lacks against one of ellipsoidal heights:
-/// the Earth falls away from the plane as the craft moves over it.
-void correct_for_curvature(const AxesEstimate<1>& estimate, const FoundWindow& found,
-                           PositionNoise& noise, CertifiableWindow& window) {
+/// What a vertical speed of coordinate "up" lacks against one of ellipsoidal heights, m/s: the
+/// Earth falls away from the plane as the craft moves over it. Zero for a horizontal one.
+template <int Axes>
+double lacking_for_curvature(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
+    if constexpr (Axes == 2) return 0.0;
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
         return estimate.trajectory.rows[estimate.arcs[found.series].rows[k]];
     };
@@ -131,16 +143,7 @@ void correct_for_curvature(const AxesEstimate<1>& estimate, const FoundWindow& f
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);
     const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
-    const double correction_m_s =
-        upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
-    SpeedDefinitions& all = window.definitions;
-    for (double* const speed_m_s :
-         {&noise.speed.speed_m_s, &window.fitted->speed_m_s, &all.displacement_m_s,
-          &all.path_length_m_s, &all.mean_n_plus_1_m_s, &all.mean_n_m_s,
-          &window.estimates->stiffer_m_s, &window.estimates->softer_m_s,
-          &window.estimates->whole_m_s})
-        *speed_m_s += correction_m_s;
-    if (window.estimates->chord_m_s) *window.estimates->chord_m_s += correction_m_s;
+    return upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
 }
 
 /// The bound on time-correlated errors, those along the window's direction allowed for.
@@ -157,15 +160,6 @@ ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
     return error_bound<Axes>(estimate.screened, arc.rows[choice.found.first],
                              arc.rows[choice.found.last], estimate.noise,
                              choice.profile.uncertainty, along);
-}
-
-/// The speed as estimated with the bounded error, and the bound itself.
-void set_bound(const ErrorBound& bound, const PositionNoise& noise, CertifiableWindow& window) {
-    window.bound = bound;
-    window.bound->standard_uncertainty_m_s = noise.speed.standard_uncertainty_m_s;
-    window.speed_m_s = noise.speed.speed_m_s;
-    window.displacement_m = noise.displacement_m;
-    window.length_m = noise.speed.speed_m_s * window.span.duration.seconds();
 }
 
 template <int Axes>
@@ -195,9 +189,8 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
 template <int Axes>
 PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWindow<Axes>& at,
                                  const PositionNoise& noise, const WindowFault& fault,
-                                 const CertifiableWindow& window) {
+                                 const SpeedDefinitions& definitions, const PositionTerms& terms) {
     const SpeedDefinition definition = choice.profile.definition;
-    const PositionTerms terms = position_terms(window.budget);
     PositionFigures<Axes> figures{
         .start_s = choice.found.start.seconds(),
         .end_s = choice.found.end.seconds(),
@@ -206,10 +199,10 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
         .standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s),
         .correlated_m_s = noise.correlated_m_s,
         .fault = fault.prior};
-    figures.speed_m_s = figures.by_path ? window.definitions.path_length_m_s
+    figures.speed_m_s = figures.by_path ? definitions.path_length_m_s
                         : definition == SpeedDefinition::displacement
                             ? noise.speed.speed_m_s
-                            : window.definitions.displacement_m_s;
+                            : definitions.displacement_m_s;
     return figures;
 }
 
@@ -233,32 +226,56 @@ double common_uncertainty(const std::vector<BudgetRow>& rows) {
     return std::sqrt(square);
 }
 
-/// What witnesses say of the window; and, as far as they agree, what they leave of the position's
-/// uncertainty and of the bias of the choice, which is one of the positions' errors. Returns by how
-/// much the positions count then.
+/// The budget of a window's speed beside its witnesses, and what is left to take off.
+struct HeardBudget {
+    std::vector<WitnessedSpeed> witnesses;
+    std::vector<BudgetRow> rows;
+    SpeedEvidence evidence;
+    double position_share = 1.0;  ///< by how much the positions count
+    double bias_m_s = 0.0;        ///< of the choice, which is one of the positions' errors
+};
+
+/// What the witnesses leave of the positions' uncertainty (`rows`, `terms`) and of the bias of the
+/// choice, as far as they agree.
+HeardBudget hear(const PositionTerms& terms, double correlated_m_s, const SelectionBias& selection,
+                 std::vector<WitnessedSpeed> witnesses, std::vector<BudgetRow> rows) {
+    HeardBudget heard{.witnesses = std::move(witnesses), .rows = std::move(rows), .evidence = {}};
+    const HeardTogether together =
+        hear_together(terms, correlated_m_s, heard.witnesses, heard.evidence);
+    const double share = 1.0 - together.position_share;
+    heard.position_share = together.position_share;
+    heard.bias_m_s = bias_beside(selection, share, together.difference_m_s);
+    condition_on(heard.witnesses, correlated_m_s, together.difference_m_s - share * heard.bias_m_s,
+                 heard.rows);
+    return heard;
+}
+
+/// The same with the fault of the positions so many times as likely: standard uncertainty, m/s.
+double uncertainty_with_fault(double times, const WindowFault& fault, PositionTerms terms,
+                              double correlated_m_s, const SelectionBias& selection,
+                              const std::vector<WitnessedSpeed>& witnesses,
+                              std::vector<BudgetRow> rows) {
+    terms.fault_m_s = fault.standard_uncertainty_m_s(times);
+    for (BudgetRow& row : rows)
+        if (row.symbol == "d") row.contribution_m_s = row.standard_uncertainty = terms.fault_m_s;
+    return combine(hear(terms, correlated_m_s, selection, witnesses, std::move(rows)).rows)
+        .standard_uncertainty;
+}
+
+/// What witnesses say of a window whose budget by positions alone is given.
 template <int Axes>
-double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                      const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-                      const WindowFault& fault, CertifiableWindow& window) {
-    const PositionFigures<Axes> figures = figures_of(choice, at, noise, fault, window);
+HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFigures<Axes>& figures,
+                           const PositionNoise& noise, const WindowFault& fault,
+                           const SelectionBias& selection, const std::vector<BudgetRow>& alone) {
+    std::vector<WitnessedSpeed> witnesses;
     for (const HeardWitness<Axes>& witness : estimate.witnesses)
         if (auto witnessed = witnessed_speed<Axes>(witness, figures))
-            window.witnesses.push_back(*std::move(witnessed));
-    const PositionTerms terms = position_terms(window.budget);
-    SpeedEvidence& evidence = window.evidence.emplace();
-    const std::vector<BudgetRow> alone = window.budget;
-    const HeardTogether heard =
-        hear_together(terms, noise.correlated_m_s, window.witnesses, evidence);
-    const double share = 1.0 - heard.position_share;
-    const SelectionBias& selection = *window.selection;
-    const double bias_m_s = bias_beside(selection, share, heard.difference_m_s);
-    window.bias_limit_m_s *= heard.position_share;
-    if (selection.treatment == SelectionTreatment::subtracted)
-        window.speed_m_s = less_bias(noise.speed.speed_m_s, bias_m_s);
-    condition_on(window.witnesses, noise.correlated_m_s, heard.difference_m_s - share * bias_m_s,
-                 window.budget);
+            witnesses.push_back(*std::move(witnessed));
+    const PositionTerms terms = position_terms(alone);
+    HeardBudget heard = hear(terms, noise.correlated_m_s, selection, witnesses, alone);
+    SpeedEvidence& evidence = heard.evidence;
     for (auto* const one : {&evidence.witnesses, &evidence.observed})
-        if (*one) (*one)->difference_m_s -= bias_m_s;
+        if (*one) (*one)->difference_m_s -= heard.bias_m_s;
     evidence.position_standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s);
     evidence.slow_standard_uncertainty_m_s = terms.slow_m_s;
     evidence.shared_standard_uncertainty_m_s =
@@ -268,34 +285,23 @@ double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& ch
     evidence.fault_m_s = fault.prior.largest_m_s;
     evidence.fault_upwards_alone = fault.prior.upwards_alone;
     const auto with_fault = [&](double times) {
-        PositionTerms changed = terms;
-        changed.fault_m_s = fault.standard_uncertainty_m_s(times);
-        std::vector<WitnessedSpeed> witnesses = window.witnesses;
-        std::vector<BudgetRow> rows = alone;
-        for (BudgetRow& row : rows)
-            if (row.symbol == "d")
-                row.contribution_m_s = row.standard_uncertainty = changed.fault_m_s;
-        SpeedEvidence unused;
-        const HeardTogether so = hear_together(changed, noise.correlated_m_s, witnesses, unused);
-        const double its_share = 1.0 - so.position_share;
-        condition_on(
-            witnesses, noise.correlated_m_s,
-            so.difference_m_s - its_share * bias_beside(selection, its_share, so.difference_m_s),
-            rows);
-        return combine(rows).standard_uncertainty;
+        return uncertainty_with_fault(times, fault, terms, noise.correlated_m_s, selection,
+                                      heard.witnesses, alone);
     };
     evidence.at_a_fifth_m_s = with_fault(0.2);
     evidence.at_five_times_m_s = with_fault(5.0);
-    return heard.position_share;
+    return heard;
 }
 
-/// The budget of the window's speed, and what follows from it.
+/// The speed, less the bias of the choice, its budget, and what follows from it.
 template <int Axes>
-void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-                CertifiableWindow& window) {
+void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+               const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+               CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
     const Profile::Uncertainty& rule = choice.profile.uncertainty;
+    const SelectionBias& selection = *window.selection;
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     const double probability = estimate.config.fault_probability.value_or(
         rule.fault_probability.value_or(default_fault_probability));
     const WindowFault fault =
@@ -303,9 +309,19 @@ void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                      {rows.rows[choice.found.first], rows.rows[choice.found.last]},
                      window.reliability, counts_path(choice.profile.definition), probability);
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
-    window.budget = budget_of(input);
-    window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
-    input.position_share = hear_witnesses(estimate, choice, at, noise, fault, window);
+    const std::vector<BudgetRow> alone = budget_of(input);
+    HeardBudget heard = hear_witnesses(
+        estimate, figures_of(choice, at, noise, fault, window.definitions, position_terms(alone)),
+        noise, fault, selection, alone);
+    input.position_share = heard.position_share;
+    window.speed_m_s =
+        subtracted ? less_bias(noise.speed.speed_m_s, heard.bias_m_s) : noise.speed.speed_m_s;
+    window.bias_limit_m_s = heard.position_share * (subtracted ? selection.bias_half_range_m_s
+                                                               : selection.bounded_bias_m_s);
+    window.own_standard_uncertainty_m_s = own_uncertainty(noise, alone);
+    window.budget = std::move(heard.rows);
+    window.witnesses = std::move(heard.witnesses);
+    window.evidence = std::move(heard.evidence);
     if (window.witnesses.empty())
         window.expected_beside_velocities_m_s = expected_beside_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
@@ -390,29 +406,35 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
         between_epochs ? smooth<Axes>(at.arc.epochs, estimate.model) : SmoothedArc<Axes>{};
     const SmoothedArc<Axes>& smoothed_at = between_epochs ? between : smoothed;
 
-    CertifiableWindow window;
-    set_place(estimate, found, window);
-    window.methods = methods_of(estimate, found);
-    window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s);
-    window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
-    window.repaired_steps =
-        std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
-
     const EstimatedWindow<Axes> estimated{.epochs = at.arc.epochs,
                                           .smoothed = smoothed_at,
                                           .model = estimate.model,
                                           .window = at.window,
                                           .duration_s = stretch.duration_s};
+    const double lacking_m_s = lacking_for_curvature(estimate, found);
     const ErrorBound bound = bound_of(estimate, choice, estimated, stretch);
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
     PositionNoise noise = position_noise(estimated, choice.quantity, weights,
                                          bounding_error(estimate.noise, bound), bound);
-    window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
+
+    CertifiableWindow window;
+    set_place(estimate, found, window);
+    window.methods = methods_of(estimate, found);
+    window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s, lacking_m_s);
+    window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
+    window.fitted->speed_m_s += lacking_m_s;
+    window.repaired_steps =
+        std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
+    window.estimates =
+        raised(other_estimates(estimated, choice.quantity, weights, noise), lacking_m_s);
     noise.model_m_s = window.estimates->half_width_m_s;
+    noise.speed.speed_m_s += lacking_m_s;
     if constexpr (Axes == 2)
         window.robust = robust_speed(estimate.trajectory, part, smoothed, noise.model_m_s);
-    if constexpr (Axes == 1) correct_for_curvature(estimate, found, noise, window);
-    set_bound(bound, noise, window);
+    window.bound = bound;
+    window.bound->standard_uncertainty_m_s = noise.speed.standard_uncertainty_m_s;
+    window.displacement_m = noise.displacement_m;
+    window.length_m = noise.speed.speed_m_s * window.span.duration.seconds();
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
     window.detection_power = estimate.screened.basis.power;
     window.reliability =
@@ -422,14 +444,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
     window.selection = selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s,
                                     noise.speed.speed_m_s);
-    const SelectionBias& selection = *window.selection;
-    if (choice.profile.uncertainty.subtract_selection_bias) {
-        window.speed_m_s = less_bias(window.speed_m_s, selection.bias_m_s);
-        window.bias_limit_m_s = selection.bias_half_range_m_s;
-    } else {
-        window.bias_limit_m_s = selection.bounded_bias_m_s;
-    }
-    set_budget(estimate, choice, estimated, noise, window);
+    set_speed(estimate, choice, estimated, noise, window);
     return window;
 }
 

@@ -187,5 +187,18 @@ TEST(Walks, HaveAtMostFiveCallsEachFromTheOneBefore) {
     }
 }
 
+TEST(Walks, WhatTheTablesNameStandsWhereTheySay) {
+    static const std::regex row("\\| `(\\w+)` in `([^`]+)` \\|.*");
+    std::size_t rows = 0;
+    std::smatch match;
+    for (const std::string& line : lines_of(read_file(source / "stages" / "README.md")))
+        if (std::regex_match(line, match, row)) {
+            ++rows;
+            const std::regex named("\\b" + match[1].str() + "\\(");
+            EXPECT_TRUE(std::regex_search(read_file(source / match[2].str()), named)) << line;
+        }
+    EXPECT_GE(rows, 12U);
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

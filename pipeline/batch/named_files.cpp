@@ -8,6 +8,7 @@
 
 #include "core/plain_text.h"
 #include "core/text.h"
+#include "schemas/attempt/attempt.h"
 
 namespace runcert {
 namespace {
@@ -36,8 +37,9 @@ std::vector<NamedFile> named_files(const Json& keys) {
         for (std::size_t i = 0; i < keys["receivers"].size(); ++i)
             for (const char* key : {"recording", "base", "navigation", "phase"})
                 add_files(keys["receivers"][i], key, Json::json_pointer("/receivers") / i, files);
-    for (const char* flow : {"wind", "current", "wheel", "gates"})
-        if (keys.contains(flow)) add_files(keys[flow], "file", Json::json_pointer() / flow, files);
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (!rule.series.empty() && keys.contains(rule.path))
+            add_files(keys[rule.path], "file", Json::json_pointer() / rule.path, files);
     return files;
 }
 

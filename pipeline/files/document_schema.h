@@ -34,6 +34,7 @@ struct FieldRule {
     YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
+    std::string series{};  ///< of a map with the key `file`: what that series is of, "wheel"
     /// The stages that read it; where it does not say, those of what it is in.
     std::optional<std::vector<std::string>> read_by{};
 };

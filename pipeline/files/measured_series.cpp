@@ -262,6 +262,14 @@ void require_gates_in_order(const std::vector<SeriesLine>& gates, const SeriesCo
 
 }  // namespace
 
+bool from_text(std::string_view word, SeriesKind& kind) {
+    if (word != "flow" && word != "wheel" && word != "gates") return false;
+    kind = word == "flow"    ? SeriesKind::flow
+           : word == "wheel" ? SeriesKind::wheel
+                             : SeriesKind::gates;
+    return true;
+}
+
 MeasuredSeries read_series(std::string_view text, const std::string& where,
                            const std::optional<GpsTime>& first_epoch, SeriesKind kind) {
     const std::vector<SeriesCell> lines = lines_of(text, where);

@@ -17,6 +17,9 @@ enum class SeriesKind {
     gates,  ///< passages of timing gates: the distance of each from the first, along the course
 };
 
+/// Whether the word is that of a kind; `kind` is then it.
+bool from_text(std::string_view word, SeriesKind& kind);
+
 struct SeriesSample {
     double time_s = 0.0;         ///< from the recording's first epoch
     double value = 0.0;          ///< m/s; of gates m

@@ -133,24 +133,20 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
 
 std::vector<AttemptFile> series_files(const Attempt& attempt) {
     std::vector<AttemptFile> files;
-    const auto add = [&](const char* role, const auto& flow) {
-        if (flow)
-            files.push_back({.role = role,
-                             .original = flow->file,
-                             .name = fmt::format("{}.csv", role),
-                             .place = flow->place});
-    };
-    add("wind", attempt.wind);
-    add("current", attempt.current);
-    add("wheel", attempt.wheel);
-    add("gates", attempt.gates);
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (const YamlValue series = attempt.resolved[rule.path];
+            !rule.series.empty() && series.exists())
+            files.push_back({.role = rule.path,
+                             .original = series["file"].text(),
+                             .name = rule.path + ".csv",
+                             .place = series["file"].place()});
     return files;
 }
 
-SeriesKind kind_of_series(std::string_view key) {
-    return key == "wheel"   ? SeriesKind::wheel
-           : key == "gates" ? SeriesKind::gates
-                            : SeriesKind::flow;
+SeriesKind kind_of_series(const std::string& key) {
+    SeriesKind kind{};
+    from_text(attempt_schema().find(key)->series, kind);
+    return kind;
 }
 
 std::string find_series(const AttemptFile& file, const AttemptSource& source) {

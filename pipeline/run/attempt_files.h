@@ -56,11 +56,11 @@ FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
                            const AttemptSource& source);
 std::string find_profile(const std::string& claimed, const AttemptSource& source);
 
-/// The series that the attempt names, with their keys as roles ("wind", "current", "wheel",
-/// "gates") and the names "wind.csv" and so on in a run folder.
+/// The series that the attempt names, as its fields declare them (`series`), with their keys as
+/// roles and the names "wind.csv" and so on in a run folder.
 std::vector<AttemptFile> series_files(const Attempt& attempt);
 /// What a series handed in under that key holds.
-SeriesKind kind_of_series(std::string_view key);
+SeriesKind kind_of_series(const std::string& key);
 
 /// The text of one of them, found and refused as above.
 std::string find_series(const AttemptFile& file, const AttemptSource& source);

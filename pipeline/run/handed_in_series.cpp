@@ -12,7 +12,7 @@ std::optional<MeasuredSeries> handed_in_series(StageRun& run, std::string_view k
     const auto file = std::ranges::find(files, key, &AttemptFile::role);
     if (file == files.end()) return std::nullopt;
     return read_series(run.read_text(file->role, file->name), file->original, first_epoch,
-                       kind_of_series(key));
+                       kind_of_series(file->role));
 }
 
 }  // namespace runcert

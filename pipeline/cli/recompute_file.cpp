@@ -149,8 +149,12 @@ std::string maker_of(const std::string& text, const std::string& where) {
     return fmt::format("runcert {}, source {}", version, revision);
 }
 
-Json parameters_of(const Json& header) {
-    return header.value("parameters", Json::object());
+/// What a stage says that it was given: parameters and, but for files written before it was said,
+/// what it read of the attempt.
+Json given_in(const Json& header, bool attempt_is_said) {
+    Json given = header.value("parameters", Json::object());
+    if (attempt_is_said) given["attempt"] = header.value("attempt", Json());
+    return given;
 }
 
 void judge_report(FileComparison& file, const std::string& old_text, const std::string& new_text,
@@ -183,8 +187,10 @@ void judge(FileComparison& file, const std::string& old_text, const std::string&
                                        results_of(old_text, old_where), rules),
                      "");
     // Who made it does not count; by which parameters does.
-    judge_exact(file, parameters_of(header_of(new_text, new_where)),
-                parameters_of(header_of(old_text, old_where)), "parameter ");
+    const Json old_header = header_of(old_text, old_where);
+    const bool attempt_is_said = old_header.contains("attempt");
+    judge_exact(file, given_in(header_of(new_text, new_where), attempt_is_said),
+                given_in(old_header, attempt_is_said), "parameter ");
 }
 
 /// Whether two files were made from the same bytes, by the same programs of others.

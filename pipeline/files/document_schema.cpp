@@ -43,6 +43,7 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));
     rule.description = entry["description"].text();
     rule.origin = read_origin(entry);
+    rule.before_rule = entry["before_rule"].exists() && entry["before_rule"].boolean();
     rule.series = entry["series"].text_or("");
     if (const YamlValue stages = entry["read_by"]; stages.is_list()) {
         rule.read_by.emplace();

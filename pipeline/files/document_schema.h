@@ -35,6 +35,8 @@ struct FieldRule {
     std::string description{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
     std::string series{};  ///< of a map with the key `file`: what that series is of, "wheel"
+    bool before_rule =
+        false;  ///< one that is stated counts before the rule's own, its default after
     /// The stages that read it; where it does not say, those of what it is in.
     std::optional<std::vector<std::string>> read_by{};
 };

@@ -22,7 +22,7 @@ YamlValue whole_of(std::string_view text, const std::string& name) {
     return YamlValue(parse_yaml(text, name), name);
 }
 
-constexpr const char* header_members[] = {"schema", "stage", "inputs", "parameters"};
+constexpr const char* header_members[] = {"schema", "stage", "inputs", "parameters", "attempt"};
 
 }  // namespace
 

@@ -21,6 +21,17 @@ bool is_hexadecimal(const std::string& text, std::size_t digits) {
     return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+/// The parameters of a stage of which it counts that the attempt states them.
+std::vector<std::string> stated_before_rule(const Attempt& attempt, std::string_view stage) {
+    std::vector<std::string> stated;
+    for (const std::string& path : attempt.overrides) {
+        const std::string field = "parameters." + path;
+        if (attempt_schema().find(field)->before_rule && attempt_schema().is_read_by(field, stage))
+            stated.push_back(path);
+    }
+    return stated;
+}
+
 void require_amended(const YamlValue& value, const AmendedReport& amends) {
     if (!is_hexadecimal(amends.report_id, 16))
         value["report_id"].fail("a report id is 16 hexadecimal digits in lower case",
@@ -243,13 +254,17 @@ Attempt part_read_by(const Attempt& attempt, std::string_view stage) {
         part.stated[entry["id"].text()] = reading_of(entry);
     if (!part.profiles.empty()) part.profiles = attempt.profiles;
     if (!part.rules.empty()) part.rules = attempt.rules;
+    part.overrides = stated_before_rule(attempt, stage);
     part.resolved = document;
     return part;
 }
 
 HeldJson settings_of(const Attempt& attempt, std::string_view stage) {
-    return json_from_yaml(YamlValue(attempt_schema().part_read_by(attempt.resolved, stage),
-                                    attempt.resolved.where()));
+    auto settings = json_from_yaml(YamlValue(attempt_schema().part_read_by(attempt.resolved, stage),
+                                             attempt.resolved.where()));
+    if (const auto stated = stated_before_rule(attempt, stage); !stated.empty())
+        settings["stated"] = stated;
+    return settings;
 }
 
 HeldJson parameters_of(const Attempt& attempt, const std::string& stage) {

@@ -302,8 +302,10 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     const Profile::Uncertainty& rule = choice.profile.uncertainty;
     const SelectionBias& selection = *window.selection;
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
-    const double probability = estimate.config.fault_probability.value_or(
-        rule.fault_probability.value_or(default_fault_probability));
+    const double probability =
+        estimate.config.fault_probability_given
+            ? estimate.config.fault_probability
+            : rule.fault_probability.value_or(estimate.config.fault_probability);
     const WindowFault fault =
         window_fault(estimate.screened, choice.found, choice.all,
                      {rows.rows[choice.found.first], rows.rows[choice.found.last]},

@@ -24,9 +24,6 @@ struct WindowFault {
     double standard_uncertainty_m_s(double times = 1.0) const;
 };
 
-/// That fixed positions err unseen in 3 s under open sky, where neither attempt nor rule says.
-inline constexpr double default_fault_probability = 2e-3;
-
 /// How likely positions with an error that nothing found are, and how large it is.
 ///
 /// `probability` is that of fixed ambiguities in 3 s under open sky (`window.fault_probability`).

@@ -429,6 +429,8 @@ ProfileOrFailure result_or_failure(const Task& task) {
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
     WindowConfig config{attempt.parameters.window};
+    config.fault_probability_given =
+        std::ranges::count(attempt.overrides, "window.fault_probability") > 0;
     config.gap_max_s = attempt.parameters.screen.gap_max_s;
     config.gap_factor = attempt.parameters.screen.gap_factor;
     if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());

@@ -16,6 +16,7 @@ namespace runcert {
 /// The figures of the window search; `parameters.window` in `schemas/attempt/v1.yaml`, and what
 /// the attempt says of the receiver.
 struct WindowConfig : WindowParameters {
+    bool fault_probability_given = false;  ///< by the attempt, and not by default
     double gap_max_s = 2.0;   ///< a longer gap ended the arc, in screening
     double gap_factor = 1.5;  ///< or one of more intervals, where that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m

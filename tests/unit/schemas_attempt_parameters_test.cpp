@@ -184,5 +184,45 @@ TEST(AttemptScreening, EachFieldKeepsToItsRange) {
     }
 }
 
+TEST(Attempt, AStageGetsWhatTheFieldsDeclareForItAndNoMore) {
+    const std::string text = least +
+                             "origin: {latitude_deg: 35.0, longitude_deg: 137.0, height_m: 40}\n"
+                             "wheel: {file: wheel.csv, source: hub, scale: 1.01, "
+                             "expanded_uncertainty_scale: 0.002}\n"
+                             "parameters: {screen: {gap_max_s: 3}, smooth: {robust_scale: 3}}\n";
+    const Attempt attempt = read_attempt(text, "f");
+    const Attempt enu = part_read_by(attempt, "enu");
+    EXPECT_EQ(enu.origin->height_m, 40.0);
+    EXPECT_EQ(enu.receivers.at(0).id, attempt.receivers.at(0).id);
+    EXPECT_TRUE(enu.receivers.at(0).recordings.empty());
+    EXPECT_TRUE(!enu.wheel && enu.id.empty() && enu.profiles.empty());
+    const Attempt screen = part_read_by(attempt, "screen");
+    EXPECT_FALSE(screen.origin);
+    EXPECT_EQ(screen.wheel->scale, 1.01);
+    EXPECT_EQ(screen.wheel->source, "");
+    EXPECT_EQ(screen.parameters.screen.gap_max_s, 3.0);
+    EXPECT_EQ(screen.parameters.smooth.robust_scale, 2.0);
+    const Attempt window = part_read_by(attempt, "window");
+    EXPECT_EQ(window.parameters.screen.gap_max_s, 3.0);
+    EXPECT_EQ(window.profiles, attempt.profiles);
+    const nlohmann::ordered_json smooth = *settings_of(attempt, "smooth");
+    EXPECT_EQ(smooth.at("parameters").at("smooth").at("robust_scale"), 3);
+    EXPECT_EQ(smooth.size(), 2U) << smooth;  // and the receiver's id
+}
+
+// Stated, the figure counts before the rule's own; by default after it.
+TEST(Attempt, AFigureThatCountsBeforeTheRulesIsAnotherOneWhereItIsStated) {
+    const Attempt unstated = read_attempt(least, "f");
+    const Attempt stated =
+        read_attempt(least + "parameters: {window: {fault_probability: 0.002, seed: 1}}\n", "f");
+    EXPECT_EQ(unstated.parameters.window.fault_probability, 0.002);
+    EXPECT_FALSE(settings_of(stated, "window") == settings_of(unstated, "window"));
+    EXPECT_EQ(settings_of(stated, "window").at("stated"),
+              nlohmann::ordered_json({"window.fault_probability"}));
+    EXPECT_TRUE(settings_of(stated, "smooth") == settings_of(unstated, "smooth"));
+    EXPECT_EQ(part_read_by(stated, "window").overrides,
+              std::vector<std::string>{"window.fault_probability"});
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

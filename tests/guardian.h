@@ -45,7 +45,9 @@ inline void kill_children() {
 /// What a process was started as, for a message; empty where it has ended.
 inline std::string command_line_of(pid_t process) {
     std::ifstream file("/proc/" + std::to_string(process) + "/cmdline", std::ios::binary);
-    std::string words(std::istreambuf_iterator<char>(file), {});
+    // A process that ends while its line is read is no error: getline then finds nothing.
+    std::string words;
+    std::getline(file, words, '\xff');
     std::ranges::replace(words, '\0', ' ');
     return words;
 }

@@ -180,8 +180,8 @@ class Fit {
     }
 
     /// Whether jerk density, scale and, where there is an error, its diffusion differ by less than
-    /// a factor of two. These the data tell; not how the others stand to the scale, which may be next to
-    /// nothing, nor the error's size, which trades against its correlation time.
+    /// a factor of two. These the data tell; not how the others stand to the scale, which may be
+    /// next to nothing, nor the error's size, which trades against its correlation time.
     static bool are_close(const Best& one, const Best& other) {
         constexpr double factor = 0.7;  // ln 2
         if (one.x.size() != other.x.size()) return false;

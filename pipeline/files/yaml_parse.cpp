@@ -92,8 +92,11 @@ class StrictDocument : public YAML::EventHandler {
             else if (at == last_ || is_before_value(text_[at - 1]))
                 at = require_closed(at);
         }
+        // Such is a question mark in a text without quotes, within braces.
         refuse(error.mark, "not valid YAML: " + error.msg,
-               "Check indentation, colons and quotes there");
+               error.msg == YAML::ErrorMsg::UNKNOWN_TOKEN
+                   ? "Put the text there in quotes"
+                   : "Check indentation, colons and quotes there");
     }
 
   private:

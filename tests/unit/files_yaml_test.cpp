@@ -85,6 +85,7 @@ TEST(ParseYaml, RefusesWithAPlace) {
         {": 1\n", "f:1:1", "a key is not text"},
         // The parser itself accepts these.
         {"a: 1\nb\n", "f:2:1", "a colon is missing"},
+        {"a: {b: who knows?}\n", "f:1:17", "not valid YAML"},
         {"m:\n  a: 1\n  wor", "f:3:3", "a colon is missing"},
         {"m: {a: \"1\"}\nb: \"2\n", "f:2:4", "a quote is not closed"},
         {"a: [1, 'x]\n", "f:1:8", "a quote is not closed"},

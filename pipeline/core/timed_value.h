@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <optional>
+#include <span>
+
 namespace runcert {
 
 /// A measured value at a time (s) from a recording's first epoch.
@@ -7,5 +11,19 @@ struct TimedValue {
     double time_s = 0.0;
     double value = 0.0;
 };
+
+/// Linearly between samples in order of time that are no further apart than this (s); nothing
+/// elsewhere.
+inline std::optional<double> value_at(std::span<const TimedValue> samples, double time_s,
+                                      double longest_step_s) {
+    const auto after = std::ranges::lower_bound(samples, time_s, {}, &TimedValue::time_s);
+    if (after == samples.end()) return std::nullopt;
+    if (after->time_s == time_s) return after->value;
+    if (after == samples.begin()) return std::nullopt;
+    const TimedValue& before = *(after - 1);
+    if (after->time_s - before.time_s > longest_step_s) return std::nullopt;
+    const double share = (time_s - before.time_s) / (after->time_s - before.time_s);
+    return before.value + share * (after->value - before.value);
+}
 
 }  // namespace runcert

@@ -44,7 +44,8 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.description = entry["description"].text();
     rule.origin = read_origin(entry);
     rule.before_rule = entry["before_rule"].exists() && entry["before_rule"].boolean();
-    rule.series = entry["series"].text_or("");
+    for (const YamlValue& quantity : entry["series"].list())
+        rule.series.push_back(quantity.text());
     if (const YamlValue stages = entry["read_by"]; stages.is_list()) {
         rule.read_by.emplace();
         for (const YamlValue& stage : stages.list())

@@ -34,7 +34,8 @@ struct FieldRule {
     YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
-    std::string series{};  ///< of a map with the key `file`: what that series is of, "wheel"
+    /// Of a map with the key `file`: what the series there gives (`SeriesQuantities`).
+    std::vector<std::string> series{};
     bool before_rule =
         false;  ///< one that is stated counts before the rule's own, its default after
     /// The stages that read it; where it does not say, those of what it is in.

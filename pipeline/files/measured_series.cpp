@@ -1,10 +1,14 @@
 #include "files/measured_series.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
+#include <iterator>
+#include <limits>
 #include <vector>
 
 #include "core/decimal_time.h"
@@ -14,24 +18,111 @@
 namespace runcert {
 namespace {
 
-constexpr double largest_m_s = 150.0;
-using Names = std::vector<std::string_view>;
+constexpr double kn = 1852.0 / 3600.0;
+constexpr double km_h = 1.0 / 3.6;
 
-Names columns_of(SeriesKind kind) {
-    Names names{"time", "time_gps", "time_s"};
-    if (kind == SeriesKind::gates)
-        names.push_back("distance_m");
-    else
-        names.insert(names.end(), {"speed_m_s", "speed_kn", "speed_km_h"});
-    if (kind == SeriesKind::flow) names.push_back("direction_deg");
+/// A column that gives a quantity, and its unit in that of the sample.
+struct UnitColumn {
+    std::string_view name;
+    double unit = 1.0;
+};
+
+/// What a series may give at each time.
+struct Quantity {
+    std::string_view word;
+    std::string_view meaning;  ///< as "is not a speed" has it
+    std::vector<UnitColumn> columns;
+    double SeriesSample::*member;
+    double least = 0.0, most = 0.0;           ///< in the unit of the sample
+    std::string_view below = {}, above = {};  ///< what is wrong with a number out of range
+    std::string_view what_it_is = {};         ///< the remedy of one below
+    bool each_line_counts = false;
+};
+
+constexpr std::string_view other_unit =
+    "The unit is that of the column's name: export the series again";
+
+const std::vector<Quantity>& known_quantities() {
+    constexpr double endless = std::numeric_limits<double>::infinity();
+    static const std::vector<Quantity> all{
+        {.word = "speed",
+         .meaning = "speed",
+         .columns = {{"speed_m_s"}, {"speed_kn", kn}, {"speed_km_h", km_h}},
+         .member = &SeriesSample::value,
+         .least = 0.0,
+         .most = 150.0,
+         .below = "is negative",
+         .above = "is above 150 m/s",
+         .what_it_is = "A speed is 0 or more, whichever way it is"},
+        {.word = "direction",
+         .meaning = "direction",
+         .columns = {{"direction_deg"}},
+         .member = &SeriesSample::direction_deg,
+         .least = 0.0,
+         .most = 360.0,
+         .below = "is not within 0 to 360 degrees",
+         .above = "is not within 0 to 360 degrees",
+         .what_it_is = "Write degrees from north over east"},
+        {.word = "distance",
+         .meaning = "distance",
+         .columns = {{"distance_m"}},
+         .member = &SeriesSample::value,
+         .least = -endless,
+         .most = endless,
+         .each_line_counts = true},
+        {.word = "uncertainty",
+         .meaning = "uncertainty",
+         .columns = {{"expanded_uncertainty_m_s"},
+                     {"expanded_uncertainty_kn", kn},
+                     {"expanded_uncertainty_km_h", km_h}},
+         .member = &SeriesSample::expanded_uncertainty_m_s,
+         .least = 0.005,
+         .most = 50.0,
+         .below = "is below 0.005 m/s",
+         .above = "is above 50 m/s",
+         .what_it_is = "Write what the speed is uncertain by at k = 2, as the certificate of the "
+                       "instrument states it",
+         .each_line_counts = true},
+        {.word = "length",
+         .meaning = "length",
+         .columns = {{"length_m"}},
+         .member = &SeriesSample::length_m,
+         .least = 0.0,
+         .most = 10000.0,
+         .below = "is negative",
+         .above = "is above 10000 m",
+         .what_it_is = "Write the metres over which the speed was measured, 0 for an instant"}};
+    return all;
+}
+
+/// Those of a series, in the order of its declaration.
+using Quantities = std::vector<const Quantity*>;
+Quantities quantities_named(const SeriesQuantities& words) {
+    Quantities found;
+    for (const std::string& word : words) {
+        const auto one = std::ranges::find(known_quantities(), word, &Quantity::word);
+        assert(one != known_quantities().end());
+        found.push_back(&*one);
+    }
+    return found;
+}
+
+using Names = std::vector<std::string_view>;
+const Names time_columns{"time", "time_gps", "time_s"};
+
+Names names_of(const Quantity& quantity) {
+    Names names;
+    for (const UnitColumn& column : quantity.columns)
+        names.push_back(column.name);
     return names;
 }
 
 /// A header line of such a series.
-std::string example_of(SeriesKind kind) {
-    return kind == SeriesKind::flow    ? "time,speed_m_s,direction_deg"
-           : kind == SeriesKind::wheel ? "time,speed_m_s"
-                                       : "time,distance_m";
+std::string example_of(const Quantities& quantities) {
+    std::string example = "time";
+    for (const Quantity* const one : quantities)
+        example.append(",").append(one->columns.front().name);
+    return example;
 }
 
 /// A piece of the text, and where it stands.
@@ -79,21 +170,33 @@ std::vector<SeriesCell> split(const SeriesCell& line) {
     }
 }
 
+/// A column of the file that gives a quantity.
+struct SeriesColumn {
+    const Quantity* quantity = nullptr;
+    std::size_t at = 0;
+    double unit = 1.0;
+};
+
 /// Which columns hold what.
 struct SeriesColumns {
     std::size_t count = 0;
-    std::size_t time = 0, value = 0;
-    std::optional<std::size_t> direction;
-    std::string_view time_name;
-    double mps_per_unit = 1.0;
+    std::size_t time = 0;
+    std::string_view time_name = {};
+    std::vector<SeriesColumn> quantities = {};
 };
 
-/// The one column whose name begins so.
-std::size_t find_column(const std::vector<SeriesCell>& header, std::string_view prefix,
-                        const std::string& choices, SeriesKind kind) {
+/// "speed_m_s, speed_kn or speed_km_h"
+std::string choice_of(const Names& names) {
+    if (names.size() == 1) return std::string(names.front());
+    return fmt::format("{} or {}", fmt::join(names.begin(), names.end() - 1, ", "), names.back());
+}
+
+/// The one column that has one of these names.
+std::size_t find_column(const std::vector<SeriesCell>& header, const Names& names,
+                        const Quantities& quantities) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
-        if (!header[i].text.starts_with(prefix)) continue;
+        if (std::ranges::find(names, header[i].text) == names.end()) continue;
         if (found)
             header[i].fail(fmt::format("{} is a second column of what {} gives", header[i].quoted(),
                                        header[*found].quoted()),
@@ -101,33 +204,34 @@ std::size_t find_column(const std::vector<SeriesCell>& header, std::string_view 
         found = i;
     }
     if (!found)
-        header.front().fail(fmt::format("the header line names no {}", choices),
-                            "Name the columns in the first line, as " + example_of(kind));
+        header.front().fail(fmt::format("the header line names no {}", choice_of(names)),
+                            "Name the columns in the first line, as " + example_of(quantities));
     return *found;
 }
 
-SeriesColumns read_header(const SeriesCell& line, SeriesKind kind) {
-    const Names known_columns = columns_of(kind);
-    const std::vector<SeriesCell> header = split(line);
+void require_known(const std::vector<SeriesCell>& header, const Quantities& quantities) {
+    Names known = time_columns;
+    for (const Quantity* const one : quantities)
+        std::ranges::copy(names_of(*one), std::back_inserter(known));
     for (const SeriesCell& cell : header)
-        if (std::ranges::find(known_columns, cell.text) == known_columns.end())
-            cell.fail(
-                fmt::format("the column {} is not known", cell.quoted()),
-                fmt::format("Did you mean {}? Columns are {}, with commas between them; take "
-                            "others out",
-                            nearest(cell.text, known_columns), fmt::join(known_columns, ", ")));
-    SeriesColumns columns;
-    columns.count = header.size();
-    columns.time = find_column(header, "time", "time, time_gps or time_s", kind);
-    columns.value = kind == SeriesKind::gates
-                        ? find_column(header, "distance", "distance_m", kind)
-                        : find_column(header, "speed", "speed_m_s, speed_kn or speed_km_h", kind);
-    if (kind == SeriesKind::flow)
-        columns.direction = find_column(header, "direction", "direction_deg", kind);
+        if (std::ranges::find(known, cell.text) == known.end())
+            cell.fail(fmt::format("the column {} is not known", cell.quoted()),
+                      fmt::format("Did you mean {}? Columns are {}, with commas between them; take "
+                                  "others out",
+                                  nearest(cell.text, known), fmt::join(known, ", ")));
+}
+
+SeriesColumns read_header(const SeriesCell& line, const Quantities& quantities) {
+    const std::vector<SeriesCell> header = split(line);
+    require_known(header, quantities);
+    SeriesColumns columns{.count = header.size(),
+                          .time = find_column(header, time_columns, quantities)};
     columns.time_name = header[columns.time].text;
-    const std::string_view unit = header[columns.value].text;
-    if (unit == "speed_kn") columns.mps_per_unit = 1852.0 / 3600.0;
-    if (unit == "speed_km_h") columns.mps_per_unit = 1.0 / 3.6;
+    for (const Quantity* const one : quantities) {
+        const std::size_t at = find_column(header, names_of(*one), quantities);
+        const auto named = std::ranges::find(one->columns, header[at].text, &UnitColumn::name);
+        columns.quantities.push_back({.quantity = one, .at = at, .unit = named->unit});
+    }
     return columns;
 }
 
@@ -172,28 +276,16 @@ double read_number(const SeriesCell& cell, std::string_view meaning) {
     return *number;
 }
 
-double read_speed_m_s(const SeriesCell& cell, double mps_per_unit) {
-    const double speed_m_s = read_number(cell, "speed") * mps_per_unit;
-    if (speed_m_s < 0.0)
-        cell.fail(fmt::format("the speed {} is negative", cell.quoted()),
-                  "A speed is 0 or more, whichever way it is");
-    if (speed_m_s > largest_m_s)
-        cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_m_s),
-                  "The unit is that of the column's name (speed_km_h): export the series again");
-    return speed_m_s;
-}
-
-double read_value(const SeriesCell& cell, const SeriesColumns& columns, SeriesKind kind) {
-    return kind == SeriesKind::gates ? read_number(cell, "distance")
-                                     : read_speed_m_s(cell, columns.mps_per_unit);
-}
-
-double read_direction_deg(const SeriesCell& cell) {
-    const double direction_deg = read_number(cell, "direction");
-    if (direction_deg < 0.0 || direction_deg > 360.0)
-        cell.fail(fmt::format("the direction {} is not within 0 to 360 degrees", cell.quoted()),
-                  "Write degrees from north over east");
-    return direction_deg;
+double read_quantity(const SeriesCell& cell, const SeriesColumn& column) {
+    const Quantity& quantity = *column.quantity;
+    const double value = read_number(cell, quantity.meaning) * column.unit;
+    if (value < quantity.least)
+        cell.fail(fmt::format("the {} {} {}", quantity.meaning, cell.quoted(), quantity.below),
+                  std::string(quantity.what_it_is));
+    if (value > quantity.most)
+        cell.fail(fmt::format("the {} {} {}", quantity.meaning, cell.quoted(), quantity.above),
+                  std::string(quantity.columns.size() > 1 ? other_unit : quantity.what_it_is));
+    return value;
 }
 
 /// One line in so many may be left out.
@@ -206,16 +298,17 @@ struct SeriesLine {
 };
 
 SeriesSample read_sample(const SeriesCell& line, const SeriesColumns& columns,
-                         const std::optional<GpsTime>& first_epoch, SeriesKind kind) {
+                         const std::optional<GpsTime>& first_epoch) {
     const std::vector<SeriesCell> cells = split(line);
     if (cells.size() != columns.count)
         line.fail(fmt::format("the line has {} fields; the header line has {}", cells.size(),
                               columns.count),
                   "Each line has a field for each name of the header: export the series again");
-    return {
-        .time_s = read_time_s(cells[columns.time], columns.time_name, first_epoch),
-        .value = read_value(cells[columns.value], columns, kind),
-        .direction_deg = columns.direction ? read_direction_deg(cells[*columns.direction]) : 0.0};
+    SeriesSample sample;
+    sample.time_s = read_time_s(cells[columns.time], columns.time_name, first_epoch);
+    for (const SeriesColumn& column : columns.quantities)
+        sample.*column.quantity->member = read_quantity(cells[column.at], column);
+    return sample;
 }
 
 /// Which of the lines are of the most whose times increase.
@@ -249,47 +342,48 @@ std::vector<bool> longest_in_order(const std::vector<SeriesLine>& lines) {
               "Hand in the file as the instrument wrote it, its lines in the order of time");
 }
 
-void require_gates_in_order(const std::vector<SeriesLine>& gates, const SeriesColumns& columns) {
+/// Distances are those of gates from the first.
+void require_gates(const std::vector<SeriesLine>& gates, const SeriesColumns& columns,
+                   const std::string& where) {
+    const SeriesColumn& distance = columns.quantities.front();
+    if (distance.quantity->word != "distance") return;
     for (std::size_t i = 1; i < gates.size(); ++i) {
         if (gates[i].sample.value > gates[i - 1].sample.value) continue;
-        const SeriesCell cell = split(gates[i].line)[columns.value];
+        const SeriesCell cell = split(gates[i].line)[distance.at];
         cell.fail(
             fmt::format("the distance {} is not beyond that of the gate before", cell.quoted()),
             "Put the gates in their order along the course, each with its distance from the "
             "first");
     }
+    if (gates.size() == 1) throw Failure(where, "there is only one gate", "Give two gates or more");
 }
 
 }  // namespace
 
-bool from_text(std::string_view word, SeriesKind& kind) {
-    if (word != "flow" && word != "wheel" && word != "gates") return false;
-    kind = word == "flow"    ? SeriesKind::flow
-           : word == "wheel" ? SeriesKind::wheel
-                             : SeriesKind::gates;
-    return true;
-}
-
 MeasuredSeries read_series(std::string_view text, const std::string& where,
-                           const std::optional<GpsTime>& first_epoch, SeriesKind kind) {
+                           const std::optional<GpsTime>& first_epoch,
+                           const SeriesQuantities& words) {
+    const Quantities quantities = quantities_named(words);
     const std::vector<SeriesCell> lines = lines_of(text, where);
     if (lines.empty())
-        throw Failure(where, "the file is empty",
-                      "Give a header line, as " + example_of(kind) + ", and samples below it");
-    const SeriesColumns columns = read_header(lines.front(), kind);
+        throw Failure(
+            where, "the file is empty",
+            "Give a header line, as " + example_of(quantities) + ", and samples below it");
+    const SeriesColumns columns = read_header(lines.front(), quantities);
     if (columns.time_name != "time_s" && !first_epoch)
         lines.front().fail("it gives instants, but the recording's times are relative",
                            "Give the receiver's start_gps in the attempt, or the column time_s, "
                            "seconds from the recording's first epoch");
     MeasuredSeries series{.where = where, .samples = {}, .left_out = {}};
-    // Gates are few, and each of them counts.
     const std::size_t lost_at_most =
-        kind == SeriesKind::gates ? 0 : (lines.size() - 1) / lines_to_one_left_out;
+        std::ranges::any_of(quantities, [](const Quantity* one) { return one->each_line_counts; })
+            ? 0
+            : (lines.size() - 1) / lines_to_one_left_out;
     std::vector<SeriesLine> read;
     std::vector<Failure> lost;
     for (std::size_t i = 1; i < lines.size(); ++i) {
         try {
-            read.push_back({lines[i], read_sample(lines[i], columns, first_epoch, kind)});
+            read.push_back({lines[i], read_sample(lines[i], columns, first_epoch)});
         } catch (const Failure& failure) {
             if (lost.size() >= lost_at_most) throw;
             lost.push_back(failure);
@@ -304,7 +398,6 @@ MeasuredSeries read_series(std::string_view text, const std::string& where,
         else
             lost.emplace_back(read[i].line.place(), "its time leaves the order of the others", "");
     }
-    if (kind == SeriesKind::gates) require_gates_in_order(read, columns);
     if (!lost.empty())
         series.left_out = fmt::format(
             "{}: {} of {} lines were left out, the first because {} ({}).", where, lost.size(),
@@ -312,8 +405,7 @@ MeasuredSeries read_series(std::string_view text, const std::string& where,
     if (series.samples.empty())
         throw Failure(where, "there is no sample below the header line",
                       "Give at least one sample before the window and one after it");
-    if (kind == SeriesKind::gates && series.samples.size() < 2)
-        throw Failure(where, "there is only one gate", "Give two gates or more");
+    require_gates(read, columns, where);
     return series;
 }
 

@@ -143,10 +143,9 @@ std::vector<AttemptFile> series_files(const Attempt& attempt) {
     return files;
 }
 
-SeriesKind kind_of_series(const std::string& key) {
-    SeriesKind kind{};
-    from_text(attempt_schema().find(key)->series, kind);
-    return kind;
+MeasuredSeries read_series_of(const AttemptFile& file, std::string_view text,
+                              const std::optional<GpsTime>& first_epoch) {
+    return read_series(text, file.original, first_epoch, attempt_schema().find(file.role)->series);
 }
 
 std::string find_series(const AttemptFile& file, const AttemptSource& source) {
@@ -173,7 +172,7 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         const std::string series = find_series(file, source);
         // What is no such series is said before anything is computed. Whether its times fit those
         // of the recording, which are not known yet, the stage says that reads it.
-        read_series(series, file.original, GpsTime{}, kind_of_series(file.role));
+        read_series_of(file, series, GpsTime{});
         write_file_atomically(run_dir / file.name, series);
     }
     write_file_atomically(run_dir / attempt_copy_name, text);

@@ -59,8 +59,9 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
 /// The series that the attempt names, as its fields declare them (`series`), with their keys as
 /// roles and the names "wind.csv" and so on in a run folder.
 std::vector<AttemptFile> series_files(const Attempt& attempt);
-/// What a series handed in under that key holds.
-SeriesKind kind_of_series(const std::string& key);
+/// Reads one of them as its field declares it.
+MeasuredSeries read_series_of(const AttemptFile& file, std::string_view text,
+                              const std::optional<GpsTime>& first_epoch);
 
 /// The text of one of them, found and refused as above.
 std::string find_series(const AttemptFile& file, const AttemptSource& source);

@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "run/attempt_files.h"
 #include "run/run_lock.h"
 #include "schemas/products/products.h"
 #include "trust/attestation_files.h"
@@ -163,13 +164,14 @@ bool belongs_to_signatures(std::string_view name) {
 bool is_file_of_a_run(const std::string& name) {
     if (fs::path(name).filename() != name) return false;
     if (is_product_name(name) || belongs_to_signatures(name)) return true;
-    constexpr std::array whole{"attempt.yaml", "wind.csv", "current.csv", "wheel.csv", "gates.csv"};
+    if (name == attempt_copy_name) return true;
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (!rule.series.empty() && name == rule.path + ".csv") return true;
     constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
                                 "phase.",   "rtklib.",    "forward.", "backward."};
-    return std::ranges::find(whole, name) != whole.end() ||
-           std::ranges::any_of(begins, [&](const char* part) {
-               return name.starts_with(part) && name.size() > std::string_view(part).size();
-           });
+    return std::ranges::any_of(begins, [&](const char* part) {
+        return name.starts_with(part) && name.size() > std::string_view(part).size();
+    });
 }
 
 std::vector<SignatureFile> signature_files(const fs::path& run_dir) {

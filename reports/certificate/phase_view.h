@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/satellite.h"
-#include "estimation/tables/screened_phases.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/screened_phases.h"
 
 namespace runcert {
 

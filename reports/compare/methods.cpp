@@ -7,10 +7,10 @@
 
 #include "core/failure.h"
 #include "estimation/fixed_lag.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/noise_models.h"
 #include "reports/compare/recorded_velocity.h"
 #include "schemas/enu/measured_position.h"
+#include "witness/arcs.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

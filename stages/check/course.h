@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "estimation/tables/runs.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/runs.h"
 
 namespace runcert {
 

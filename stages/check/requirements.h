@@ -1,11 +1,11 @@
 #pragma once
 
-#include "estimation/tables/runs.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
 #include "stages/check/declared_agreement.h"
 #include "stages/check/wind.h"
+#include "witness/runs.h"
 
 namespace runcert {
 

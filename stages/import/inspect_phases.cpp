@@ -11,8 +11,8 @@
 #include "core/prose.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "estimation/phase_witness.h"
-#include "estimation/tables/phase_rows.h"
+#include "witness/phase_rows.h"
+#include "witness/phase_witness.h"
 
 namespace runcert {
 namespace {

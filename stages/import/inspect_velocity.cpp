@@ -6,9 +6,9 @@
 
 #include "core/geodesy.h"
 #include "core/statistics.h"
-#include "estimation/velocity_delay.h"
-#include "estimation/velocity_delay_along.h"
 #include "stages/import/row_summary.h"
+#include "witness/velocity_delay.h"
+#include "witness/velocity_delay_along.h"
 
 namespace runcert {
 namespace {

@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/velocity_origin.h"
 #include "schemas/observations/observations.h"
+#include "witness/velocity_origin.h"
 
 namespace runcert {
 

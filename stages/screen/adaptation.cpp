@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "estimation/memory.h"
-#include "estimation/tables/screening_noise.h"
 #include "stages/screen/section_tests.h"
+#include "witness/screening_noise.h"
 
 namespace runcert {
 namespace {

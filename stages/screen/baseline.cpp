@@ -5,13 +5,13 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/same_origin.h"
-#include "estimation/tables/arcs.h"
 #include "schemas/enu/measured_position.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/noise.h"
 #include "stages/screen/receiver_pairs.h"
+#include "witness/arcs.h"
+#include "witness/same_origin.h"
 
 namespace runcert {
 namespace {

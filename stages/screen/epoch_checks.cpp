@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "estimation/tables/going_on.h"
+#include "witness/going_on.h"
 
 namespace runcert {
 namespace {

@@ -3,9 +3,9 @@
 #include <map>
 
 #include "estimation/epoch_motion.h"
-#include "estimation/tables/screening_noise.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/noise.h"
+#include "witness/screening_noise.h"
 
 namespace runcert {
 

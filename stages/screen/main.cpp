@@ -2,12 +2,12 @@
 
 #include <optional>
 
-#include "estimation/tables/phase_rows.h"
 #include "files/atomic_file.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/screen/phases.h"
 #include "stages/screen/screen.h"
+#include "witness/phase_rows.h"
 
 using namespace runcert;
 
@@ -59,13 +59,9 @@ int main(int argc, char** argv) {
             std::vector<ScreeningWitnesses> beside;
             for (const auto& witness : witnesses)
                 beside.push_back({.phases = witness ? &*witness : nullptr});
-            // The wheel is of the first receiver's craft and on its time.
-            if (const auto wheel = handed_in_series(run, "wheel", tables.front().facts.first_epoch))
-                beside.front().wheel = {
-                    .m_s = timed_values(*wheel),
-                    .calibrated_scale = attempt.wheel->scale,
-                    .sigma_calibrated =
-                        0.5 * attempt.wheel->expanded_uncertainty_scale.value_or(0.0)};
+            // What was handed in is of the first receiver's craft and on its time.
+            beside.front().handed_in = {
+                attempt, all_handed_in_series(run, tables.front().facts.first_epoch)};
             std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.

@@ -6,8 +6,8 @@
 #include "core/rounding.h"
 #include "core/statistics.h"
 #include "estimation/noise_fit.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/noise_models.h"
+#include "witness/arcs.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

@@ -11,11 +11,11 @@
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "estimation/phase_witness.h"
-#include "estimation/tables/screened_phases.h"
-#include "estimation/witnessed_spans.h"
 #include "schemas/enu/measured_position.h"
 #include "stages/screen/time_order.h"
+#include "witness/phase_witness.h"
+#include "witness/screened_phases.h"
+#include "witness/witnessed_spans.h"
 
 namespace runcert {
 namespace {

@@ -3,12 +3,12 @@
 #include <functional>
 #include <memory>
 
-#include "estimation/phase_motion.h"
-#include "estimation/tables/screened_phases.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/enu/enu.h"
 #include "schemas/phase/phase.h"
 #include "schemas/screened_phase/screened_phase.h"
+#include "witness/phase_motion.h"
+#include "witness/screened_phases.h"
 
 namespace runcert {
 

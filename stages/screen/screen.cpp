@@ -7,9 +7,6 @@
 #include <utility>
 
 #include "core/parallel.h"
-#include "estimation/tables/other_receiver.h"
-#include "estimation/tables/recorded_velocities.h"
-#include "estimation/tables/screening_noise.h"
 #include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/device_signs.h"
@@ -19,6 +16,9 @@
 #include "stages/screen/time_check.h"
 #include "stages/screen/velocity_check.h"
 #include "stages/screen/witness_check.h"
+#include "witness/other_receiver.h"
+#include "witness/recorded_velocities.h"
+#include "witness/screening_noise.h"
 
 namespace runcert {
 namespace {
@@ -150,11 +150,7 @@ bool contradicts(ScreenedTable& screened, const DisplacementTest& test, const Ar
 bool phases_contradict(ScreenedTable& screened, const Witness<2>* phases, const ArcCheck& check,
                        ScreeningBasis& basis) {
     if (phases == nullptr) return false;
-    return contradicts(screened,
-                       {.kind = WitnessKind::phases,
-                        .witness = phases,
-                        .mark = {.reason = Reason::phase, .hypothesis = Hypothesis::phase}},
-                       check, basis);
+    return contradicts(screened, {.kind = WitnessKind::phases, .witness = phases}, check, basis);
 }
 
 bool velocities_contradict(ScreenedTable& screened, const Motion& motion, const ArcCheck& check,
@@ -175,20 +171,21 @@ bool velocities_contradict(ScreenedTable& screened, const Motion& motion, const 
     return marked > 0;
 }
 
-bool wheel_contradicts(ScreenedTable& screened, const Motion& motion, const WheelSpeeds& speeds,
-                       const ArcCheck& check, ScreeningBasis& basis) {
-    if (speeds.m_s.empty()) return false;
-    const auto wheel =
-        wheel_witness(speeds, timed_positions<2>(screened.rows), track_of(screened, motion),
-                      check.noises.horizontal.model.motion.jerk_density);
-    if (!wheel || wheel->made_from_positions) return false;
-    return contradicts(screened,
-                       {.kind = WitnessKind::wheel,
-                        .witness = &wheel->motion,
-                        .mark = {.reason = Reason::wheel, .hypothesis = Hypothesis::wheel},
-                        .single_epochs = false,
-                        .only_fast = true},
-                       check, basis);
+bool handed_in_contradict(ScreenedTable& screened, const Motion& motion, const HandedIn& given,
+                          const ArcCheck& check, ScreeningBasis& basis) {
+    if (given.series.empty()) return false;
+    const Track track = track_of(screened, motion);
+    const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
+    for (const RosterEntry& entry : witness_roster()) {
+        if (!entry.screening) continue;
+        const auto heard = handed_in_witness(entry, given, positions, track,
+                                             check.noises.horizontal.model.motion.jerk_density);
+        if (heard && !heard->is_copy &&
+            contradicts(screened, {.kind = entry.kind, .witness = heard->motion.get()}, check,
+                        basis))
+            return true;
+    }
+    return false;
 }
 
 bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcCheck& check,
@@ -215,7 +212,7 @@ Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check
         if (phases_contradict(screened, beside.phases, check, basis)) continue;
         Motion motion = examined();
         if (velocities_contradict(screened, motion, check, basis) ||
-            wheel_contradicts(screened, motion, beside.wheel, check, basis) ||
+            handed_in_contradict(screened, motion, beside.handed_in, check, basis) ||
             limits_are_broken(screened, motion, check, basis))
             continue;
         return motion;
@@ -327,9 +324,7 @@ bool receivers_contradict(std::array<ReceiverScreening*, 2> pair, const ScreenCo
             judged.table,
             {.kind = WitnessKind::receiver,
              .receiver = pair[other]->table.facts.receiver,
-             .witness = &*witness,
-             .mark = {.reason = Reason::baseline, .hypothesis = Hypothesis::baseline},
-             .only_fast = true},
+             .witness = &*witness},
             {.noises = judged.noises, .plan = judged.plan, .config = config}, judged.table.basis);
         any = any || marked;
     }

@@ -4,12 +4,12 @@
 #include <set>
 #include <span>
 
-#include "estimation/tables/handed_in.h"
-#include "estimation/witness.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
 #include "stages/screen/sections.h"
+#include "witness/roster.h"
+#include "witness/witness.h"
 
 namespace runcert {
 
@@ -35,7 +35,7 @@ struct ScreenConfig : ScreenParameters {
 /// What was recorded beside a receiver's positions and is no part of its table.
 struct ScreeningWitnesses {
     const Witness<2>* phases = nullptr;  ///< null where there are none
-    WheelSpeeds wheel = {};
+    HandedIn handed_in = {};
 };
 
 /// The figures that the attempt states, or the schema's own where it states none.
@@ -49,9 +49,10 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
 /// left. All tests together raise a false alarm with the family-wise rate at most. Then the
-/// witnesses, where there are any: carrier phases, the recorded velocities, the wheel; and the
-/// limits of the craft's class. No row is removed. The header is the caller's. Failure, naming the
-/// time, where a covariance of the estimate stops being positive definite by more than rounding.
+/// witnesses, where there are any: carrier phases, the recorded velocities, what was handed in; and
+/// the limits of the craft's class. No row is removed. The header is the caller's. Failure, naming
+/// the time, where a covariance of the estimate stops being positive definite by more than
+/// rounding.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
                      const ScreeningWitnesses& beside = {});
 

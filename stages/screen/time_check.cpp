@@ -9,8 +9,8 @@
 #include <string>
 
 #include "core/statistics.h"
-#include "estimation/tables/going_on.h"
 #include "schemas/enu/measured_position.h"
+#include "witness/going_on.h"
 
 namespace runcert {
 namespace {

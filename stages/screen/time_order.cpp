@@ -11,7 +11,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "estimation/tables/going_on.h"
+#include "witness/going_on.h"
 
 namespace runcert {
 namespace {

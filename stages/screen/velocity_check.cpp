@@ -9,14 +9,14 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
-#include "estimation/same_origin.h"
-#include "estimation/tables/recorded_velocities.h"
-#include "estimation/velocity_delay.h"
-#include "estimation/velocity_origin.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 #include "stages/screen/velocity_check_delays.h"
 #include "stages/screen/witness_check.h"
+#include "witness/recorded_velocities.h"
+#include "witness/same_origin.h"
+#include "witness/velocity_delay.h"
+#include "witness/velocity_origin.h"
 
 namespace runcert {
 namespace {
@@ -383,8 +383,8 @@ void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& wit
                                 .threshold = threshold});
         contradicted.insert(contradicted.end(), spans.begin(), spans.end());
     }
-    mark_spans(rows, usable, contradicted,
-               {.reason = Reason::velocity, .hypothesis = Hypothesis::velocity}, threshold);
+    mark_spans(rows, usable, contradicted, roster_entry(WitnessKind::velocities).screening.value(),
+               threshold);
 }
 
 }  // namespace

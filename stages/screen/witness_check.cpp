@@ -6,17 +6,17 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/tables/recorded_velocities.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 namespace {
 
 /// What of the test stands in the row. The size is known as well as its statistic says.
-void mark_row(ScreenedEpoch& row, const WitnessMark& mark, const Eigen::Vector2d& difference_m,
+void mark_row(ScreenedEpoch& row, const ScreeningTest& test, const Eigen::Vector2d& difference_m,
               double statistic, double threshold) {
     row.usable = false;
-    row.reason = mark.reason;
-    row.hypothesis = mark.hypothesis;
+    row.reason = test.reason;
+    row.hypothesis = test.hypothesis;
     row.tested_axes = TestedAxes::horizontal;
     row.statistic = statistic;
     row.threshold = threshold;
@@ -30,20 +30,20 @@ void mark_row(ScreenedEpoch& row, const WitnessMark& mark, const Eigen::Vector2d
 
 /// Epochs between two steps that are contradicted in opposite directions.
 std::int64_t mark_displaced(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
-                            const std::vector<ContradictedSpan>& steps, const WitnessMark& mark,
+                            const std::vector<ContradictedSpan>& steps, const ScreeningTest& test,
                             double threshold) {
     std::int64_t marked = 0;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
         const ContradictedSpan &to = steps[i], &from = steps[i + 1];
         if (to.last != from.first || to.difference_m.dot(from.difference_m) >= 0.0) continue;
-        mark_row(rows[usable.rows[to.last]], mark, to.difference_m,
+        mark_row(rows[usable.rows[to.last]], test, to.difference_m,
                  std::min(to.statistic, from.statistic), threshold);
         ++marked;
     }
     return marked;
 }
 
-SpanTest test_of(const DisplacementSpread& spread, const DisplacementTest& test,
+SpanTest test_of(const DisplacementSpread& spread, const ScreeningTest& test,
                  double typical_sigma_m, double threshold) {
     return {.span_s = spread.span_s,
             .spread_m = spread.sd_upper_m,
@@ -70,11 +70,11 @@ UsablePositions usable_positions(const std::vector<ScreenedEpoch>& rows) {
 }
 
 void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
-                const std::vector<ContradictedSpan>& spans, const WitnessMark& mark,
+                const std::vector<ContradictedSpan>& spans, const ScreeningTest& test,
                 double threshold) {
     for (const ContradictedSpan& span : spans) {
         const auto mark_at = [&](std::size_t k) {
-            mark_row(rows[usable.rows[k]], mark, span.difference_m, span.statistic, threshold);
+            mark_row(rows[usable.rows[k]], test, span.difference_m, span.statistic, threshold);
         };
         for (std::size_t k = span.core_first + 1; k < span.core_last; ++k)
             mark_at(k);
@@ -89,6 +89,7 @@ DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
                                            const DisplacementTest& test, double nominal_interval_s,
                                            double test_size) {
     constexpr std::array spans_s{3.0, 10.0};
+    const ScreeningTest& by_roster = roster_entry(test.kind).screening.value();
     const double threshold = chi_squared_upper_quantile(test_size, 2);
     const UsablePositions usable = usable_positions(rows);
     DisplacementComparison comparison;
@@ -97,13 +98,13 @@ DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
     const double typical_m = typical_sigma_m(usable.positions);
     const auto contradicted_by = [&](const DisplacementSpread& spread) {
         return contradicted_spans(usable.positions, *test.witness,
-                                  test_of(spread, test, typical_m, threshold));
+                                  test_of(spread, by_roster, typical_m, threshold));
     };
-    if (test.single_epochs)
+    if (by_roster.single_epochs)
         if (const auto spread =
                 displacement_spread<2>(*test.witness, usable.positions, nominal_interval_s))
             comparison.rejected =
-                mark_displaced(rows, usable, contradicted_by(*spread), test.mark, threshold);
+                mark_displaced(rows, usable, contradicted_by(*spread), by_roster, threshold);
     std::vector<ContradictedSpan> contradicted;
     for (const double span_s : spans_s) {
         const auto spread = displacement_spread<2>(*test.witness, usable.positions, span_s);
@@ -117,7 +118,7 @@ DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
         contradicted.insert(contradicted.end(), spans.begin(), spans.end());
     }
     if (comparison.rejected > 0) return comparison;
-    mark_spans(rows, usable, contradicted, test.mark, threshold);
+    mark_spans(rows, usable, contradicted, by_roster, threshold);
     comparison.rejected =
         std::ranges::count_if(usable.rows, [&](std::size_t row) { return !rows[row].usable; });
     return comparison;

@@ -3,8 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "estimation/witnessed_spans.h"
 #include "schemas/screened/screened.h"
+#include "witness/roster.h"
+#include "witness/witnessed_spans.h"
 
 namespace runcert {
 
@@ -15,29 +16,18 @@ struct UsablePositions {
 };
 UsablePositions usable_positions(const std::vector<ScreenedEpoch>& rows);
 
-/// What a mark says: which witness contradicts the position.
-struct WitnessMark {
-    Reason reason = Reason::velocity;
-    Hypothesis hypothesis = Hypothesis::velocity;
-};
-
 /// Marks the epochs in which the difference of contradicted spans comes about, with the size and
 /// direction of the disagreement, and ends the arc behind them (ramp): positions before and after
 /// do not belong together.
 void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
-                const std::vector<ContradictedSpan>& spans, const WitnessMark& mark,
+                const std::vector<ContradictedSpan>& spans, const ScreeningTest& test,
                 double threshold);
 
-/// How positions are tested against the displacements by a witness.
+/// The witness whose displacements positions are tested against, as the roster says.
 struct DisplacementTest {
     WitnessKind kind = WitnessKind::phases;
     std::string receiver = {};  ///< id, where the witness is another receiver
     const Witness<2>* witness = nullptr;
-    WitnessMark mark;
-    bool single_epochs = true;  ///< whether it is sharp enough over one interval
-    /// Whether the witness is worth its figures only where the craft moves fast: a wheel that slips
-    /// and a second antenna that swings are of slow stretches.
-    bool only_fast = false;
 };
 
 /// Tests positions against the displacements by a witness: marks an epoch whose displacements from

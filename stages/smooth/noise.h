@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "estimation/tables/arcs.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/smooth/smooth.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 

@@ -8,12 +8,12 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/noise_models.h"
 #include "stages/smooth/batch.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
 #include "stages/smooth/trajectory_rows.h"
+#include "witness/arcs.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

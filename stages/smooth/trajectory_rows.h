@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "estimation/kalman.h"
-#include "estimation/tables/arcs.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 

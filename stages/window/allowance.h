@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
 #include "stages/window/certify.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "estimation/memory.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/window_ends.h"
+#include "witness/arcs.h"
+#include "witness/window_ends.h"
 
 namespace runcert {
 

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "estimation/tables/window_ends.h"
+#include "witness/window_ends.h"
 
 namespace runcert {
 namespace {

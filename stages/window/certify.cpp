@@ -9,7 +9,6 @@
 #include "core/failure.h"
 #include "core/tangent_plane.h"
 #include "estimation/speed.h"
-#include "estimation/tables/noise_models.h"
 #include "stages/window/budget.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
@@ -19,6 +18,7 @@
 #include "stages/window/shares.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnesses.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

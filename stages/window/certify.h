@@ -2,13 +2,13 @@
 
 #include <vector>
 
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/certifiable.h"
-#include "estimation/tables/noise_models.h"
 #include "stages/window/best_window.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
+#include "witness/arcs.h"
+#include "witness/certifiable.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 

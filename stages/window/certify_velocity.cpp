@@ -8,12 +8,12 @@
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
-#include "estimation/velocity_origin.h"
 #include "stages/window/budget.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
 #include "stages/window/velocity_moment.h"
 #include "stages/window/velocity_selection.h"
+#include "witness/velocity_origin.h"
 
 namespace runcert {
 namespace {

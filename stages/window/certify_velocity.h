@@ -1,9 +1,9 @@
 #pragma once
 
-#include "estimation/tables/certifiable.h"
 #include "stages/window/best_window.h"
 #include "stages/window/velocity_noise.h"
 #include "stages/window/window.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -154,21 +154,6 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
     return fault;
 }
 
-FaultPrior fault_of(WitnessKind kind, const FaultPrior& positions) {
-    switch (kind) {
-        case WitnessKind::velocities:
-        case WitnessKind::wheel:
-            return {.probability = 0.01, .largest_m_s = 1.0};
-        case WitnessKind::phases:
-            return {.probability = 0.001, .largest_m_s = 0.1};
-        case WitnessKind::gates:
-            return {.probability = 0.001, .largest_m_s = positions.largest_m_s};
-        default:
-            break;
-    }
-    return positions;
-}
-
 WeightedSpeed weigh(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
     const Eigen::VectorXd weights = weights_of(covariance_of(positions, witnesses));
     WeightedSpeed mean;

@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "estimation/speed_mixture.h"
-#include "estimation/tables/window_ends.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/best_window.h"
+#include "witness/window_ends.h"
 
 // Positions and witnesses by one rule: an error that nothing found counts by its probability, and
 // the speeds of all are weighed by one covariance.
@@ -40,9 +40,6 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
                          double probability);
-
-/// How likely a witness of a kind errs unseen in a window, and by how much.
-FaultPrior fault_of(WitnessKind kind, const FaultPrior& positions);
 
 /// A window's speed by positions, by what its errors come from, m/s.
 struct PositionTerms {

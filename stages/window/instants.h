@@ -1,9 +1,9 @@
 #pragma once
 
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/window_ends.h"
 #include "stages/window/best_window.h"
 #include "stages/window/crossings.h"
+#include "witness/arcs.h"
+#include "witness/window_ends.h"
 
 namespace runcert {
 

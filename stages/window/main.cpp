@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/prose.h"
-#include "estimation/tables/screened_phases.h"
 #include "run/attempt_files.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
+#include "witness/screened_phases.h"
 
 using namespace runcert;
 
@@ -42,26 +42,12 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
     return tables;
 }
 
-/// Wheel and gates, which are of the first receiver's craft and on its time.
-void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Beside& beside) {
-    if (const auto wheel = handed_in_series(run, "wheel", first_epoch)) {
-        beside.wheel = {.m_s = timed_values(*wheel),
-                        .calibrated_scale = run.attempt().wheel->scale,
-                        .sigma_calibrated =
-                            0.5 * run.attempt().wheel->expanded_uncertainty_scale.value_or(0.0)};
-        if (!wheel->left_out.empty()) beside.notes.push_back(wheel->left_out);
-    }
-    if (const auto gates = handed_in_series(run, "gates", first_epoch)) {
-        beside.gates_m = timed_values(*gates);
-        const GateSeries& stated = *run.attempt().gates;
-        beside.gate_errors = {.sigma_distance_m = 0.5 * stated.expanded_uncertainty_m,
-                              .sigma_time_s = 0.5 * stated.expanded_uncertainty_s};
-    }
-}
-
 Beside beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     Beside all{.phases = tables[own].phases, .first_of_phases = tables[own].first_of_phases};
-    if (own == 0) read_handed_in(run, tables[own].trajectory.facts.first_epoch, all);
+    // What was handed in is of the first receiver's craft and on its time.
+    if (own == 0)
+        all.handed_in = {run.attempt(),
+                         all_handed_in_series(run, tables[own].trajectory.facts.first_epoch)};
     const auto& baseline = tables[own].screened.basis.baseline;
     for (std::size_t i = 0; i < tables.size(); ++i)
         if (i != own && !(baseline && baseline->same_errors))

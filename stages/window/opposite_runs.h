@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
-#include "estimation/tables/runs.h"
 #include "schemas/profile/profile.h"
 #include "stages/window/best_window.h"
+#include "witness/certifiable.h"
+#include "witness/runs.h"
 
 namespace runcert {
 

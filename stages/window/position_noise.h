@@ -3,11 +3,11 @@
 #include <span>
 #include <vector>
 
-#include "estimation/tables/noise_models.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/speed_by_definition.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 

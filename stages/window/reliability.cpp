@@ -7,7 +7,7 @@
 
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
-#include "estimation/tables/screening_noise.h"
+#include "witness/screening_noise.h"
 
 namespace runcert {
 namespace {

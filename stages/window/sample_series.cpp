@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/tangent_plane.h"
-#include "estimation/tables/going_on.h"
-#include "estimation/tables/recorded_velocities.h"
 #include "stages/window/velocity_moment.h"
+#include "witness/going_on.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/best_window.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -3,9 +3,9 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/window_ends.h"
 #include "schemas/windows/windows.h"
+#include "witness/arcs.h"
+#include "witness/window_ends.h"
 
 namespace runcert {
 

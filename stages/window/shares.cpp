@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
-#include "estimation/velocity_witness.h"
 #include "stages/window/budget.h"
+#include "witness/velocity_witness.h"
 
 namespace runcert {
 namespace {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "estimation/speed.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/window_ends.h"
 #include "schemas/profile/declared.h"
+#include "witness/arcs.h"
+#include "witness/window_ends.h"
 
 namespace runcert {
 

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/best_window.h"
+#include "witness/certifiable.h"
 
 // Positions at the moments of recorded velocities, which may be behind them.
 

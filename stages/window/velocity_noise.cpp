@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "core/statistics.h"
-#include "estimation/tables/recorded_velocities.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/velocity_moment.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 namespace {

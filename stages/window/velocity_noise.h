@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
 #include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/certifiable.h"
 
 // How much recorded speeds err, as the recording shows it beside its positions.
 

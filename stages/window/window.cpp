@@ -64,8 +64,7 @@ class Certifier {
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
                                            const Beside& beside) const {
-        std::vector<std::string> notes = beside.notes;
-        std::ranges::move(unheard(beside, horizontal_.witnesses), std::back_inserter(notes));
+        std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
             if (witness.is_copy) continue;

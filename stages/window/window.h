@@ -3,13 +3,13 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "estimation/tables/certifiable.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/witnesses.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 
@@ -17,8 +17,8 @@ namespace runcert {
 /// the attempt says of the receiver.
 struct WindowConfig : WindowParameters {
     bool fault_probability_given = false;  ///< by the attempt, and not by default
-    double gap_max_s = 2.0;   ///< a longer gap ended the arc, in screening
-    double gap_factor = 1.5;  ///< or one of more intervals, where that is longer
+    double gap_max_s = 2.0;                ///< a longer gap ended the arc, in screening
+    double gap_factor = 1.5;               ///< or one of more intervals, where that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, where the recording states none

@@ -9,13 +9,12 @@
 
 #include "core/statistics.h"
 #include "core/uncertainty.h"
-#include "estimation/tables/other_receiver.h"
-#include "estimation/tables/screened_phases.h"
-#include "estimation/velocity_witness.h"
-#include "estimation/witnessed_spans.h"
 #include "stages/window/budget.h"
-#include "stages/window/copies.h"
 #include "stages/window/shares.h"
+#include "witness/other_receiver.h"
+#include "witness/screened_phases.h"
+#include "witness/velocity_witness.h"
+#include "witness/witnessed_spans.h"
 
 namespace runcert {
 namespace {
@@ -27,60 +26,6 @@ constexpr double by_chance = 1e-3;
 double azimuth_deg(const Eigen::Vector2d& towards) {
     const double degrees = std::atan2(towards.x(), towards.y()) * 180.0 / std::numbers::pi;
     return degrees < 0.0 ? degrees + 360.0 : degrees;
-}
-
-/// What was estimated of a wheel, and by which scale its speeds count.
-std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
-    if (wheel.made_from_positions)
-        return "The wheel's speeds keep to the positions more closely than a wheel can: they were "
-               "made from them, and were not heard.";
-    std::string note = fmt::format(
-        "The wheel's speeds, taken {:.3f} s {} (standard uncertainty {:.3f} s), fit the positions "
-        "of the recording best when multiplied by {:.5f} (standard uncertainty {:.5f}). ",
-        std::abs(wheel.delay_s), wheel.delay_s < 0.0 ? "earlier" : "later", wheel.sigma_delay_s,
-        wheel.scale, wheel.sigma_scale);
-    if (speeds.calibrated_scale)
-        return note + fmt::format(
-                          "They were multiplied by the calibrated {:.5f} (standard "
-                          "uncertainty {:.5f}).",
-                          *speeds.calibrated_scale, speeds.sigma_calibrated);
-    return note +
-           "For a window they count by the scale of the other runs. A wrong scale that "
-           "lasts they cannot show.";
-}
-
-/// Wheel and gates.
-HeardWitnesses<2> handed_in_witnesses(const ScreenedTable& screened, const Track& track,
-                                      const Beside& beside,
-                                      const std::vector<WitnessSource>& sources,
-                                      double jerk_density) {
-    HeardWitnesses<2> witnesses;
-    const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
-    if (auto wheel = wheel_witness(beside.wheel, positions, track, jerk_density)) {
-        std::string note = wheel_note(*wheel, beside.wheel);
-        const auto original =
-            source_of_speeds(beside.wheel.m_s, sources, wheel->delay_s, wheel->scale);
-        if (original) note = copy_text("wheel's speeds", *original);
-        witnesses.push_back(
-            {.kind = WitnessKind::wheel,
-             .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
-             .note = std::move(note),
-             .is_copy = wheel->made_from_positions || original});
-    }
-    if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track)) {
-        const bool made =
-            gates->agrees_too_well() || are_between_positions(beside.gates_m, positions);
-        const auto original = source_of_gates(beside.gates_m, sources);
-        witnesses.push_back({.kind = WitnessKind::gates,
-                             .motion = std::make_shared<const GateWitness>(*std::move(gates)),
-                             .note = made ? "The gates agree with the positions better than the "
-                                            "errors of either allow: they were made from them, and "
-                                            "were not heard."
-                                     : original ? copy_text("passages of the gates", *original)
-                                                : "",
-                             .is_copy = made || original});
-    }
-    return witnesses;
 }
 
 }  // namespace
@@ -131,12 +76,16 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
-    const bool related =
-        !(beside.wheel.m_s.empty() && beside.gates_m.empty() && beside.receivers.empty());
+    const bool related = !(beside.handed_in.series.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
-    if constexpr (Axes == 2)
-        std::ranges::move(handed_in_witnesses(screened, track, beside, sources, jerk_density),
-                          std::back_inserter(witnesses));
+    if constexpr (Axes == 2) {
+        const auto positions =
+            related ? timed_positions<2>(screened.rows) : std::vector<TimedPosition<2>>{};
+        for (const RosterEntry& entry : witness_roster())
+            if (auto made = handed_in_witness(entry, beside.handed_in, positions, track,
+                                              jerk_density, sources))
+                witnesses.push_back(*std::move(made));
+    }
     for (const OtherReceiver& other : beside.receivers)
         if (auto found = receiver_witness<Axes>(track_of(*other.trajectory), track))
             witnesses.push_back(
@@ -148,21 +97,19 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
 
 std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses) {
     std::vector<std::string> sentences;
-    const auto check = [&](bool given, WitnessKind kind, std::string_view why) {
-        if (given && std::ranges::find(witnesses, kind, &HeardWitness<2>::kind) == witnesses.end())
-            sentences.push_back(
-                fmt::format("The {} were handed in and say nothing: {}.", words_of(kind), why));
+    for (const auto& [key, series] : beside.handed_in.series)
+        if (!series.left_out.empty()) sentences.push_back(series.left_out);
+    const auto was_given = [&](WitnessKind kind) {
+        return kind == WitnessKind::phases ? beside.phases != nullptr
+               : kind == WitnessKind::receiver
+                   ? !beside.receivers.empty()
+                   : beside.handed_in.series.contains(std::string(to_text(kind)));
     };
-    constexpr std::string_view without_place =
-        "the positions have no times or no place on the Earth to compare them with";
-    check(beside.phases != nullptr, WitnessKind::phases, without_place);
-    check(!beside.receivers.empty(), WitnessKind::receiver,
-          "the two recordings have no common time or frame, or it has no estimate");
-    check(!beside.wheel.m_s.empty(), WitnessKind::wheel,
-          "too few of them are at times at which the craft's motion was estimated, or nothing "
-          "bounds their errors");
-    check(!beside.gates_m.empty(), WitnessKind::gates,
-          "fewer than two were passed while the craft's motion was estimated");
+    for (const RosterEntry& entry : witness_roster())
+        if (was_given(entry.kind) &&
+            std::ranges::find(witnesses, entry.kind, &HeardWitness<2>::kind) == witnesses.end())
+            sentences.push_back(fmt::format("The {} were handed in and say nothing: {}.",
+                                            words_of(entry.kind), entry.silent));
     return sentences;
 }
 
@@ -285,7 +232,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         witnessed.refusals = within.refusals;
     }
     witnessed.chance_error = displacement_ratio(*moved, positions);
-    const FaultPrior fault = fault_of(witness.kind, positions.fault);
+    const FaultPrior fault = roster_entry(witness.kind).fault(positions.fault);
     const SpeedMixture compared({.speed_m_s = figure.by_position,
                                  .standard_uncertainty_m_s = positions.standard_uncertainty_m_s,
                                  .fault = positions.fault},

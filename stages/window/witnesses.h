@@ -4,34 +4,19 @@
 #include <string>
 #include <vector>
 
-#include "estimation/phase_motion.h"
-#include "estimation/tables/handed_in.h"
-#include "estimation/tables/recorded_velocities.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
 #include "stages/window/speed_by_definition.h"
+#include "witness/heard_witness.h"
+#include "witness/phase_motion.h"
+#include "witness/recorded_velocities.h"
+#include "witness/roster.h"
 
 namespace runcert {
 
 /// The smoothed direction of travel at each row.
 Directions directions_of(const TrajectoryTable& trajectory);
-
-/// A witness of a recording's positions, and which one it is.
-template <int Axes>
-struct HeardWitness {
-    WitnessKind kind = WitnessKind::velocities;
-    std::string receiver = {};  ///< id, where it is another receiver
-    std::shared_ptr<const Witness<Axes>> motion;
-    std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same, where it is that
-    std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
-    /// It was made from the positions or from another witness, and says nothing of any window.
-    bool is_copy = false;
-    bool confirms = true;  ///< false: only a contradiction by it counts
-};
-
-template <int Axes>
-using HeardWitnesses = std::vector<HeardWitness<Axes>>;
 
 /// Another receiver of the attempt, with its estimate.
 struct OtherReceiver {
@@ -44,13 +29,10 @@ struct Beside {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};  ///< their first epoch
     std::vector<OtherReceiver> receivers = {};
-    WheelSpeeds wheel = {};
-    std::vector<TimedValue> gates_m = {};  ///< passages: distances from the first
-    GateErrors gate_errors = {};
-    std::vector<std::string> notes = {};  ///< on what was read of them, a sentence each
+    HandedIn handed_in = {};
 };
 
-/// What was handed in and became no witness, a sentence each.
+/// What of a series was left out, and what was handed in and became no witness, a sentence each.
 std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses);
 
 /// Why a witness says nothing of a window, from the trajectory's first instant to its last.
@@ -59,7 +41,7 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
                          const std::string& profile);
 
 /// Every witness of the positions that there is: the recorded velocities, where anything bounds
-/// their errors; the carrier phases; the other receivers.
+/// their errors; the carrier phases; what was handed in; the other receivers.
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const Beside& beside, double jerk_density);

@@ -9,10 +9,10 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "estimation/smoother.h"
-#include "estimation/tables/arcs.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "simulated_arc.h"
+#include "witness/arcs.h"
 
 // `runcert certify --no-render` of what people hand in: a race car's VBO at 25 Hz and a skydiver's
 // logger (of RUNCERT_DATA), each joined to itself, times going on, to 31,500 epochs. Run in turns

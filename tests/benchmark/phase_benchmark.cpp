@@ -1,13 +1,13 @@
 #include <benchmark/benchmark.h>
 
 #include "estimation/phase_screening.h"
-#include "estimation/phase_witness.h"
-#include "estimation/tables/phase_rows.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "simulation/raw_measurements.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/ephemerides.h"
+#include "witness/phase_rows.h"
+#include "witness/phase_witness.h"
 
 // The parts of carrier phases, each beside the SHA-256 of the file that it reads or writes, which
 // every file of a run is hashed by in any case: a signal at an epoch is an item.

@@ -3,9 +3,9 @@
 #include <chrono>
 
 #include "core/random.h"
-#include "estimation/tables/arcs.h"
 #include "simulated_arc.h"
 #include "stages/screen/screen.h"
+#include "witness/arcs.h"
 
 // Screening against one pass of filter and smoother over the same recording, run in turns: the
 // counter `passes` is how many of those it costs.

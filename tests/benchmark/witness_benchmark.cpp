@@ -53,10 +53,11 @@ WitnessedRun made(Heard heard) {
             row.recorded_velocity_north_m_s = recording.velocity[k].y() + 0.05 * random.normal();
         }
         if (heard == wheel)
-            run.beside.wheel.m_s.push_back(
+            run.beside.handed_in.series["wheel"].samples.push_back(
                 {.time_s = row.time.seconds(),
                  .value = recording.velocity[k].norm() + 0.05 * random.normal()});
     }
+    if (heard == wheel) run.beside.handed_in.attempt.wheel.emplace();
     if (heard == phases) {
         const StudyPhases of_run = study_phases(truth, 0.0012, 0.0, 7, run.table);
         run.beside.phases = of_run.phases;
@@ -87,9 +88,9 @@ void judge(benchmark::State& state) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     for (auto _ : state) {
-        const ScreenedTable screened =
-            screen(run.table, study_screen_config(),
-                   {.phases = run.phases ? &*run.phases : nullptr, .wheel = run.beside.wheel});
+        const ScreenedTable screened = screen(
+            run.table, study_screen_config(),
+            {.phases = run.phases ? &*run.phases : nullptr, .handed_in = run.beside.handed_in});
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
         const Windows windows =

@@ -9,9 +9,9 @@
 #include "chain_support.h"
 #include "core/geodesy.h"
 #include "core/text.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/window_ends.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/arcs.h"
+#include "witness/window_ends.h"
 
 // Real recordings, certified, and the reference that one of them has. They lie in the folder
 // RUNCERT_DATA.

@@ -10,7 +10,7 @@ namespace runcert::fuzz {
 void read_input(std::string_view bytes) {
     const MeasuredSeries series =
         read_series(bytes, "input", GpsTime::from_calendar({.year = 2026, .month = 10, .day = 20}),
-                    SeriesKind::flow);
+                    {"speed", "direction"});
     require(!series.samples.empty(), "a series has samples");
     for (std::size_t i = 0; i < series.samples.size(); ++i) {
         const SeriesSample& sample = series.samples[i];

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimation/phase_witness.h"
-#include "estimation/tables/phase_rows.h"
 #include "files/atomic_file.h"
 #include "fuzz_target.h"
 #include "satellites/ephemeris.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/ephemerides.h"
 #include "stages/import/ubx/navigation.h"
+#include "witness/phase_rows.h"
+#include "witness/phase_witness.h"
 
 namespace runcert::fuzz {
 namespace {

@@ -8,8 +8,8 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "estimation/tables/screening_noise.h"
 #include "stages/screen/adaptation.h"
+#include "witness/screening_noise.h"
 
 namespace runcert {
 namespace {

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "estimation/sensitivity.h"
-#include "estimation/tables/noise_models.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/position_noise.h"
 #include "supposed_errors.h"
+#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {
@@ -162,6 +162,16 @@ StudyPhases SimulatedAttempt::phases() {
     return study_phases(epochs, 0.001, 0.0, random_.next(), positions_);
 }
 
+namespace {
+
+HandedIn& hand_in(const std::string& key, const std::vector<TimedValue>& values, HandedIn& given) {
+    for (const TimedValue& one : values)
+        given.series[key].samples.push_back({.time_s = one.time_s, .value = one.value});
+    return given;
+}
+
+}  // namespace
+
 WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     std::vector<EnuTable> tables{positions_};
@@ -172,11 +182,11 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     if (heard == StudyHeard::coarse_velocities) record_velocities(0.3, tables.front());
     if (heard == StudyHeard::receiver) tables.push_back(second_receiver());
     if (heard == StudyHeard::wheel)
-        beside.wheel = {.m_s = wheel(), .calibrated_scale = 1.0, .sigma_calibrated = wheel_scale};
-    if (heard == StudyHeard::gates) {
-        beside.gates_m = gates();
-        beside.gate_errors = {.sigma_distance_m = gate_m, .sigma_time_s = gate_s};
-    }
+        hand_in("wheel", wheel(), beside.handed_in).attempt.wheel =
+            WheelSeries{.scale = 1.0, .expanded_uncertainty_scale = 2.0 * wheel_scale};
+    if (heard == StudyHeard::gates)
+        hand_in("gates", gates(), beside.handed_in).attempt.gates = GateSeries{
+            .expanded_uncertainty_m = 2.0 * gate_m, .expanded_uncertainty_s = 2.0 * gate_s};
     if (heard == StudyHeard::phases) {
         const StudyPhases of_run = phases();
         beside.phases = of_run.phases;
@@ -186,7 +196,8 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
                              positions_.origin, screening.jerk_density);
     }
     std::vector<ScreeningWitnesses> to_screen(tables.size());
-    to_screen.front() = {.phases = phase_motion ? &*phase_motion : nullptr, .wheel = beside.wheel};
+    to_screen.front() = {.phases = phase_motion ? &*phase_motion : nullptr,
+                         .handed_in = beside.handed_in};
     const std::vector<ScreenedTable> screened = screen_receivers(tables, screening, to_screen);
     const auto smoothed = [](const ScreenedTable& table) {
         return smooth_trajectory(table, smooth_config(study_attempt()));

@@ -4,10 +4,10 @@
 #include <iterator>
 
 #include "core/failure.h"
-#include "estimation/tables/phase_rows.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/ephemerides.h"
 #include "stages/screen/phases.h"
+#include "witness/phase_rows.h"
 
 namespace runcert {
 namespace {

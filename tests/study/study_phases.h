@@ -4,8 +4,8 @@
 #include <optional>
 #include <span>
 
-#include "estimation/tables/screened_phases.h"
 #include "simulation/raw_measurements.h"
+#include "witness/screened_phases.h"
 
 namespace runcert {
 

@@ -12,7 +12,7 @@ namespace {
 const GpsTime first_epoch = parse_gps_iso("2022-12-11T01:02:21.500");
 
 MeasuredSeries read(std::string_view text) {
-    return read_series(text, "wind.csv", first_epoch, SeriesKind::flow);
+    return read_series(text, "wind.csv", first_epoch, {"speed", "direction"});
 }
 
 MeasuredSeries samples(std::vector<SeriesSample> list) {
@@ -26,8 +26,9 @@ TEST(Flow, UtcGpsTimeAndSecondsAreTheSameInstants) {
     const MeasuredSeries gps = read(
         "direction_deg, time_gps ,speed_m_s\r\n# by hand\r\n\r\n270,2022-12-11T01:02:21.5,7.5\r\n"
         "0,2022-12-11T01:03:18,8");
-    const MeasuredSeries seconds = read_series(
-        "time_s,speed_m_s,direction_deg\n0,7.5,270\n56.5,8,0\n", "wind.csv", {}, SeriesKind::flow);
+    const MeasuredSeries seconds =
+        read_series("time_s,speed_m_s,direction_deg\n0,7.5,270\n56.5,8,0\n", "wind.csv", {},
+                    {"speed", "direction"});
     for (const MeasuredSeries& series : {utc, gps, seconds}) {
         ASSERT_EQ(series.samples.size(), 2u);
         EXPECT_EQ(series.samples[0].time_s, 0.0);
@@ -42,7 +43,7 @@ TEST(Flow, ALeapSecondIsAnInstant) {
     const MeasuredSeries series = read_series(
         "time,speed_m_s,direction_deg\n2016-12-31T23:59:59Z,1,0\n2016-12-31T23:59:60Z,1,0\n"
         "2017-01-01T00:00:00Z,1,0\n",
-        "wind.csv", parse_gps_iso("2017-01-01T00:00:16"), SeriesKind::flow);
+        "wind.csv", parse_gps_iso("2017-01-01T00:00:16"), {"speed", "direction"});
     ASSERT_EQ(series.samples.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(series.samples[i].time_s, static_cast<double>(i));
@@ -118,7 +119,7 @@ TEST(Flow, InstantsNeedARecordingWithInstants) {
     for (const char* column : {"time", "time_gps"}) {
         const std::string text = std::string(column) + ",speed_m_s,direction_deg\n";
         try {
-            read_series(text, "wind.csv", std::nullopt, SeriesKind::flow);
+            read_series(text, "wind.csv", std::nullopt, {"speed", "direction"});
             ADD_FAILURE();
         } catch (const Failure& failure) {
             EXPECT_EQ(failure.where(), "wind.csv:1:1");

@@ -4,10 +4,10 @@
 
 #include "core/statistics.h"
 #include "estimation/phase_screening.h"
-#include "estimation/phase_witness.h"
 #include "import_phase_support.h"
 #include "phase_injection.h"
 #include "satellites/line_of_sight.h"
+#include "witness/phase_witness.h"
 
 // Real phases, with slips put into them; bounds leave room for other draws.
 namespace runcert::import_test {

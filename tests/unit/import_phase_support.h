@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "estimation/phase_record.h"
-#include "estimation/tables/phase_rows.h"
 #include "import_test_support.h"
 #include "stages/import/phase_table.h"
+#include "witness/phase_rows.h"
 
 namespace runcert::import_test {
 

@@ -1,11 +1,11 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/phase_witness.h"
 #include "import_phase_support.h"
 #include "phase_injection.h"
 #include "simulation/raw_measurements.h"
 #include "stages/import/rinex/ephemerides.h"
+#include "witness/phase_witness.h"
 
 namespace runcert::import_test {
 namespace RUNCERT_FILE {

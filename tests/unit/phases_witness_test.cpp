@@ -4,9 +4,6 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "estimation/speed.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/noise_models.h"
-#include "estimation/tables/screened_phases.h"
 #include "import_phase_support.h"
 #include "schemas/screened_phase/screened_phase.h"
 #include "simulation/raw_measurements.h"
@@ -21,6 +18,9 @@
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
+#include "witness/arcs.h"
+#include "witness/noise_models.h"
+#include "witness/screened_phases.h"
 
 namespace runcert::import_test {
 namespace RUNCERT_FILE {

@@ -59,6 +59,16 @@ EnuTable positions(double drift_m_s, std::uint64_t seed) {
     return table;
 }
 
+/// As an attempt hands it in.
+HandedIn handed_in(const std::vector<TimedValue>& speeds) {
+    HandedIn given;
+    given.attempt.wheel.emplace();
+    MeasuredSeries& series = given.series["wheel"];
+    for (const TimedValue& one : speeds)
+        series.samples.push_back({.time_s = one.time_s, .value = one.value});
+    return given;
+}
+
 std::vector<TimedValue> wheel(std::uint64_t seed) {
     RandomGenerator random(1000 + seed);
     std::vector<TimedValue> speeds;
@@ -73,7 +83,7 @@ TEST(ScreenedBesideAWheel, CleanPositionsAreNotMarked) {
     for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         const std::vector<TimedValue> speeds = wheel(seed);
         const ScreenedTable clean =
-            screen(positions(0.0, seed), config(), {.wheel = {.m_s = speeds}});
+            screen(positions(0.0, seed), config(), {.handed_in = handed_in(speeds)});
         alarms += summarise(clean.rows).usable != std::ssize(clean.rows);
         ASSERT_EQ(clean.basis.displacements.size(), 1U);
         const DisplacementComparison& found = clean.basis.displacements.front();
@@ -91,7 +101,7 @@ TEST(ScreenedBesideAWheel, ADriftIsMarkedWithItsSizeAndDirection) {
         EXPECT_EQ(summarise(screen(positions(0.4, seed), config()).rows).usable, 1201)
             << "by themselves the positions do not show it";
         const ScreenedTable drifting =
-            screen(positions(0.4, seed), config(), {.wheel = {.m_s = speeds}});
+            screen(positions(0.4, seed), config(), {.handed_in = handed_in(speeds)});
         int marked = 0;
         for (const ScreenedEpoch& row : drifting.rows) {
             if (row.reason != Reason::wheel) continue;
@@ -114,13 +124,13 @@ TEST(ScreenedBesideAWheel, OneThatSaysNothingIsNotCompared) {
     std::vector<TimedValue> nothing = wheel(1);
     for (TimedValue& one : nothing)
         one.value = 0.0;
-    EXPECT_TRUE(screen(positions(0.0, 1), config(), {.wheel = {.m_s = nothing}})
+    EXPECT_TRUE(screen(positions(0.0, 1), config(), {.handed_in = handed_in(nothing)})
                     .basis.displacements.empty());
     std::vector<TimedValue> later = wheel(1);
     for (TimedValue& one : later)
         one.time_s += 1000.0;
-    EXPECT_TRUE(
-        screen(positions(0.0, 1), config(), {.wheel = {.m_s = later}}).basis.displacements.empty());
+    EXPECT_TRUE(screen(positions(0.0, 1), config(), {.handed_in = handed_in(later)})
+                    .basis.displacements.empty());
 }
 
 }  // namespace

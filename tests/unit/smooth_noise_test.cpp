@@ -7,10 +7,10 @@
 
 #include "core/random.h"
 #include "core/statistics.h"
-#include "estimation/tables/noise_models.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
 #include "stages/smooth/smooth.h"
+#include "witness/noise_models.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -4,10 +4,10 @@
 
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
-#include "estimation/tables/screening_noise.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
+#include "witness/screening_noise.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

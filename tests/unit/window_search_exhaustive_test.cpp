@@ -2,8 +2,8 @@
 
 #include <tuple>
 
-#include "estimation/tables/certifiable.h"
 #include "window_exhaustive_search.h"
+#include "witness/certifiable.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

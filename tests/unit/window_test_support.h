@@ -7,12 +7,12 @@
 
 #include "core/random.h"
 #include "estimation/speed.h"
-#include "estimation/tables/arcs.h"
-#include "estimation/tables/noise_models.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/window.h"
+#include "witness/arcs.h"
+#include "witness/noise_models.h"
 
 namespace runcert::test {
 

@@ -6,9 +6,9 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "estimation/tables/window_ends.h"
 #include "stages/window/course_windows.h"
 #include "window_test_support.h"
+#include "witness/window_ends.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -1,0 +1,52 @@
+#include "witness/certifiable.h"
+
+namespace runcert {
+
+std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory) {
+    std::vector<ArcRows> arcs;
+    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
+        const auto& arc = trajectory.rows[i].arc;
+        if (!arc) continue;
+        if (arcs.empty() || arcs.back().number != *arc) arcs.push_back({*arc, {}});
+        arcs.back().rows.push_back(i);
+    }
+    return arcs;
+}
+
+std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
+                                                        const std::vector<ArcRows>& arcs,
+                                                        double duration_s,
+                                                        double duration_tolerance_s,
+                                                        BridgedSteps bridged) {
+    // What may not lie after a window's first row and up to its last. Every row counts, also one
+    // that belongs to no arc, as a repeated time stamp.
+    std::vector<std::int64_t> obstacles;
+    obstacles.reserve(trajectory.rows.size());
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        const bool step = bridged == BridgedSteps::refused && begins_after_step(row);
+        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
+                            (!row.usable || step ? 1 : 0));
+    }
+
+    std::vector<std::vector<EpochPair>> windows;
+    windows.reserve(arcs.size());
+    for (const ArcRows& arc : arcs) {
+        std::vector<ElapsedTime> times;
+        times.reserve(arc.rows.size());
+        for (const std::size_t row : arc.rows)
+            times.push_back(trajectory.rows[row].time);
+        const auto ends = window_ends(times, duration_s, duration_tolerance_s,
+                                      trajectory.facts.nominal_interval_s);
+        std::vector<EpochPair>& of_arc = windows.emplace_back();
+        for (std::size_t first = 0; first < arc.rows.size(); ++first) {
+            if (!ends[first]) continue;
+            const std::size_t first_row = arc.rows[first];
+            const std::size_t last_row = arc.rows[*ends[first]];
+            if (trajectory.rows[first_row].usable && obstacles[last_row] == obstacles[first_row])
+                of_arc.push_back({first, *ends[first]});
+        }
+    }
+    return windows;
+}
+
+}  // namespace runcert

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "estimation/speed_mixture.h"
+#include "files/measured_series.h"
+#include "schemas/attempt/attempt.h"
+#include "witness/copies.h"
+#include "witness/heard_witness.h"
+#include "witness/track.h"
+
+// Every kind of witness that there is. A kind is a word of `WitnessKind` (schemas/screened/v1.yaml:
+// its name and its origin), an entry here, and a file of its own beside this one. One that is
+// handed in is a series of the attempt under the key of the same name, whose `read_by` says which
+// stages hear it.
+
+namespace runcert {
+
+/// What was handed in beside a receiver's recording.
+struct HandedIn {
+    AttemptDocument attempt = {};                       ///< what it says of the series
+    std::map<std::string, MeasuredSeries> series = {};  ///< by key
+};
+
+/// A series that a witness is made of, and what its errors are judged by.
+struct HandedInSeries {
+    const MeasuredSeries& series;
+    const AttemptDocument& attempt;
+    std::span<const TimedPosition<2>> positions;
+    const Track& track;
+    double jerk_density = 0.0;                    ///< of the craft's motion, m s^-2.5
+    std::span<const WitnessSource> sources = {};  ///< what else it may have been made from
+};
+
+/// How screening tests positions against a witness, and what it marks them with.
+struct ScreeningTest {
+    Reason reason;
+    Hypothesis hypothesis;
+    bool single_epochs = true;  ///< whether the witness is sharp enough over one interval
+    /// Whether it is worth its figures only where the craft moves fast: a wheel that slips and a
+    /// second antenna that swings are of slow stretches.
+    bool only_fast = false;
+};
+
+struct RosterEntry {
+    WitnessKind kind;
+    /// How likely it errs unseen in a window, and by how much; the positions' own is given.
+    FaultPrior (*fault)(const FaultPrior& positions);
+    std::string_view silent;  ///< why one that there is may say nothing, behind a colon
+    std::optional<ScreeningTest> screening = {};
+    /// Makes one of a series; nothing where that tells no motion. Null: a receiver records it.
+    std::optional<HeardWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
+};
+
+/// In the order in which they are heard.
+std::span<const RosterEntry> witness_roster();
+
+/// Of a kind that is a witness of positions: not `WitnessKind::positions`.
+const RosterEntry& roster_entry(WitnessKind kind);
+
+/// The witness of that entry, where its series was handed in and tells a motion.
+std::optional<HeardWitness<2>> handed_in_witness(const RosterEntry& entry, const HandedIn& given,
+                                                 std::span<const TimedPosition<2>> positions,
+                                                 const Track& track, double jerk_density,
+                                                 std::span<const WitnessSource> sources = {});
+
+}  // namespace runcert

@@ -1,0 +1,134 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/gps_time.h"
+#include "estimation/phase_pairs.h"
+#include "estimation/phase_record.h"
+#include "estimation/phase_screening.h"
+#include "schemas/enu/enu.h"
+#include "schemas/screened_phase/screened_phase.h"
+#include "witness/phase_motion.h"
+#include "witness/phase_rows.h"
+
+namespace runcert {
+
+/// What begins an arc of phases, as the table says it; nothing where none begins.
+std::optional<ArcStart> start_of(PhaseBreak begins);
+
+/// Where the recorded positions put a receiver, by GPS time.
+class ReceiverPlaces {
+  public:
+    /// Empty where the positions have no times or no place on the Earth. `Rows`: of EnuEpoch, or of
+    /// what extends it.
+    template <class Rows>
+    ReceiverPlaces(const std::optional<FrameOrigin>& origin,
+                   const std::optional<GpsTime>& first_epoch, const Rows& rows) {
+        if (!origin || !first_epoch) return;
+        const PlaceFrames frames(*origin);
+        for (const EnuEpoch& row : rows)
+            add(frames, *first_epoch, row);
+        put_in_order();
+    }
+
+    bool empty() const { return places_m_.empty(); }
+
+    /// WGS 84, Earth-centred (m); interpolated between neighbours that are no more than three
+    /// seconds apart, nothing outside of them.
+    std::optional<Eigen::Vector3d> at(std::int64_t time_ns) const;
+
+  private:
+    void add(const PlaceFrames& frames, const GpsTime& first_epoch, const EnuEpoch& row);
+    void put_in_order();
+
+    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< by increasing times
+};
+
+/// How a record was placed.
+struct PlacesSet {
+    bool by_positions = false;
+    /// Median distance (m) of the place by pseudoranges from the recorded one; nothing where none
+    /// has both.
+    std::optional<double> apart_m;
+};
+
+/// Puts a record's receiver where its recorded positions say, unless its pseudoranges, which place
+/// it to some metres, say somewhere else; and elsewhere where these do. `first_ns`: GPS time of the
+/// record's first epoch.
+PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions);
+
+/// Takes the rows of 3-phase.ecsv beside the record of 1-phase.ecsv, in their order.
+class PhaseScreeningBuilder {
+  public:
+    /// The record has its places. `mask_deg`: that of screening.
+    PhaseScreeningBuilder(const PhaseRecord& record, const ScreenedPhaseTable& head,
+                          double mask_deg);
+
+    /// Failure where the row is not of the same signal as the record's.
+    void add(const ScreenedPhase& row);
+
+    /// Failure where rows are missing.
+    PhaseScreening take() &&;
+
+  private:
+    void step_to_next();
+
+    const PhaseRecord& record_;
+    SignalChoice choice_;
+    PhaseScreening screening_;
+    std::size_t epoch_ = 0;
+    std::size_t satellite_ = 0;
+    std::size_t signal_ = 0;
+};
+
+/// The phases of 1-phase.ecsv with what 3-phase.ecsv says of them, both gone through row by row;
+/// of the epochs whose time (s) is within `from_s` to `to_s` alone.
+template <class PhaseRows, class ScreenedRows>
+JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
+                           const ReceiverPlaces& positions, double mask_deg,
+                           double from_s = -std::numeric_limits<double>::infinity(),
+                           double to_s = std::numeric_limits<double>::infinity()) {
+    const auto wanted = [&](const ElapsedTime& time) {
+        return time.seconds() >= from_s && time.seconds() <= to_s;
+    };
+    JudgedPhases judged;
+    PhaseRecordBuilder record(phases.head());
+    for (PhaseRow row; phases.next(row);)
+        if (wanted(row.time)) record.add(row);
+    judged.record = std::move(record).take();
+    set_places(judged.record, phases.head().first_epoch.nanoseconds(), positions);
+    PhaseScreeningBuilder screening(judged.record, screened.head(), mask_deg);
+    for (ScreenedPhase row; screened.next(row);)
+        if (wanted(row.time)) screening.add(row);
+    judged.screening = std::move(screening).take();
+    return judged;
+}
+
+/// The phases as a witness of positions; nothing where these have no times or no place on the
+/// Earth.
+template <int Axes>
+std::optional<PhaseWitness<Axes>> phase_witness(std::shared_ptr<const JudgedPhases> phases,
+                                                const GpsTime& first_of_phases,
+                                                const std::optional<GpsTime>& first_of_positions,
+                                                const std::optional<FrameOrigin>& origin,
+                                                double jerk_density) {
+    if (!first_of_positions || !origin) return std::nullopt;
+    std::vector<FrameTurn> turns;
+    for (std::size_t number = 0; number <= origin->places.size(); ++number) {
+        const FramePlace place = origin->place(number);
+        turns.push_back({.from_s = place.from.seconds(),
+                         .enu_from_ecef = rotation_enu_from_ecef(place.position.latitude,
+                                                                 place.position.longitude)});
+    }
+    const auto later_ns = first_of_positions->nanoseconds_since(first_of_phases);
+    return PhaseWitness<Axes>(std::move(phases), static_cast<double>(later_ns) * 1e-9,
+                              std::move(turns), jerk_density);
+}
+
+}  // namespace runcert

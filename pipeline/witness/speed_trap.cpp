@@ -1,0 +1,76 @@
+#include <cmath>
+#include <memory>
+
+#include "witness/gates.h"
+#include "witness/roster.h"
+
+// Speeds by a radar gun or a speed trap: each is the mean over a stretch of the way, whose middle
+// is passed at its time; of a radar gun the stretch has no length.
+
+namespace runcert {
+namespace {
+
+/// Between two measurements no further apart (s) the speed goes linearly.
+constexpr double longest_gap_s = 1.0;
+constexpr double sigma_jerk_m_s3 = 4.0;
+
+/// Where the stretches of the measurements begin and end, as gates are passed. Their errors last:
+/// what aims at the craft from the side, or is set up wrong, is wrong by the same all the time.
+std::vector<GatePassage> ends_of_stretches(const MeasuredSeries& series, const Track& track) {
+    std::vector<GatePassage> ends;
+    const SeriesSample* before = nullptr;
+    for (const SeriesSample& one : series.samples) {
+        if (!(one.value > 0.0)) continue;
+        const double half_s = 0.5 * one.length_m / one.value;
+        const auto first = passage_at(track, one.time_s - half_s);
+        const auto last = passage_at(track, one.time_s + half_s);
+        if (!first || !last) continue;
+        GatePassage begin = *first;
+        if (before != nullptr) {
+            const GatePassage& end = ends.back();
+            const double gap_s = begin.time_s - end.time_s;
+            const double mean_m_s = 0.5 * (before->value + one.value);
+            const double sigma_m_s =
+                0.25 * (before->expanded_uncertainty_m_s + one.expanded_uncertainty_m_s);
+            begin.stretch = end.stretch + (gap_s > longest_gap_s ? 1 : 0);
+            begin.distance_m = end.distance_m + gap_s * mean_m_s;
+            begin.lasting_sigma_m = end.lasting_sigma_m + std::abs(gap_s) * sigma_m_s;
+            begin.variance_m2 =
+                end.variance_m2 + std::pow(sigma_jerk_m_s3 * gap_s * gap_s * gap_s / 12.0, 2);
+        }
+        ends.push_back(begin);
+        before = &one;
+        if (!(half_s > 0.0)) continue;
+        GatePassage end = *last;
+        end.stretch = begin.stretch;
+        end.distance_m = begin.distance_m + one.length_m;
+        end.lasting_sigma_m = begin.lasting_sigma_m + half_s * one.expanded_uncertainty_m_s;
+        end.variance_m2 = begin.variance_m2;
+        ends.push_back(end);
+    }
+    return ends;
+}
+
+}  // namespace
+
+std::optional<HeardWitness<2>> heard_speed_trap(const HandedInSeries& given) {
+    std::vector<GatePassage> ends = ends_of_stretches(given.series, given.track);
+    if (ends.empty()) return std::nullopt;
+    const std::vector<Way> ways = ways_between(ends);
+    const std::vector<TimedValue> speeds_m_s = timed_values(given.series);
+    const bool made = are_between_positions(ways, given.positions) ||
+                      are_from_positions(speeds_m_s, given.positions, 0.0);
+    auto original = source_of_ways(ways, given.sources);
+    if (!original) original = source_of_speeds(speeds_m_s, given.sources, 0.0, 1.0);
+    return HeardWitness<2>{
+        .kind = WitnessKind::speed_trap,
+        .motion = std::make_shared<const GateWitness>(std::move(ends), GateErrors{}),
+        .note = made ? "The speeds of the radar gun or speed trap agree with the positions better "
+                       "than the errors of these allow: they were made from them, and were not "
+                       "heard."
+                : original ? copy_text("speeds of the radar gun or speed trap", *original)
+                           : "",
+        .is_copy = made || original};
+}
+
+}  // namespace runcert

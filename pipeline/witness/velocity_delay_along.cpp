@@ -1,0 +1,334 @@
+#include "witness/velocity_delay_along.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+
+namespace runcert::velocities {
+namespace {
+
+using Pairs = std::span<const SpeedPair>;
+using Places = std::vector<double>;
+
+constexpr std::size_t bins_of_block = 10;
+/// A stretch tells no delay by fewer bins; nor in less time, or half of a shorter recording,
+/// which is a minute at least.
+constexpr std::size_t least_bins = 30;
+constexpr double least_s = 120.0;
+/// The price of a change of the delay: what the speeds change by in so many seconds.
+constexpr double change_s = 30.0;
+/// What the speeds must change by (m/s, mean), and the part of it that a delay leaves at most.
+constexpr double least_change_m_s = 0.2;
+constexpr double unexplained = 0.3;
+constexpr double better_than_within = 0.8;
+
+/// Times (s) without the long gaps, and without a clock that is set back: delays reach over
+/// neither.
+Places places_of(Pairs pairs) {
+    constexpr double apart_s = 2.0 * delay_range_s;
+    Places places;
+    places.reserve(pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const double step_s = i == 0 ? 0.0 : pairs[i].time_s - pairs[i - 1].time_s;
+        const double kept_s = step_s < 0.0 ? apart_s : std::min(step_s, apart_s);
+        places.push_back(i == 0 ? 0.0 : places.back() + kept_s);
+    }
+    return places;
+}
+
+double median_step_s(const Places& places) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < places.size(); ++i)
+        if (places[i] > places[i - 1]) steps.push_back(places[i] - places[i - 1]);
+    return steps.empty() ? 0.0 : median(std::move(steps));
+}
+
+/// Both speeds in steps of one length, NaN where there is none.
+struct Binned {
+    double interval_s = 1.0;  ///< between rows
+    double step_s = 1.0;
+    std::ptrdiff_t range = 0;  ///< of delays, in steps
+    std::vector<double> by_positions, recorded;
+    double spread_m_s = 0.0;  ///< mean difference from their median, without sign
+
+    /// A bin that has both speeds; where there is no motion at the delay, a part of the spread.
+    double difference(std::size_t bin, std::ptrdiff_t delay) const {
+        constexpr double unknown = 0.25;
+        const auto by = at(bin, delay);
+        return by ? std::abs(recorded[bin] - *by) : unknown * spread_m_s;
+    }
+    bool has_both(std::size_t bin) const {
+        return !std::isnan(recorded[bin]) && !std::isnan(by_positions[bin]);
+    }
+    std::optional<double> at(std::size_t bin, std::ptrdiff_t delay) const {
+        const std::ptrdiff_t before = static_cast<std::ptrdiff_t>(bin) - delay;
+        if (before < 0 || before >= std::ssize(by_positions)) return std::nullopt;
+        const double speed = by_positions[static_cast<std::size_t>(before)];
+        return std::isnan(speed) ? std::nullopt : std::optional(speed);
+    }
+};
+
+/// How many times those by positions the recorded speeds are, whatever their delay: by the medians
+/// of both among as many of the fastest as move at half the speed of nearly the fastest or more.
+double scale_of_speeds(Pairs pairs) {
+    constexpr double nearly_all = 0.98;  // the rest may be wrong
+    std::vector<double> recorded, by_positions;
+    for (const SpeedPair& pair : pairs) {
+        if (!pair.recorded_m_s || !pair.by_positions_m_s) continue;
+        recorded.push_back(*pair.recorded_m_s);
+        by_positions.push_back(*pair.by_positions_m_s);
+    }
+    if (recorded.empty()) return 1.0;
+    std::ranges::sort(recorded);
+    std::ranges::sort(by_positions);
+    const auto last = static_cast<double>(by_positions.size() - 1);
+    const double fast_m_s = 0.5 * by_positions[static_cast<std::size_t>(nearly_all * last)];
+    const auto slow = std::ranges::lower_bound(by_positions, fast_m_s) - by_positions.begin();
+    const std::size_t middle = (static_cast<std::size_t>(slow) + by_positions.size() - 1) / 2;
+    const double scale = recorded[middle] / by_positions[middle];
+    return scale > 0.0 && std::isfinite(scale) ? scale : 1.0;
+}
+
+std::vector<double> means(Pairs pairs, const Places& places, double step_s,
+                          std::optional<double> SpeedPair::*which) {
+    std::vector<double> sums(static_cast<std::size_t>(places.back() / step_s) + 1, 0.0);
+    std::vector<double> counts(sums.size(), 0.0);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (!(pairs[i].*which)) continue;
+        const auto bin = static_cast<std::size_t>(places[i] / step_s);
+        sums[bin] += *(pairs[i].*which);
+        counts[bin] += 1.0;
+    }
+    for (std::size_t k = 0; k < sums.size(); ++k)
+        sums[k] = counts[k] > 0.0 ? sums[k] / counts[k] : std::nan("");
+    return sums;
+}
+
+/// Nothing where there is too little to compare.
+std::optional<Binned> binned(Pairs pairs, const Places& places) {
+    Binned bins;
+    bins.interval_s = median_step_s(places);
+    if (bins.interval_s <= 0.0) return std::nullopt;
+    bins.step_s = std::max(1.0, bins.interval_s);
+    bins.range = static_cast<std::ptrdiff_t>(delay_range_s / bins.step_s);
+    bins.by_positions = means(pairs, places, bins.step_s, &SpeedPair::by_positions_m_s);
+    bins.recorded = means(pairs, places, bins.step_s, &SpeedPair::recorded_m_s);
+    std::vector<double> speeds;
+    for (const double speed : bins.by_positions)
+        if (!std::isnan(speed)) speeds.push_back(speed);
+    if (speeds.size() < least_bins) return std::nullopt;
+    const double typical_m_s = median(speeds);
+    for (const double speed : speeds)
+        bins.spread_m_s += std::abs(speed - typical_m_s) / static_cast<double>(speeds.size());
+    return bins;
+}
+
+/// The differences of a block of bins, summed over time (m), at each delay of the range.
+std::vector<double> costs_of_block(const Binned& bins, std::size_t first) {
+    std::vector<double> costs;
+    const std::size_t end = std::min(first + bins_of_block, bins.recorded.size());
+    for (std::ptrdiff_t delay = -bins.range; delay <= bins.range; ++delay) {
+        double sum_m = 0.0;
+        for (std::size_t bin = first; bin < end; ++bin)
+            if (!std::isnan(bins.recorded[bin])) sum_m += bins.step_s * bins.difference(bin, delay);
+        costs.push_back(sum_m);
+    }
+    return costs;
+}
+
+/// The delay of each block, as a number of steps.
+std::vector<std::ptrdiff_t> delays_of_blocks(const Binned& bins) {
+    const std::size_t blocks = (bins.recorded.size() + bins_of_block - 1) / bins_of_block;
+    const auto states = static_cast<std::size_t>(2 * bins.range + 1);
+    const double price_m = change_s * bins.spread_m_s;
+    // Late rather than early, and as little of either as explains the speeds.
+    constexpr double late = 0.05, early = 0.5;
+    std::vector<double> least(states);
+    for (std::size_t s = 0; s < states; ++s) {
+        const double delay_s =
+            bins.step_s * static_cast<double>(static_cast<std::ptrdiff_t>(s) - bins.range);
+        least[s] = bins.spread_m_s * std::max(late * delay_s, -early * delay_s);
+    }
+    const std::vector<double> preference = least;
+    std::vector<std::vector<std::size_t>> before(blocks, std::vector<std::size_t>(states));
+    for (std::size_t b = 0; b < blocks; ++b) {
+        const std::vector<double> costs = costs_of_block(bins, b * bins_of_block);
+        const auto cheapest =
+            static_cast<std::size_t>(std::ranges::min_element(least) - least.begin());
+        const double changed_m = least[cheapest] + price_m;
+        for (std::size_t s = 0; s < states; ++s) {
+            const bool change = b > 0 && changed_m + preference[s] < least[s];
+            before[b][s] = change ? cheapest : s;
+            least[s] = (change ? changed_m + preference[s] : least[s]) + costs[s];
+        }
+    }
+    std::vector<std::ptrdiff_t> delays(blocks);
+    auto state = static_cast<std::size_t>(std::ranges::min_element(least) - least.begin());
+    for (std::size_t b = blocks; b-- > 0;) {
+        delays[b] = static_cast<std::ptrdiff_t>(state) - bins.range;
+        state = before[b][state];
+    }
+    return delays;
+}
+
+/// Bins with one delay.
+struct Run {
+    std::size_t first = 0, end = 0;
+    std::ptrdiff_t delay = 0;
+};
+
+/// The mean differences of a run, where the motion of its delay is known; nothing where they tell
+/// no delay.
+std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, double limit_s) {
+    const auto limit = static_cast<std::ptrdiff_t>(std::ceil(limit_s / bins.step_s));
+    std::vector<double> within(static_cast<std::size_t>(2 * limit + 1), 0.0);
+    std::vector<double> speeds;
+    double sum = 0.0;
+    for (std::size_t bin = run.first; bin < run.end; ++bin) {
+        if (!bins.has_both(bin) || !bins.at(bin, run.delay)) continue;
+        speeds.push_back(bins.recorded[bin]);
+        sum += bins.difference(bin, run.delay);
+        for (std::ptrdiff_t delay = -limit; delay <= limit; ++delay)
+            within[static_cast<std::size_t>(delay + limit)] += bins.difference(bin, delay);
+    }
+    const double compared_s = bins.step_s * static_cast<double>(speeds.size());
+    const double whole_s = bins.step_s * static_cast<double>(bins.recorded.size());
+    if (speeds.size() < least_bins ||
+        compared_s < std::clamp(0.5 * whole_s, 0.5 * least_s, least_s))
+        return std::nullopt;
+    const auto count = static_cast<double>(speeds.size());
+    const double typical = median(speeds);
+    double change = 0.0;
+    for (const double speed : speeds)
+        change += std::abs(speed - typical) / count;
+    DelayStretch told;
+    told.difference_m_s = sum / count;
+    told.difference_within_m_s = *std::ranges::min_element(within) / count;
+    const bool beyond = std::abs(run.delay) > limit;
+    if (change < least_change_m_s || told.difference_m_s > unexplained * change ||
+        (beyond && told.difference_m_s > better_than_within * told.difference_within_m_s))
+        return std::nullopt;
+    return told;
+}
+
+/// Speeds by positions between rows, linearly; not over a gap.
+std::optional<double> speed_at(Pairs pairs, const Places& places, double place_s, double gap_s) {
+    const auto after = std::ranges::upper_bound(places, place_s);
+    if (after == places.begin() || after == places.end()) return std::nullopt;
+    const auto b = static_cast<std::size_t>(after - places.begin()), a = b - 1;
+    if (!pairs[a].by_positions_m_s || !pairs[b].by_positions_m_s || places[b] - places[a] > gap_s)
+        return std::nullopt;
+    const double part = (place_s - places[a]) / (places[b] - places[a]);
+    return *pairs[a].by_positions_m_s +
+           part * (*pairs[b].by_positions_m_s - *pairs[a].by_positions_m_s);
+}
+
+/// Mean square of the differences of a stretch at a delay, at some thousand rows as far apart as
+/// they lie; nothing where the motion there is not known.
+std::optional<double> mean_square(Pairs pairs, const Places& places, const DelayStretch& stretch,
+                                  double delay_s, double gap_s) {
+    constexpr std::size_t enough = 4000;
+    const std::size_t stride = 1 + (stretch.last - stretch.first) / enough;
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = stretch.first; i <= stretch.last; i += stride) {
+        if (!pairs[i].recorded_m_s) continue;
+        const auto by = speed_at(pairs, places, places[i] - delay_s, gap_s);
+        if (!by) continue;
+        sum += std::pow(*pairs[i].recorded_m_s - *by, 2);
+        count += 1.0;
+    }
+    return count > 0.0 ? std::optional(sum / count) : std::nullopt;
+}
+
+/// The delay of least squares among whole intervals of the recording near that of the bins. Its
+/// standard uncertainty takes errors to last for two seconds.
+void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_s,
+            DelayStretch& stretch) {
+    constexpr double lasting_s = 2.0;
+    const double coarse_s = stretch.delay_s;
+    const auto reach = static_cast<int>(std::ceil(bins.step_s / bins.interval_s));
+    const auto square_at = [&](double delay_s) {
+        return mean_square(pairs, places, stretch, delay_s, 2.5 * bins.step_s)
+            .value_or(std::numeric_limits<double>::infinity());
+    };
+    double least = std::numeric_limits<double>::infinity();
+    for (int j = -reach; j <= reach; ++j) {
+        const double delay_s =
+            bins.interval_s * (std::round(coarse_s / bins.interval_s) + static_cast<double>(j));
+        const double square = square_at(delay_s);
+        if (square >= least) continue;
+        least = square;
+        stretch.delay_s = delay_s;
+    }
+    // Motion that repeats itself fits a period later as well, and may do so better by chance than
+    // the nearest whole interval: the best within the limit, more finely, must be clearly worse.
+    constexpr double clearly = better_than_within * better_than_within;
+    constexpr double parts = 8.0;
+    double least_within = std::numeric_limits<double>::infinity(), within_s = 0.0;
+    for (double delay_s = 0.0; std::abs(stretch.delay_s) > limit_s && delay_s <= limit_s;
+         delay_s += std::max(0.05, bins.interval_s / parts))
+        for (const double either_s : {delay_s, -delay_s})
+            if (const double square = square_at(either_s); square < least_within) {
+                least_within = square;
+                within_s = either_s;
+            }
+    if (least_within < std::numeric_limits<double>::infinity() && least > clearly * least_within) {
+        least = least_within;
+        stretch.delay_s = within_s;
+        stretch.difference_m_s = stretch.difference_within_m_s;
+    }
+    const double beside_s = bins.step_s;
+    const double curvature =
+        (0.5 * (square_at(stretch.delay_s - beside_s) + square_at(stretch.delay_s + beside_s)) -
+         least) /
+        (beside_s * beside_s);
+    const double independent =
+        std::max(1.0, (places[stretch.last] - places[stretch.first]) / lasting_s);
+    stretch.sigma_s =
+        std::hypot(rectangular_uncertainty(0.5 * bins.interval_s),
+                   curvature > 0.0 ? std::sqrt(least / (curvature * independent)) : bins.step_s);
+}
+
+}  // namespace
+
+bool DelayStretch::is_beyond(double limit_s) const {
+    return std::abs(delay_s) - 2.0 * sigma_s > limit_s;
+}
+
+std::vector<DelayStretch> delays_along(Pairs recorded, double limit_s) {
+    std::vector<DelayStretch> stretches;
+    if (recorded.empty()) return stretches;
+    std::vector<SpeedPair> pairs(recorded.begin(), recorded.end());
+    const double scale = scale_of_speeds(pairs);
+    for (SpeedPair& pair : pairs)
+        if (pair.recorded_m_s) *pair.recorded_m_s /= scale;
+    const Places places = places_of(pairs);
+    const auto bins = binned(pairs, places);
+    if (!bins) return stretches;
+    const std::vector<std::ptrdiff_t> delays = delays_of_blocks(*bins);
+    for (std::size_t b = 0, end = 0; b < delays.size(); b = end) {
+        while (end < delays.size() && delays[end] == delays[b])
+            ++end;
+        const Run run{.first = b * bins_of_block,
+                      .end = std::min(end * bins_of_block, bins->recorded.size()),
+                      .delay = delays[b]};
+        auto told = stretch_of(*bins, run, limit_s);
+        if (!told) continue;
+        const auto row_at = [&](std::size_t bin) {
+            return static_cast<std::size_t>(
+                std::ranges::lower_bound(places, static_cast<double>(bin) * bins->step_s) -
+                places.begin());
+        };
+        told->first = row_at(run.first);
+        told->last = row_at(run.end) - 1;
+        told->delay_s = static_cast<double>(run.delay) * bins->step_s;
+        refine(pairs, places, *bins, limit_s, *told);
+        stretches.push_back(*told);
+    }
+    return stretches;
+}
+
+}  // namespace runcert::velocities

@@ -1,0 +1,323 @@
+#include "witness/wheel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+#include "witness/copies.h"
+#include "witness/roster.h"
+#include "witness/same_origin.h"
+
+namespace runcert {
+namespace {
+
+/// No tyre rolls more alike from run to run.
+constexpr double least_sigma = 1e-3;
+constexpr std::size_t fewest_runs = 2;
+
+double mean(const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values)
+        sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+constexpr std::size_t fewest_epochs = 30;
+constexpr double largest_delay_s = 1.0;
+constexpr double delay_step_s = 0.02;
+
+/// Of the plane.
+double speed_of(const TrackEpoch& epoch) {
+    return epoch.velocity_m_s.head<2>().norm();
+}
+
+/// How the wheel fits the smoothed speeds at one delay.
+struct WheelFit {
+    double scale = 1.0;
+    double squares = 0.0;  ///< sum of squared residuals, m^2/s^2
+    std::size_t epochs = 0;
+
+    double mean_square() const {
+        return epochs > 0 ? squares / static_cast<double>(epochs)
+                          : std::numeric_limits<double>::infinity();
+    }
+};
+
+WheelFit fit_at(std::span<const TimedValue> wheel, const Track& track, double delay_s) {
+    double cross = 0.0, square = 0.0, smoothed = 0.0;
+    WheelFit fit;
+    for (const TrackEpoch& epoch : track.epochs) {
+        const auto speed = value_at(wheel, epoch.time_s + delay_s, longest_between_speeds_s);
+        if (!speed) continue;
+        const double of_track = speed_of(epoch);
+        cross += *speed * of_track;
+        square += *speed * *speed;
+        smoothed += of_track * of_track;
+        ++fit.epochs;
+    }
+    if (!(square > 0.0)) return {};
+    fit.scale = cross / square;
+    fit.squares = std::max(0.0, smoothed - fit.scale * cross);
+    return fit;
+}
+
+struct WheelDelay {
+    double delay_s = 0.0;
+    double sigma_s = 0.0;
+};
+
+/// The delay of the best fit. Where the speed hardly changes, or the best lies at the end of the
+/// range, it is not known: then it is none, with the uncertainty of the range.
+WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
+    const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
+    std::vector<WheelFit> fits;
+    for (int k = -steps; k <= steps; ++k)
+        fits.push_back(fit_at(wheel, track, k * delay_step_s));
+    const auto best = std::ranges::min_element(fits, {}, &WheelFit::mean_square);
+    const WheelDelay unknown_delay{.delay_s = 0.0,
+                                   .sigma_s = rectangular_uncertainty(largest_delay_s)};
+    if (best == fits.begin() || best + 1 == fits.end()) return unknown_delay;
+    const double left = (best - 1)->mean_square(), middle = best->mean_square(),
+                 right = (best + 1)->mean_square();
+    const double curvature = (left - 2.0 * middle + right) / (delay_step_s * delay_step_s);
+    if (!(curvature > 0.0)) return unknown_delay;
+    const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
+    // Errors that last for a second: as many count as seconds.
+    const double seconds =
+        std::max(1.0, static_cast<double>(best->epochs) * track.nominal_interval_s);
+    WheelDelay delay;
+    delay.delay_s = (static_cast<double>(best - fits.begin()) - steps) * delay_step_s + shift_s;
+    delay.sigma_s = std::sqrt(2.0 * middle / (curvature * seconds));
+    return delay.sigma_s < unknown_delay.sigma_s ? delay : unknown_delay;
+}
+
+/// Both paths over a span of 3 s or more while the craft moves fast.
+struct FastSpan {
+    TimeSpan span;
+    Eigen::Vector2d velocities = Eigen::Vector2d::Zero();  ///< sum
+    double smoothed = 0.0;
+    double wheeled = 0.0;
+
+    double ratio() const { return smoothed / wheeled; }
+};
+
+std::vector<FastSpan> fast_spans(std::span<const TimedValue> wheel, const Track& track,
+                                 double delay_s, double scale) {
+    constexpr double span_s = 3.0;
+    double fastest = 0.0;
+    for (const TrackEpoch& epoch : track.epochs)
+        fastest = std::max(fastest, speed_of(epoch));
+    std::vector<FastSpan> spans;
+    FastSpan open;
+    bool is_open = false;
+    for (const TrackEpoch& epoch : track.epochs) {
+        const auto speed = value_at(wheel, epoch.time_s + delay_s, longest_between_speeds_s);
+        if (!speed || speed_of(epoch) < 0.5 * fastest) {
+            is_open = false;
+            continue;
+        }
+        if (!is_open) open = {.span = {.first_s = epoch.time_s}};
+        is_open = true;
+        open.span.last_s = epoch.time_s;
+        open.velocities += epoch.velocity_m_s.head<2>();
+        open.smoothed += speed_of(epoch);
+        open.wheeled += scale * *speed;
+        if (epoch.time_s - open.span.first_s < span_s || !(open.wheeled > 0.0)) continue;
+        spans.push_back(open);
+        is_open = false;
+    }
+    return spans;
+}
+
+std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
+    std::vector<WheelRun> runs;
+    FastSpan sum;
+    for (const FastSpan& one : spans) {
+        if (runs.empty() || one.span.first_s - sum.span.last_s >= between_runs_s) {
+            sum = {.span = one.span};
+            runs.emplace_back();
+        }
+        sum.span.last_s = one.span.last_s;
+        sum.velocities += one.velocities;
+        sum.smoothed += one.smoothed;
+        sum.wheeled += one.wheeled;
+        runs.back() = {.span = sum.span, .direction = sum.velocities, .scale = sum.ratio()};
+    }
+    return runs;
+}
+
+/// Samples with the scale that fits the run that each is nearest to: what a run's positions drift
+/// in proportion to the speed is no error of the wheel's.
+std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
+                                        const std::vector<WheelRun>& runs) {
+    const auto beside_s = [](const WheelRun& run, double time_s) {
+        return std::max({0.0, run.span.first_s - time_s, time_s - run.span.last_s});
+    };
+    if (runs.empty()) return samples;
+    for (TimedVelocity<2>& one : samples)
+        one.velocity *= std::ranges::min_element(runs, {}, [&](const WheelRun& run) {
+                            return beside_s(run, one.time_s);
+                        })->scale;
+    return samples;
+}
+
+/// Standard uncertainty of the scale that fits all: of the ratios of both paths, as many as do not
+/// overlap.
+double sigma_of_scale(const std::vector<FastSpan>& spans) {
+    constexpr double least = 1e-4;
+    if (spans.size() < 3) return 0.01;
+    std::vector<double> ratios;
+    for (const FastSpan& one : spans)
+        ratios.push_back(one.ratio());
+    const double middle = median(ratios);
+    for (double& ratio : ratios)
+        ratio = std::abs(ratio - middle);
+    const auto count = static_cast<double>(ratios.size());
+    const double sd = median(std::move(ratios)) / normal_quantile(0.75);
+    return std::max(least, 1.2533 * sd / std::sqrt(count));
+}
+
+}  // namespace
+
+WheelMotion::WheelMotion(VelocityWitness<2> motion, std::vector<WheelRun> runs, double sigma_scale,
+                         bool calibrated)
+    : motion_(std::move(motion)),
+      runs_(std::move(runs)),
+      sigma_scale_(sigma_scale),
+      calibrated_(calibrated) {}
+
+WheelScale WheelMotion::scale_for(double from_s, double to_s,
+                                  const PositionVector<2>& moved) const {
+    const WheelScale given{.value = 1.0, .sigma = sigma_scale_, .independent = calibrated_};
+    if (calibrated_) return given;
+    std::vector<double> all, along, against;
+    for (const WheelRun& run : runs_) {
+        if (run.span.last_s > from_s - between_runs_s && run.span.first_s < to_s + between_runs_s)
+            continue;
+        all.push_back(run.scale);
+        (run.direction.dot(moved) > 0.0 ? along : against).push_back(run.scale);
+    }
+    if (all.size() < fewest_runs) return given;
+    const double middle = mean(all);
+    double square = 0.0;
+    for (const double scale : all)
+        square += (scale - middle) * (scale - middle);
+    const auto count = static_cast<double>(all.size());
+    const double differ = std::sqrt(square / (count - 1.0) * (1.0 + 1.0 / count)) *
+                          student_t_quantile(0.975, count - 1.0) / normal_quantile(0.975);
+    const bool both_ways = !along.empty() && !against.empty();
+    return {.value = both_ways ? 0.5 * (mean(along) + mean(against)) : middle,
+            .sigma = std::hypot(least_sigma, differ),
+            .independent = true};
+}
+
+std::optional<WitnessedMotion<2>> WheelMotion::between(double from_s, double to_s) const {
+    auto motion = motion_.between(from_s, to_s);
+    if (!motion) return std::nullopt;
+    const WheelScale scale = scale_for(from_s, to_s, motion->displacement_m);
+    motion->displacement_m *= scale.value;
+    motion->covariance_m2 +=
+        scale.sigma * scale.sigma * motion->displacement_m * motion->displacement_m.transpose();
+    motion->confirms = scale.independent;
+    return motion;
+}
+
+std::optional<double> WheelMotion::path_between(double from_s, double to_s) const {
+    const auto path_m = motion_.path_between(from_s, to_s);
+    const auto moved = path_m ? motion_.between(from_s, to_s) : std::nullopt;
+    if (!moved) return std::nullopt;
+    return *path_m * scale_for(from_s, to_s, moved->displacement_m).value;
+}
+
+std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
+                                          std::span<const TimedPosition<2>> positions,
+                                          const Track& track, double jerk_density) {
+    const std::span<const TimedValue> wheel = speeds.m_s;
+    const WheelDelay delay = delay_of(wheel, track);
+    const WheelFit fit = fit_at(wheel, track, delay.delay_s);
+    if (fit.epochs < fewest_epochs || !(fit.scale > 0.0)) return std::nullopt;
+    const double scale = speeds.calibrated_scale.value_or(fit.scale);
+    const std::vector<FastSpan> spans = fast_spans(wheel, track, delay.delay_s, scale);
+    std::vector<TimedVelocity<2>> samples;
+    for (const TimedValue& one : wheel) {
+        const TrackEpoch* const at = epoch_near(track, one.time_s - delay.delay_s);
+        if (at == nullptr) continue;
+        const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
+        if (!(velocity.norm() > 0.0)) continue;
+        const std::int64_t stretch =
+            samples.empty() ? 0
+                            : samples.back().stretch +
+                                  (one.time_s - samples.back().time_s > longest_between_speeds_s ? 1 : 0);
+        samples.push_back({.time_s = one.time_s,
+                           .velocity = scale * one.value * velocity.normalized(),
+                           .stretch = stretch});
+    }
+    if (samples.size() < fewest_epochs) return std::nullopt;
+    VelocityErrorModel delay_alone;
+    delay_alone.delay_s = delay.delay_s;
+    delay_alone.sigma_delay_s = delay.sigma_s;
+    delay_alone.density = 0.0;
+    std::vector<WheelRun> runs = runs_of(spans);
+    const VelocityWitness<2> undisturbed(as_fitted(samples, runs), delay_alone, jerk_density);
+    const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
+    if (!estimated.model.is_known()) return std::nullopt;
+    const bool made = keep_to_positions(estimated.spreads, false) ||
+                      are_from_positions(wheel, positions, delay.delay_s, fit.scale);
+    const bool calibrated = speeds.calibrated_scale.has_value();
+    const double sigma_scale = sigma_of_scale(spans);
+    return WheelWitness{
+        .motion = WheelMotion(VelocityWitness<2>(std::move(samples), estimated.model, jerk_density),
+                              std::move(runs), calibrated ? speeds.sigma_calibrated : sigma_scale,
+                              calibrated),
+        .scale = fit.scale,
+        .sigma_scale = sigma_scale,
+        .delay_s = delay.delay_s,
+        .sigma_delay_s = delay.sigma_s,
+        .made_from_positions = made};
+}
+
+namespace {
+
+/// What was estimated of a wheel, and by which scale its speeds count.
+std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
+    if (wheel.made_from_positions)
+        return "The wheel's speeds keep to the positions more closely than a wheel can: they were "
+               "made from them, and were not heard.";
+    std::string note = fmt::format(
+        "The wheel's speeds, taken {:.3f} s {} (standard uncertainty {:.3f} s), fit the positions "
+        "of the recording best when multiplied by {:.5f} (standard uncertainty {:.5f}). ",
+        std::abs(wheel.delay_s), wheel.delay_s < 0.0 ? "earlier" : "later", wheel.sigma_delay_s,
+        wheel.scale, wheel.sigma_scale);
+    if (speeds.calibrated_scale)
+        return note + fmt::format(
+                          "They were multiplied by the calibrated {:.5f} (standard "
+                          "uncertainty {:.5f}).",
+                          *speeds.calibrated_scale, speeds.sigma_calibrated);
+    return note +
+           "For a window they count by the scale of the other runs. A wrong scale that "
+           "lasts they cannot show.";
+}
+
+}  // namespace
+
+std::optional<HeardWitness<2>> heard_wheel(const HandedInSeries& given) {
+    const WheelSeries& said = given.attempt.wheel.value();
+    const WheelSpeeds speeds{
+        .m_s = timed_values(given.series),
+        .calibrated_scale = said.scale,
+        .sigma_calibrated = 0.5 * said.expanded_uncertainty_scale.value_or(0.0)};
+    auto wheel = wheel_witness(speeds, given.positions, given.track, given.jerk_density);
+    if (!wheel) return std::nullopt;
+    const auto original = source_of_speeds(speeds.m_s, given.sources, wheel->delay_s, wheel->scale);
+    return HeardWitness<2>{
+        .kind = WitnessKind::wheel,
+        .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),
+        .note = original ? copy_text("wheel's speeds", *original) : wheel_note(*wheel, speeds),
+        .is_copy = wheel->made_from_positions || original};
+}
+
+}  // namespace runcert

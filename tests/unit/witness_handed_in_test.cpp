@@ -1,0 +1,194 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "witness/gates.h"
+#include "witness/recorded_velocities.h"
+#include "witness/wheel.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+using Eigen::Vector2d;
+
+/// A car that goes faster and slower on a wide curve, at 10 Hz.
+Vector2d place_at(double time_s) {
+    const double way_m = 20.0 * time_s - 30.0 * std::cos(0.3 * time_s);
+    return 2000.0 * Vector2d(std::sin(way_m / 2000.0), 1.0 - std::cos(way_m / 2000.0));
+}
+double speed_at(double time_s) {
+    return 20.0 + 9.0 * std::sin(0.3 * time_s);
+}
+
+struct Recorded {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+
+    explicit Recorded(double length_s) {
+        RandomGenerator random(5);
+        screened.facts.nominal_interval_s = trajectory.facts.nominal_interval_s = 0.1;
+        trajectory.facts.first_epoch = parse_gps_iso("2026-03-14T03:20:18.000");
+        for (int k = 0; k <= std::lround(10.0 * length_s); ++k) {
+            const double time_s = 0.1 * k;
+            const Vector2d velocity = (place_at(time_s + 1e-4) - place_at(time_s - 1e-4)) / 2e-4;
+            const Vector2d place = place_at(time_s);
+            ScreenedEpoch& row = screened.rows.emplace_back();
+            row.epoch = k + 1;
+            row.time = {std::llround(time_s * 1e9)};
+            row.east_m = place.x() + 0.01 * random.normal();
+            row.north_m = place.y() + 0.01 * random.normal();
+            row.sigma_east_m = row.sigma_north_m = 0.01;
+            row.usable = true;
+            row.arc = 1;
+            TrajectoryEpoch& smoothed = trajectory.rows.emplace_back();
+            smoothed.epoch = row.epoch;
+            smoothed.time = row.time;
+            smoothed.usable = true;
+            smoothed.arc = 1;
+            smoothed.east_m = place.x();
+            smoothed.north_m = place.y();
+            smoothed.velocity_east_m_s = velocity.x();
+            smoothed.velocity_north_m_s = velocity.y();
+            smoothed.acceleration_east_m_s2 = smoothed.acceleration_north_m_s2 = 0.0;
+            smoothed.speed_m_s = velocity.norm();
+            smoothed.sigma_east_m = smoothed.sigma_north_m = 0.005;
+        }
+    }
+};
+
+std::vector<TimedValue> wheel(double length_s, double scale, double delay_s, double noise_m_s) {
+    RandomGenerator random(9);
+    std::vector<TimedValue> speeds;
+    for (double time_s = 0.0; time_s <= length_s; time_s += 0.05)
+        speeds.push_back(
+            {.time_s = time_s,
+             .value = speed_at(time_s - delay_s) / scale + noise_m_s * random.normal()});
+    return speeds;
+}
+
+TEST(WheelWitness, FindsItsScaleAndItsDelay) {
+    const Recorded run(120.0);
+    const auto found =
+        wheel_witness({.m_s = wheel(120.0, 1.013, 0.24, 0.05)},
+                      timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->scale, 1.013, 4.0 * found->sigma_scale);
+    EXPECT_LT(found->sigma_scale, 0.002);
+    EXPECT_NEAR(found->delay_s, 0.24, 0.02);
+    double statistics = 0.0;
+    int count = 0;
+    for (double from_s = 5.0; from_s < 110.0; from_s += 5.0) {
+        const auto moved = found->motion.between(from_s, from_s + 3.0);
+        ASSERT_TRUE(moved);
+        const Vector2d error = moved->displacement_m - (place_at(from_s + 3.0) - place_at(from_s));
+        EXPECT_LT(error.norm(), 0.3);
+        statistics += error.squaredNorm() / moved->covariance_m2.trace();
+        ++count;
+    }
+    EXPECT_LT(statistics / count, 2.0);
+}
+
+/// A wheel's motion at 30 m/s towards east, and the runs that its scale is known from.
+WheelMotion rolling(std::vector<WheelRun> runs, double sigma_scale, bool calibrated) {
+    VelocityErrorModel model;
+    model.density = 0.0;
+    std::vector<TimedVelocity<2>> samples;
+    for (int k = 0; k < 100; ++k)
+        samples.push_back({.time_s = 0.1 * k, .velocity = Vector2d(30.0, 0.0)});
+    return {VelocityWitness<2>(samples, model, 0.0), std::move(runs), sigma_scale, calibrated};
+}
+
+WheelRun run_at(double from_s, double scale, double towards = 1.0) {
+    return {.span = {.first_s = from_s, .last_s = from_s + 10.0},
+            .direction = towards * Vector2d(300.0, 0.0),
+            .scale = scale};
+}
+
+// A scale that is not known well makes every way uncertain in proportion.
+TEST(WheelMotion, TheScalesUncertaintyCountsAlongTheWay) {
+    const auto moved = rolling({}, 0.01, true).between(1.0, 4.0);
+    ASSERT_TRUE(moved);
+    EXPECT_TRUE(moved->confirms);
+    EXPECT_NEAR(std::sqrt(moved->covariance_m2(0, 0)), 0.9, 1e-6);
+    EXPECT_NEAR(moved->covariance_m2(1, 1), 0.0, 1e-12);
+}
+
+TEST(WheelMotion, ItsScaleIsThatOfTheOtherRuns) {
+    // The window's own run, and one within a minute of it, say nothing, whatever they show.
+    const std::vector<WheelRun> runs{run_at(-500.0, 1.010), run_at(-300.0, 1.012),
+                                     run_at(-60.0, 1.5), run_at(0.0, 1.7), run_at(400.0, 1.011)};
+    const WheelMotion wheel = rolling(runs, 1e-4, false);
+    const auto moved = wheel.between(1.0, 4.0);
+    ASSERT_TRUE(moved);
+    EXPECT_TRUE(moved->confirms);
+    EXPECT_NEAR(moved->displacement_m.x(), 90.0 * 1.011, 1e-9);
+    EXPECT_NEAR(wheel.path_between(1.0, 4.0).value(), 90.0 * 1.011, 1e-9);
+    // Three that differ by 0.001: 2.195 times, by Student's t, and for the run itself.
+    const double sigma = std::hypot(0.001, 0.001 * std::sqrt(4.0 / 3.0) * 4.3027 / 1.95996);
+    EXPECT_NEAR(std::sqrt(moved->covariance_m2(0, 0)), sigma * 90.0 * 1.011, 1e-3);
+}
+
+TEST(WheelMotion, RunsOfBothDirectionsCountAlike) {
+    const WheelMotion wheel = rolling(
+        {run_at(-500.0, 1.02), run_at(-300.0, 1.02), run_at(400.0, 1.00, -1.0)}, 1e-4, false);
+    EXPECT_NEAR(wheel.scale_for(1.0, 4.0, {1.0, 0.0}).value, 1.01, 1e-12);
+}
+
+TEST(WheelMotion, WithFewerThanTwoOtherRunsItConfirmsNothing) {
+    for (const auto& runs :
+         {std::vector<WheelRun>{}, {run_at(0.0, 1.0)}, {run_at(0.0, 1.0), run_at(300.0, 1.0)}}) {
+        const auto moved = rolling(runs, 1e-4, false).between(1.0, 4.0);
+        ASSERT_TRUE(moved);
+        EXPECT_FALSE(moved->confirms);
+        EXPECT_NEAR(moved->displacement_m.x(), 90.0, 1e-9);
+    }
+}
+
+TEST(WheelWitness, SaysNothingOfAnotherTimeOrOfStandstill) {
+    const Recorded run(60.0);
+    std::vector<TimedValue> later = wheel(60.0, 1.0, 0.0, 0.05);
+    for (TimedValue& one : later)
+        one.time_s += 1000.0;
+    EXPECT_FALSE(wheel_witness({.m_s = later}, timed_positions<2>(run.screened.rows),
+                               track_of(run.trajectory), 0.6));
+    std::vector<TimedValue> nothing = wheel(60.0, 1.0, 0.0, 0.0);
+    for (TimedValue& one : nothing)
+        one.value = 0.0;
+    EXPECT_FALSE(wheel_witness({.m_s = nothing}, timed_positions<2>(run.screened.rows),
+                               track_of(run.trajectory), 0.6));
+    EXPECT_FALSE(
+        wheel_witness({}, timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6));
+}
+
+TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
+    const Recorded run(60.0);
+    const auto way = [](double time_s) { return 20.0 * time_s - 30.0 * std::cos(0.3 * time_s); };
+    const std::vector<TimedValue> passages{
+        {10.0, 0.0}, {20.0, way(20.0) - way(10.0)}, {23.0, way(23.0) - way(10.0)}};
+    const auto found = gate_witness(passages, {.sigma_distance_m = 0.01, .sigma_time_s = 0.0005},
+                                    track_of(run.trajectory));
+    ASSERT_TRUE(found);
+    const auto moved = found->between(20.0, 23.0);
+    ASSERT_TRUE(moved);
+    EXPECT_NEAR(moved->displacement_m.norm(), way(23.0) - way(20.0), 1e-9);
+    const Vector2d along = moved->displacement_m.normalized();
+    const double speed = std::hypot(speed_at(20.0), speed_at(23.0));
+    EXPECT_NEAR(std::sqrt(along.dot(moved->covariance_m2 * along)),
+                std::hypot(0.01, 0.0005 * speed), 1e-5);
+    // Beside the gates: the speed there takes it further.
+    const auto beside = found->between(20.1, 23.2);
+    ASSERT_TRUE(beside);
+    EXPECT_NEAR(beside->displacement_m.norm(), way(23.2) - way(20.1), 0.1);
+    EXPECT_GT(along.dot(beside->covariance_m2 * along), along.dot(moved->covariance_m2 * along));
+    EXPECT_FALSE(found->between(12.0, 20.0));
+    EXPECT_FALSE(found->between(20.0, 20.2));
+    EXPECT_EQ(found->covered().first_s, 10.0);
+    // One gate, or gates of another time, say nothing.
+    EXPECT_FALSE(gate_witness(std::vector<TimedValue>{{10.0, 0.0}}, {}, track_of(run.trajectory)));
+    EXPECT_FALSE(gate_witness(std::vector<TimedValue>{{1000.0, 0.0}, {1003.0, 60.0}}, {},
+                              track_of(run.trajectory)));
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

@@ -27,53 +27,54 @@ FaultPrior of_positions(const FaultPrior& positions) {
 }
 
 constexpr std::array all{
-    RosterEntry{
+    WitnessEntry{
         .kind = WitnessKind::velocities,
         .fault = of_speeds,
         .silent = "nothing bounds their errors",
         .screening = ScreeningTest{.reason = Reason::velocity, .hypothesis = Hypothesis::velocity}},
-    RosterEntry{
+    WitnessEntry{
         .kind = WitnessKind::phases,
         .fault = of_phases,
         .silent = "the positions have no times or no place on the Earth to compare them with",
         .screening = ScreeningTest{.reason = Reason::phase, .hypothesis = Hypothesis::phase}},
-    RosterEntry{.kind = WitnessKind::receiver,
-                .fault = of_positions,
-                .silent = "the two recordings have no common time or frame, or it has no estimate",
-                .screening = ScreeningTest{.reason = Reason::baseline,
-                                           .hypothesis = Hypothesis::baseline,
-                                           .only_fast = true}},
-    RosterEntry{.kind = WitnessKind::wheel,
-                .fault = of_speeds,
-                .silent = "too few of them are at times at which the craft's motion was estimated, "
-                          "or nothing bounds their errors",
-                .screening = ScreeningTest{.reason = Reason::wheel,
-                                           .hypothesis = Hypothesis::wheel,
-                                           .single_epochs = false,
-                                           .only_fast = true},
-                .make = heard_wheel},
-    RosterEntry{.kind = WitnessKind::gates,
-                .fault = of_survey,
-                .silent = "fewer than two were passed while the craft's motion was estimated",
-                .make = heard_gates},
-    RosterEntry{.kind = WitnessKind::speed_trap,
-                .fault = of_speeds,
-                .silent = "none of them was measured while the craft's motion was estimated",
-                .make = heard_speed_trap}};
+    WitnessEntry{.kind = WitnessKind::receiver,
+                 .fault = of_positions,
+                 .silent = "the two recordings have no common time or frame, or it has no estimate",
+                 .screening = ScreeningTest{.reason = Reason::baseline,
+                                            .hypothesis = Hypothesis::baseline,
+                                            .only_fast = true}},
+    WitnessEntry{.kind = WitnessKind::wheel,
+                 .fault = of_speeds,
+                 .silent =
+                     "too few of them are at times at which the craft's motion was estimated, "
+                     "or nothing bounds their errors",
+                 .screening = ScreeningTest{.reason = Reason::wheel,
+                                            .hypothesis = Hypothesis::wheel,
+                                            .single_epochs = false,
+                                            .only_fast = true},
+                 .make = heard_wheel},
+    WitnessEntry{.kind = WitnessKind::gates,
+                 .fault = of_survey,
+                 .silent = "fewer than two were passed while the craft's motion was estimated",
+                 .make = heard_gates},
+    WitnessEntry{.kind = WitnessKind::speed_trap,
+                 .fault = of_speeds,
+                 .silent = "none of them was measured while the craft's motion was estimated",
+                 .make = heard_speed_trap}};
 
 }  // namespace
 
-std::span<const RosterEntry> witness_roster() {
+std::span<const WitnessEntry> witness_roster() {
     return all;
 }
 
-const RosterEntry& roster_entry(WitnessKind kind) {
-    const auto found = std::ranges::find(all, kind, &RosterEntry::kind);
+const WitnessEntry& witness_entry(WitnessKind kind) {
+    const auto found = std::ranges::find(all, kind, &WitnessEntry::kind);
     assert(found != all.end());
     return *found;
 }
 
-std::optional<HeardWitness<2>> handed_in_witness(const RosterEntry& entry, const HandedIn& given,
+std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,
                                                  std::span<const WitnessSource> sources) {

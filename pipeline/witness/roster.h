@@ -46,7 +46,7 @@ struct ScreeningTest {
     bool only_fast = false;
 };
 
-struct RosterEntry {
+struct WitnessEntry {
     WitnessKind kind;
     /// How likely it errs unseen in a window, and by how much; the positions' own is given.
     FaultPrior (*fault)(const FaultPrior& positions);
@@ -57,13 +57,13 @@ struct RosterEntry {
 };
 
 /// In the order in which they are heard.
-std::span<const RosterEntry> witness_roster();
+std::span<const WitnessEntry> witness_roster();
 
 /// Of a kind that is a witness of positions: not `WitnessKind::positions`.
-const RosterEntry& roster_entry(WitnessKind kind);
+const WitnessEntry& witness_entry(WitnessKind kind);
 
 /// The witness of that entry, where its series was handed in and tells a motion.
-std::optional<HeardWitness<2>> handed_in_witness(const RosterEntry& entry, const HandedIn& given,
+std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,
                                                  std::span<const WitnessSource> sources = {});

@@ -166,16 +166,14 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
         case Reason::velocity:
             return one ? "the recorded velocity contradicts its position"
                        : "the recorded velocities contradict their positions";
-        case Reason::phase:
-            return contradicted("carrier phases", rows);
-        case Reason::wheel:
-            return contradicted("speeds of the wheel", rows);
         case Reason::physical_limit:
             return physical_limit(table, rows);
         case Reason::baseline:
             return fmt::format("{}{}", words_of(row.reason),
                                table.basis.baseline ? ", " + table.basis.baseline->receiver : "");
         default:
+            if (const auto witness = witness_of(row.reason); !witness.empty())
+                return contradicted(witness.front(), rows);
             return std::string(words_of(row.reason));
     }
 }

@@ -48,23 +48,6 @@ std::string statistic_text(std::span<const ScreenedEpoch> rows, const std::strin
                        chance.empty() ? "the threshold" : "exceeded by chance " + chance);
 }
 
-/// Whether the statistic of a row left out is that of a test, whose threshold chance exceeds.
-bool has_tested(Reason reason) {
-    switch (reason) {
-        case Reason::innovation:
-        case Reason::outlier:
-        case Reason::burst:
-        case Reason::model:
-        case Reason::velocity:
-        case Reason::phase:
-        case Reason::wheel:
-        case Reason::baseline:
-            return true;
-        default:
-            return false;
-    }
-}
-
 std::string detectable_text(const MinimalDetectableBias& error) {
     std::string sizes;
     const auto add = [&](std::string_view name, std::optional<double> size, int decimals,
@@ -103,7 +86,7 @@ std::string entry_text(const ScreenedTable& table, const AuditEntry& entry,
     if (entry.kind == AuditEntry::Kind::used) return where + used_text(row);
     if (entry.kind == AuditEntry::Kind::left_out)
         return where + "left out: " + left_out_text(table, entry) +
-               (has_tested(row.reason) ? statistic_text(rows, chance) : "");
+               (rests_on(row.reason, "chance") ? statistic_text(rows, chance) : "");
     return "before " + where + break_text(table.rows, entry.first) +
            (explains_break(row) ? statistic_text(rows, chance) : "");
 }

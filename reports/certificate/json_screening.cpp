@@ -29,8 +29,8 @@ double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
 
 /// What was decided for, as a noun that can be counted.
 struct Noun {
-    std::string_view one;
-    std::string_view several;
+    std::string one;
+    std::string several;
 };
 
 Noun decided_for(Hypothesis hypothesis) {
@@ -51,12 +51,6 @@ Noun decided_for(Hypothesis hypothesis) {
         case Hypothesis::velocity:
             return {"position that the recorded velocity contradicts",
                     "positions that the recorded velocities contradict"};
-        case Hypothesis::phase:
-            return {"position that the carrier phases contradict",
-                    "positions that the carrier phases contradict"};
-        case Hypothesis::wheel:
-            return {"position that the speeds of the wheel contradict",
-                    "positions that the speeds of the wheel contradict"};
         case Hypothesis::acceleration:
             return {"acceleration that the craft cannot make",
                     "accelerations that the craft cannot make"};
@@ -68,8 +62,12 @@ Noun decided_for(Hypothesis hypothesis) {
         case Hypothesis::baseline:
             return {"position that the other receiver contradicts",
                     "positions that the other receiver contradicts"};
+        default:
+            break;
     }
-    return {};
+    const auto witness = witness_of(hypothesis);
+    return {fmt::format("position that the {} contradict", witness.at(0)),
+            fmt::format("positions that the {} contradict", witness.at(0))};
 }
 
 std::string decisions_text(const ScreeningSummary& summary) {

@@ -9,23 +9,6 @@ namespace runcert {
 
 namespace {
 
-/// Whether a test of the positions decided so, and no condition on a row alone.
-bool rejected_by_test(Reason reason) {
-    switch (reason) {
-        case Reason::outlier:
-        case Reason::burst:
-        case Reason::model:
-        case Reason::velocity:
-        case Reason::phase:
-        case Reason::wheel:
-        case Reason::physical_limit:
-        case Reason::baseline:
-            return true;
-        default:
-            return false;
-    }
-}
-
 std::optional<Hypothesis> decided_for(std::optional<ArcBreak> arc_break) {
     if (arc_break == ArcBreak::step || arc_break == ArcBreak::bridged) return Hypothesis::step;
     if (arc_break == ArcBreak::ramp) return Hypothesis::ramp;
@@ -44,12 +27,17 @@ nlohmann::ordered_json counts_json(const std::map<Enum, std::int64_t>& counts) {
 
 }  // namespace
 
+bool rests_on(Reason reason, std::string_view what) {
+    const std::vector<std::string_view> all = test_of(reason);
+    return std::ranges::find(all, what) != all.end();
+}
+
 void ScreeningSummary::add(const ScreenedEpoch& row) {
     usable += row.usable ? 1 : 0;
     if (row.arc) arcs = std::max(arcs, *row.arc);
     ++reasons[row.reason];
     first_of.try_emplace(row.reason, row.epoch, row.time);
-    if (row.hypothesis && rejected_by_test(row.reason)) ++decisions[*row.hypothesis];
+    if (row.hypothesis && rests_on(row.reason, "decision")) ++decisions[*row.hypothesis];
     if (const auto hypothesis = decided_for(row.break_before)) ++decisions[*hypothesis];
 }
 

@@ -23,6 +23,10 @@ constexpr bool is_out_of_time(const ScreenedEpoch& row) {
            row.reason == Reason::backward_time;
 }
 
+/// Whether a reason rests on a test: its statistic on a threshold that "chance" exceeds, or its
+/// being counted as a "decision" for a hypothesis.
+bool rests_on(Reason reason, std::string_view what);
+
 /// Rows by reason, arcs and usable rows, counted from the rows; and how often each hypothesis was
 /// decided for: by the hypothesis of a row that a test rejected, by the break before a row (bridged
 /// is a step).

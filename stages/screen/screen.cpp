@@ -176,7 +176,7 @@ bool handed_in_contradict(ScreenedTable& screened, const Motion& motion, const H
     if (given.series.empty()) return false;
     const Track track = track_of(screened, motion);
     const std::vector<TimedPosition<2>> positions = timed_positions<2>(screened.rows);
-    for (const RosterEntry& entry : witness_roster()) {
+    for (const WitnessEntry& entry : witness_roster()) {
         if (!entry.screening) continue;
         const auto heard = handed_in_witness(entry, given, positions, track,
                                              check.noises.horizontal.model.motion.jerk_density);

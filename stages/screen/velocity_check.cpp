@@ -383,7 +383,7 @@ void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& wit
                                 .threshold = threshold});
         contradicted.insert(contradicted.end(), spans.begin(), spans.end());
     }
-    mark_spans(rows, usable, contradicted, roster_entry(WitnessKind::velocities).screening.value(),
+    mark_spans(rows, usable, contradicted, witness_entry(WitnessKind::velocities).screening.value(),
                threshold);
 }
 

@@ -89,7 +89,7 @@ DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
                                            const DisplacementTest& test, double nominal_interval_s,
                                            double test_size) {
     constexpr std::array spans_s{3.0, 10.0};
-    const ScreeningTest& by_roster = roster_entry(test.kind).screening.value();
+    const ScreeningTest& by_roster = witness_entry(test.kind).screening.value();
     const double threshold = chi_squared_upper_quantile(test_size, 2);
     const UsablePositions usable = usable_positions(rows);
     DisplacementComparison comparison;

@@ -81,7 +81,7 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     if constexpr (Axes == 2) {
         const auto positions =
             related ? timed_positions<2>(screened.rows) : std::vector<TimedPosition<2>>{};
-        for (const RosterEntry& entry : witness_roster())
+        for (const WitnessEntry& entry : witness_roster())
             if (auto made = handed_in_witness(entry, beside.handed_in, positions, track,
                                               jerk_density, sources))
                 witnesses.push_back(*std::move(made));
@@ -105,7 +105,7 @@ std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& 
                    ? !beside.receivers.empty()
                    : beside.handed_in.series.contains(std::string(to_text(kind)));
     };
-    for (const RosterEntry& entry : witness_roster())
+    for (const WitnessEntry& entry : witness_roster())
         if (was_given(entry.kind) &&
             std::ranges::find(witnesses, entry.kind, &HeardWitness<2>::kind) == witnesses.end())
             sentences.push_back(fmt::format("The {} were handed in and say nothing: {}.",
@@ -232,7 +232,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         witnessed.refusals = within.refusals;
     }
     witnessed.chance_error = displacement_ratio(*moved, positions);
-    const FaultPrior fault = roster_entry(witness.kind).fault(positions.fault);
+    const FaultPrior fault = witness_entry(witness.kind).fault(positions.fault);
     const SpeedMixture compared({.speed_m_s = figure.by_position,
                                  .standard_uncertainty_m_s = positions.standard_uncertainty_m_s,
                                  .fault = positions.fault},

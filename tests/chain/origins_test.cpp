@@ -378,6 +378,40 @@ TEST_F(Origins, AWheelMadeFromThePositionsIsNotHeard) {
     EXPECT_EQ(status("wheel-as-measured"), "attest");
 }
 
+/// Speeds of a radar gun, ten a second while the craft is fast; each uncertain by 0.2 m/s.
+std::string radar(const Samples& samples, double wrong_m_s = 0.0) {
+    std::string text = "time_s,speed_m_s,expanded_uncertainty_m_s,length_m\n";
+    for (const Sample& one : samples)
+        if (one.time_s >= 90.0 && one.time_s < 120.0)
+            text += fmt::format("{:.2f},{:.4f},0.2,0\n", one.time_s, one.speed_m_s + wrong_m_s);
+    return text;
+}
+
+TEST_F(Origins, ARadarGunIsHeardAndAnsweredForWhereItIsNoCopy) {
+    const std::string stated = "speed_trap: {file: radar.csv, source: behind the finish}\n";
+    judge_alone(sailed());
+    const double alone_km_h = expanded_uncertainty_km_h();
+    for (const std::size_t either_side : {1U, 3U, 8U}) {
+        write("radar.csv", radar(speeds_from_positions(sailed(), either_side)));
+        judge_alone(sailed(), false, stated);
+        EXPECT_TRUE(says("The speeds of the radar gun or speed trap agree with the positions"))
+            << either_side;
+        EXPECT_EQ(witnesses(), 0U);
+        EXPECT_NEAR(expanded_uncertainty_km_h(), alone_km_h, 0.01);
+    }
+    write("radar.csv", radar(sailed()));
+    judge_alone(sailed(), false, stated);
+    EXPECT_EQ(witnesses(), 1U);
+    EXPECT_LE(expanded_uncertainty_km_h(), alone_km_h + 0.005);
+    EXPECT_EQ(status("speed-trap-as-measured"), "attest");
+    EXPECT_TRUE(reason().starts_with("By positions alone"))
+        << "an official hands it in: " << reason();
+    // A gun that shows 5 m/s more contradicts the positions, and nothing is certified.
+    write("radar.csv", radar(sailed(), 5.0));
+    judge_alone(sailed(), false, stated);
+    EXPECT_EQ(outcome(), "not_certifiable");
+}
+
 /// Speeds as a wheel gives them that rolls 2 % further than it says, each `every`-th sample a mean
 /// over so many on either side.
 std::string wheel_of_speeds(const Samples& samples, std::size_t either_side, std::size_t every) {

@@ -19,7 +19,7 @@ struct Claim {
     std::string text;  ///< of the attempt
     Attempt attempt;
     std::vector<YamlValue> profiles;  ///< the claimed ones as written, in that order
-    FileHashes files;                ///< attempt, profiles, and series of wind and current
+    FileHashes files;                 ///< attempt, profiles, and series of wind and current
 };
 
 /// Reads an attempt of a day, which is read again where it has a file of its own. `composed` is

@@ -108,7 +108,7 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
         {program, "--out", context.out.string(), "--list", folders.results_list().string()},
         {.time_limit = context.time_limit, .most_output = most_output_of_step, .own_group = true});
     if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
-        const RunFailure failure = failure_of_program(results_step, result, context.time_limit, {});
+        const RunFailure failure = failure_of_program(results_step, result, context.time_limit);
         throw Failure(failure.where, failure.problem, failure.remedy);
     }
     for (const char* name : day_files)

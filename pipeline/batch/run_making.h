@@ -7,13 +7,14 @@
 #include "batch/batch_folders.h"
 #include "batch/run_files.h"
 #include "batch/run_update.h"
+#include "run/chain.h"
 
 namespace runcert {
 
 /// Thrown where a stop was requested; the run is as it was left.
 struct Interrupted {};
 
-/// Thrown where a step's program did not end well.
+/// Thrown where what a step brought in is not what was hashed.
 struct StepError {
     RunFailure failure;
 };
@@ -37,13 +38,13 @@ class RunMaking {
     bool is_published();
     RunState ended(const RunFailure& failure);
 
-    /// run_steps.cpp: doing one.
+    /// run_steps.cpp: doing them.
     void prepare();
     std::multimap<std::string, std::string> known_files() const;
-    void do_step(const std::string& step, StepRecord record);
-    void execute(const std::string& step, StepRecord& record);
+    void make();
+    void begin(const std::string& step);
+    void end(const StageDone& done, StepRecord record);
     void require_as_hashed(const std::string& step, const StepRecord& record);
-    void run_program(const std::string& step, StepRecord& record);
 
     /// run_signing.cpp
     std::string sign();
@@ -67,6 +68,7 @@ class RunMaking {
     FileHashes current_;  ///< every file that the steps so far made or kept
     RunState state_;
     std::time_t started_ = 0;
+    std::string step_;       ///< that is looked at or done
     bool looking_ = false;   ///< nothing is done: how the run stands
     bool prepared_ = false;  ///< the work folder is open
 };

@@ -1,13 +1,9 @@
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "batch/run_making.h"
 #include "batch/step_reason.h"
-#include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
-#include "files/process.h"
 
 namespace runcert {
 
@@ -32,53 +28,44 @@ void RunMaking::prepare() {
         files_.bring_to_work(name, hash);
 }
 
-void RunMaking::run_program(const std::string& step, StepRecord& record) {
-    // Every step reads the attempt that was hashed, and not the file, which may change meanwhile.
-    const auto copy = files_.work_dir() / std::string(attempt_copy_name);
-    const std::string folder =
-        claim_.source.folder.empty() ? std::string(".") : claim_.source.folder.string();
-    const ProcessResult result = run_process(
-        command_of(step_named(step),
-                   {.attempt = copy,
-                    .run_dir = files_.work_dir(),
-                    .import_options = {"--folder", folder},
-                    .pdf = context_.report.pdf},
-                   context_.program_folder),
-        {.environment = {synced_by_caller(), {"RUNCERT_THREADS", std::to_string(context_.threads)}},
-         .time_limit = context_.time_limit,
-         .stop = stop_,
-         .most_output = most_output_of_step,
-         .own_group = true});
-    if (result.end == ProcessEnd::stopped) throw Interrupted{};
-    if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
-        throw StepError{
-            failure_of_program(step, result, context_.time_limit,
-                               {{copy.string(), claim_.source.file.string()},
-                                {files_.work_dir().string(), files_.run_dir().string()}})};
-    }
-    record.said = lines_of(result.output);
+/// Does the steps whose files cannot stay, in the work folder.
+void RunMaking::make() {
+    StepRecord now;  // of the step that is done
+    make_run(
+        {.attempt = claim_.attempt,
+         .text = claim_.text,
+         .source = claim_.source,
+         .folder = files_.work_dir(),
+         .known_as = files_.run_dir(),
+         .report = context_.report,
+         .programs = context_.program_folder,
+         .process = {.environment = {synced_by_caller(),
+                                     {"RUNCERT_THREADS", std::to_string(context_.threads)}},
+                     .time_limit = context_.time_limit,
+                     .stop = stop_,
+                     .most_output = most_output_of_step,
+                     .own_group = true},
+         .sign = [this] { return sign(); }},
+        [&](const Step& step) {
+            step_ = step.name;
+            now = expected(step.name);
+            if (keeps(step.name, now)) return true;
+            begin(step.name);
+            return false;
+        },
+        [&](const StageDone& done) { end(done, std::move(now)); });
 }
 
-/// Does a step in the work folder; the record then has what it said and wrote.
-void RunMaking::execute(const std::string& step, StepRecord& record) {
-    std::vector<std::string> outputs =
-        outputs_of(step_named(step), claim_.attempt, context_.report);
-    if (step == "claim") {
+void RunMaking::begin(const std::string& step) {
+    if (stop_.stop_requested()) throw Interrupted{};
+    prepare();  // which may wait for memory; a step's time is its own
+    watch_.begins(step);
+    if (step == "claim" && given_.file.empty()) {
         // Messages about the attempt name this file.
-        if (given_.file.empty()) {
-            make_directory(claim_.source.file.parent_path());
-            write_file_atomically(claim_.source.file, claim_.text);
-        }
-        bring_in_claim(claim_.attempt, claim_.text, claim_.source, files_.work_dir());
-    } else if (step == "sign") {
-        outputs = {sign()};
-    } else {
-        if (step == "render") bring_signatures();
-        run_program(step, record);
+        make_directory(claim_.source.file.parent_path());
+        write_file_atomically(claim_.source.file, claim_.text);
     }
-    for (const std::string& name : outputs)
-        record.outputs[name] = files_.written(name);
-    if (step == "claim" || step == "import") require_as_hashed(step, record);
+    if (step == "render") bring_signatures();
 }
 
 /// That what a step brought in from outside is what was hashed before. Else the record would have
@@ -96,18 +83,17 @@ void RunMaking::require_as_hashed(const std::string& step, const StepRecord& rec
                            "run it again"}};
 }
 
-void RunMaking::do_step(const std::string& step, StepRecord record) {
-    if (stop_.stop_requested()) throw Interrupted{};
-    prepare();  // which may wait for memory; a step's time is its own
-    watch_.begins(step);
-    const auto begin = std::chrono::steady_clock::now();
-    execute(step, record);
-    record.seconds =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+/// Keeps what a step said and wrote.
+void RunMaking::end(const StageDone& done, StepRecord record) {
+    for (const std::string& name : done.wrote)
+        record.outputs[name] = files_.written(name);
+    if (done.name == "claim" || done.name == "import") require_as_hashed(done.name, record);
+    record.said = done.said;
+    record.seconds = done.seconds;
     for (const auto& [name, hash] : record.outputs)
         current_[name] = hash;
     state_.steps.back().seconds = record.seconds;
-    record_.steps[step] = std::move(record);
+    record_.steps[done.name] = std::move(record);
     record_.failure.reset();
     write_record();
     watch_.ends(state_.steps.back());

@@ -58,7 +58,8 @@ RunMaking::RunMaking(const DayAttempt& given, const BatchContext& context, const
       folders_(context.out),
       files_(folders_.out, given.id, BatchFolders("").work(given.id)),
       record_(read_run_record(record_place())),
-      started_(std::time(nullptr)) {
+      started_(std::time(nullptr)),
+      step_(steps().front().name) {
     state_.foreign_record = record_.foreign;
 }
 
@@ -134,27 +135,26 @@ RunState RunMaking::ended(const RunFailure& failure) {
 }
 
 RunState RunMaking::update() {
-    std::string step = steps().front().name;
     try {
         files_.remove_left();
         claim_ = read_claim(given_, folders_.composed(given_.id));
         if (const fs::path& run = files_.run_dir(); fs::is_directory(run))
             require_a_run(Folder(run), inventory_of(claim_.attempt).files, record_.published);
-        for (const Step& one : steps()) {
-            step = one.name;
-            if (!is_step_of(one, context_.report)) continue;
-            StepRecord now = expected(step);
-            if (!keeps(step, now)) do_step(step, std::move(now));
-        }
-        step = publishing;
+        make();
+        step_ = publishing;
         publish();
     } catch (const Interrupted&) {
+        state_.interrupted = true;
+        return state_;
+    } catch (const StageFailed& failed) {
+        if (failed.result.end != ProcessEnd::stopped)
+            return ended(failure_of_program(failed.name, failed.result, context_.time_limit));
         state_.interrupted = true;
         return state_;
     } catch (const StepError& error) {
         return ended(error.failure);
     } catch (const Failure& failure) {
-        return ended(failure_of(step, failure));
+        return ended(failure_of(step_, failure));
     }
     state_.complete = true;
     state_.said = record_.steps.at("check").said;
@@ -169,19 +169,18 @@ bool RunMaking::is_published() {
 
 RunState RunMaking::inspect() {
     looking_ = true;
-    std::string step = steps().front().name;
     try {
         claim_ = read_claim(given_, folders_.composed(given_.id));
         for (const Step& one : steps()) {
-            step = one.name;
-            if (is_step_of(one, context_.report) && !keeps(step, expected(step))) break;
+            step_ = one.name;
+            if (is_step_of(one, context_.report) && !keeps(step_, expected(step_))) break;
         }
     } catch (const Failure& failure) {
-        state_.failure = failure_of(step, failure);
+        state_.failure = failure_of(step_, failure);
         return state_;
     }
     if (state_.steps.back().ran) {
-        if (record_.failure && record_.failure->step == step) state_.failure = record_.failure;
+        if (record_.failure && record_.failure->step == step_) state_.failure = record_.failure;
         return state_;
     }
     state_.complete = is_published();

@@ -6,8 +6,10 @@
 #include <array>
 #include <csignal>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "core/plain_text.h"
 #include "core/text.h"
@@ -133,13 +135,8 @@ std::string what_changed(const StepRecord& before, const StepRecord& now) {
 }
 
 RunFailure failure_of_program(const std::string& step, const ProcessResult& result,
-                              std::chrono::milliseconds time_limit,
-                              const std::vector<std::pair<std::string, std::string>>& names) {
-    std::string errors = result.errors;
-    for (const auto& [name, known] : names)
-        for (std::size_t at = errors.find(name); at != std::string::npos;
-             at = errors.find(name, at + known.size()))
-            errors.replace(at, name.size(), known);
+                              std::chrono::milliseconds time_limit) {
+    const std::string& errors = result.errors;
     if (result.end == ProcessEnd::by_itself && result.exit_status == 2)
         if (const auto words = own_words(errors); !words.empty())
             return {.step = step, .problem = words[0], .where = words[1], .remedy = words[2]};

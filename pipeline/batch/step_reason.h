@@ -1,10 +1,7 @@
 #pragma once
 
 #include <chrono>
-#include <map>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "batch/run_record.h"
 #include "files/process.h"
@@ -20,10 +17,8 @@ inline constexpr std::size_t most_output_of_step = std::size_t{16} << 20;
 std::string what_changed(const StepRecord& before, const StepRecord& now);
 
 /// The failure of a step whose program did not end well: its own three lines where it said them,
-/// else how it ended. `names` are texts to be replaced in what it said: paths of the work folder by
-/// those that the user knows.
+/// else how it ended.
 RunFailure failure_of_program(const std::string& step, const ProcessResult& result,
-                              std::chrono::milliseconds time_limit,
-                              const std::vector<std::pair<std::string, std::string>>& names);
+                              std::chrono::milliseconds time_limit);
 
 }  // namespace runcert

@@ -3,7 +3,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 #include <filesystem>
 
@@ -12,7 +11,6 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
-#include "files/file_sync.h"
 #include "files/program.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
@@ -136,9 +134,15 @@ void print_stage(const StageDone& stage) {
     std::fflush(stdout);
 }
 
+/// Whether a step is one that the user sees by itself: not what it takes no time to do.
+bool is_shown(const StageDone& step) {
+    return !step_named(step.name).program.empty();
+}
+
 int certify(const CertifyOptions& options) {
     const std::time_t started = std::time(nullptr);
-    const Attempt attempt = read_attempt(read_handwritten(options.attempt), options.attempt);
+    const std::string text = read_handwritten(options.attempt);
+    const Attempt attempt = read_attempt(text, options.attempt);
     std::optional<SecretKey> key;
     std::string role;
     if (!options.key.empty()) {
@@ -149,30 +153,41 @@ int certify(const CertifyOptions& options) {
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     StagingFolder staging(run_dir);
     require_a_run(staging.earlier(), inventory_of(attempt).files);
+    const RunInMaking run{
+        .attempt = attempt,
+        .text = text,
+        .source = {.file = options.attempt},
+        .folder = staging.path(),
+        .known_as = run_dir,
+        .report = {.render = !options.no_render, .pdf = !options.no_pdf, .signer = options.key},
+        .sign = [&] {
+            return sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
+        }};
     std::vector<StageDone> stages;
-    const auto done = [&](const StageDone& stage) {
+    const auto show = [&](const StageDone& stage) {
         StageDone shown = stage;
         if (stage.name == "check") shown.said = {"verdict below"};
         print_stage(shown);
         stages.push_back(stage);
     };
+    StageDone report;  // one to the user, with its pages
     try {
-        run_stages(options.attempt, staging.path(), {}, done);
-        const StepCall call{.attempt = staging.path() / attempt_copy_name,
-                            .run_dir = staging.path(),
-                            .pdf = !options.no_pdf};
-        const ProcessOptions unsynced{.environment = {synced_by_caller()}};
-        StageDone written = run_step("report", call, unsynced);
-        carry_over(staging.earlier(), staging.folder());
-        if (key) sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
-        if (!options.no_render) {
-            const StageDone rendered = run_step("render", call, unsynced);
-            written.seconds += rendered.seconds;
-            written.said = rendered.said;
-        }
-        done(written);
+        make_run(
+            run, [](const Step&) { return false; },
+            [&](const StageDone& done) {
+                if (done.name == "report") {
+                    report = done;
+                    carry_over(staging.earlier(), staging.folder());
+                } else if (done.name == "render") {
+                    report.seconds += done.seconds;
+                    report.said = done.said;
+                } else if (is_shown(done)) {
+                    show(done);
+                }
+            });
+        show(report);
     } catch (const StageFailed& failed) {
-        fmt::print(stderr, "{}", failed.errors);
+        fmt::print(stderr, "{}", message_of(failed));
         return 2;
     }
     write_file_unsynced(staging.path() / "run.yaml", run_times_text(started, stages));

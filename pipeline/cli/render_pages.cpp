@@ -23,7 +23,7 @@ int render_pages(const fs::path& run_dir, const std::string& roster, const std::
                  {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir, .roster = roster});
     } catch (const StageFailed& failed) {
         fmt::print(stderr, "{}{}; its pages could not be made again and do not show it\n",
-                   failed.errors, done);
+                   message_of(failed), done);
         return 2;
     }
     fmt::print("pages   report.html, report.pdf\n");

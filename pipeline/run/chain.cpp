@@ -6,53 +6,90 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/file_sync.h"
-#include "files/process.h"
-#include "run/attempt_files.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point begin) {
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+void replace_all(std::string& text, const std::string& name, const std::string& by) {
+    for (std::size_t at = text.find(name); at != std::string::npos;
+         at = text.find(name, at + by.size()))
+        text.replace(at, name.size(), by);
+}
+
+/// Runs a step's program on the attempt as the claim brought it in, and not on the file, which may
+/// change meanwhile. What is wrong with it is for its author to find in the original.
+StageDone run_program(const Step& step, const RunInMaking& run) {
+    const fs::path copy = run.folder / std::string(attempt_copy_name);
+    const fs::path& folder = run.source.folder;
+    const std::vector<std::string> taken_from =
+        run.source.earlier_run
+            ? std::vector<std::string>{"--earlier-run", run.source.earlier_run->string()}
+            : std::vector<std::string>{"--folder", folder.empty() ? "." : folder.string()};
+    try {
+        return run_step(step.name,
+                        {.attempt = copy,
+                         .run_dir = run.folder,
+                         .import_options = taken_from,
+                         .pdf = run.report.pdf},
+                        run.process, run.programs);
+    } catch (StageFailed& failed) {
+        replace_all(failed.result.errors, copy.string(), run.source.file.string());
+        replace_all(failed.result.errors, run.folder.string(), run.known_as.string());
+        throw;
+    }
+}
+
+StageDone make_step(const Step& step, const RunInMaking& run) {
+    if (!step.program.empty()) {
+        StageDone done = run_program(step, run);
+        done.wrote = outputs_of(step, run.attempt, run.report);
+        return done;
+    }
+    const auto begin = Clock::now();
+    StageDone done{.name = step.name};
+    if (step.name == "claim") {
+        bring_in_claim(run.attempt, run.text, run.source, run.folder);
+        done.wrote = outputs_of(step, run.attempt, run.report);
+    } else {
+        done.wrote = {run.sign()};
+    }
+    done.seconds = seconds_since(begin);
+    return done;
+}
 
 }  // namespace
 
-StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options) {
-    const Step& what = step_named(step);
-    const auto begin = std::chrono::steady_clock::now();
-    const ProcessResult result = run_process(command_of(what, call, program_folder()), options);
-    if (result.exit_status == 2) throw StageFailed{what.name, result.errors};
-    if (result.exit_status != 0)
-        throw Failure(what.program,
-                      fmt::format("the program ended with status {}: {}", result.exit_status,
-                                  escape_for_message(result.errors, 400)),
-                      "This is a fault of the program; please report it with the attempt");
-    return {
-        .name = what.name,
-        .said = lines_of(result.output),
-        .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
+std::string message_of(const StageFailed& failed) {
+    const ProcessResult& result = failed.result;
+    if (result.end == ProcessEnd::by_itself && result.exit_status == 2) return result.errors;
+    throw Failure(step_named(failed.name).program,
+                  fmt::format("the program ended with status {}: {}", result.exit_status,
+                              escape_for_message(result.errors, 400)),
+                  "This is a fault of the program; please report it with the attempt");
 }
 
-void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& earlier_run,
-                const std::function<void(const StageDone&)>& done) {
-    StepCall call{.attempt = attempt, .run_dir = run_dir};
-    if (!earlier_run.empty()) call.import_options = {"--earlier-run", earlier_run.string()};
-    const ProcessOptions options{.environment = {synced_by_caller()}};
-    const fs::path copy = run_dir / attempt_copy_name;
-    for (const Step& step : steps()) {
-        if (step.products.empty()) continue;
-        try {
-            done(run_step(step.name, call, options));
-        } catch (StageFailed& failed) {
-            const std::size_t at = failed.errors.find(copy.string());
-            if (at != std::string::npos)
-                failed.errors.replace(at, copy.string().size(), attempt.string());
-            throw;
-        }
-        // From here on the run folder's own copy of the attempt is read. What is wrong with it is
-        // for its author to find in the original.
-        call.attempt = copy;
-    }
+StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options,
+                   const fs::path& programs) {
+    const auto begin = Clock::now();
+    ProcessResult result = run_process(command_of(step_named(step), call, programs), options);
+    if (result.end != ProcessEnd::by_itself || result.exit_status != 0)
+        throw StageFailed{std::string(step), std::move(result)};
+    return {.name = std::string(step),
+            .said = lines_of(result.output),
+            .seconds = seconds_since(begin)};
+}
+
+void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
+              const std::function<void(const StageDone&)>& done) {
+    for (const Step& step : steps())
+        if (is_step_of(step, run.report) && !stays(step)) done(make_step(step, run));
 }
 
 }  // namespace runcert

@@ -6,33 +6,52 @@
 #include <string_view>
 #include <vector>
 
+#include "files/file_sync.h"
 #include "files/process.h"
+#include "run/attempt_files.h"
 #include "run/steps.h"
 
 namespace runcert {
 
-/// A stage that ran: its name, what it said, and how long it took (s).
+/// A step that was done: its name, what it said, how long it took (s), and the files that it wrote.
 struct StageDone {
     std::string name;
-    std::vector<std::string> said;
+    std::vector<std::string> said = {};
     double seconds = 0.0;
+    std::vector<std::string> wrote = {};
 };
 
-/// A stage that could not do its work: its own message is in `errors`, ready for the user.
+/// A step whose program did not end well.
 struct StageFailed {
     std::string name;
-    std::string errors;
+    ProcessResult result;
 };
 
-/// Runs the program of a step to its end. Throws StageFailed where it ends with status 2, Failure
-/// where it ends in any other way but well.
-StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {});
+/// What the program told the user, where it ended with status 2. Failure where it ended in any
+/// other way.
+std::string message_of(const StageFailed& failed);
 
-/// The stages from import to check, each on the attempt and run folder given; `earlier_run`, if not
-/// empty, is a run folder to take recordings and profiles from. `done` is called after each. What
-/// they write is not synced.
-void run_stages(const std::filesystem::path& attempt, const std::filesystem::path& run_dir,
-                const std::filesystem::path& earlier_run,
-                const std::function<void(const StageDone&)>& done);
+/// Runs the program of a step to its end. Throws StageFailed where that is not a good one.
+StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {},
+                   const std::filesystem::path& programs = program_folder());
+
+/// A run that is made in a folder.
+struct RunInMaking {
+    const Attempt& attempt;
+    std::string_view text;  ///< of the attempt
+    AttemptSource source;   ///< where that was read, and what it names is
+    std::filesystem::path folder;
+    std::filesystem::path known_as;  ///< what messages call that folder
+    ReportChoice report = {};
+    std::filesystem::path programs = program_folder();
+    /// How the programs are run. What they write is synced by the caller.
+    ProcessOptions process = {.environment = {synced_by_caller()}};
+    std::function<std::string()> sign = {};  ///< signs the report; the signature's name
+};
+
+/// Makes a run by the table of steps: each of them that is part of a run reported so, and that does
+/// not stay as it was. `done` is called after each. Throws what the steps do.
+void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
+              const std::function<void(const StageDone&)>& done);
 
 }  // namespace runcert

@@ -79,6 +79,7 @@ std::optional<std::string> render_again(const fs::path& run_dir, const fs::path&
                             .pdf = with_pdf,
                             .roster = roster});
     } catch (const StageFailed& failed) {
+        const std::string errors = message_of(failed);
         if (report.program_version != program_version() ||
             report.source_revision != source_revision())
             return fmt::format("not checked: made by runcert {}, source {}, and this is {}, {}",
@@ -86,7 +87,7 @@ std::optional<std::string> render_again(const fs::path& run_dir, const fs::path&
                                escape_for_message(report.source_revision), program_version(),
                                source_revision());
         // "error: WHAT", then where, then what to do.
-        const std::string_view said = failed.errors;
+        const std::string_view said = errors;
         return "not checked: they cannot be rendered again. " +
                escape_for_message(trim(said.substr(said.find(' ') + 1, said.find('\n') - 7)), 600);
     }

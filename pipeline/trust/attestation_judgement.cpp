@@ -45,7 +45,8 @@ std::string shown_of(const Json& requirement) {
 
 /// Of a report from before rules said it, whoever answers for a clause whose rule is silent.
 RoleSignatures answered_by(const Json& requirement) {
-    if (!requirement.contains("answered_by")) return default_answerer();
+    const Answerer usual;  // where the rule is silent
+    if (!requirement.contains("answered_by")) return {.role = usual.role, .count = usual.count};
     const Json& stated = requirement.at("answered_by");
     return {.role = stated.at("role").get<std::string>(),
             .count = stated.at("count").get<std::int64_t>()};

@@ -116,7 +116,9 @@ std::string rule_words(const Profile& profile) {
         "{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
         window_words(profile), count_words(profile), definition_words(profile.definition),
         recorded ? ", from the velocities that the recording states" : "", ends_words(profile),
-        profile.subtract_current ? " The current's component along the course is subtracted." : "");
+        profile.current == CurrentUse::subtracted
+            ? " The current's component along the course is subtracted."
+            : "");
 }
 
 void set_rule(Json& json, const Profile& profile) {

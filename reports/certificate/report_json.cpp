@@ -46,7 +46,7 @@ Json files_json(const std::vector<ReportSubject>& subjects) {
 
 /// "judge", "2 of judge".
 std::string answerer_words(const Requirement& requirement) {
-    const RoleSignatures fallback = default_answerer();
+    const Answerer fallback;
     const AnsweredBy by = requirement.answered_by.value_or(
         AnsweredBy{.role = fallback.role, .count = fallback.count});
     return by.count > 1 ? fmt::format("{} of {}", by.count, by.role) : by.role;

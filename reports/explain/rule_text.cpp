@@ -9,7 +9,7 @@
 namespace runcert {
 
 std::string margin_words(const Profile& profile) {
-    const std::string above = profile.margin_above_upper_limit
+    const std::string above = profile.margin_above == MarginBase::upper_limit
                                   ? "the record's upper limit, its value plus its own expanded "
                                     "uncertainty"
                                   : "the record";
@@ -26,10 +26,11 @@ std::string margin_words(const Profile& profile) {
 
 std::string rounding_words(const Profile& profile) {
     if (!profile.rounding) return "the required speed is not rounded";
-    return fmt::format(
-        "the required speed is {} to {} of {}, as the body does",
-        profile.rounding->mode == "truncate" ? "cut off" : "rounded to the nearest figure",
-        counted(profile.rounding->decimals, "decimal"), profile.rounding->unit);
+    return fmt::format("the required speed is {} to {} of {}, as the body does",
+                       profile.rounding->mode == DecimalMode::truncate
+                           ? "cut off"
+                           : "rounded to the nearest figure",
+                       counted(profile.rounding->decimals, "decimal"), profile.rounding->unit);
 }
 
 std::string unit_of(const ProfileView& view) {

@@ -55,8 +55,8 @@ std::string declared_member(const Declaration& declaration, const std::string& m
     } else {
         cpp = value_type(declaration, type);
         if (cpp.empty()) entry["type"].fail("has no type in C++", "Use one of the known types");
-        if (is_set(entry, "required") || is_set(entry, "flat") || entry["omit"].exists() ||
-            entry["default"].exists() ||
+        if ((is_set(entry, "required") && !is_set(entry, "optional")) || is_set(entry, "flat") ||
+            entry["omit"].exists() || entry["default"].exists() ||
             (declaration.is_input() && entry["initially"].node().is_defined()) ||
             cpp == "std::string" || type == "files") {
             initial = initial_value(declaration, entry, type);
@@ -69,14 +69,25 @@ std::string declared_member(const Declaration& declaration, const std::string& m
            fmt::format("    {} {} = {};\n", cpp, member, initial);
 }
 
-/// What is computed for the readers of the file has none, nor what C++ code reads apart.
+/// What is computed for the readers of the file has none, nor what C++ code reads apart, nor a map
+/// whose struct is a base.
 bool has_member(const DeclaredStruct& made, std::size_t i) {
-    return !made.fields[i]["computed"].exists() && !is_set(made.fields[i], "apart");
+    return !made.fields[i]["computed"].exists() && !is_set(made.fields[i], "apart") &&
+           !is_set(made.fields[i], "base");
+}
+
+/// " : A, B"
+std::string bases_of(const DeclaredStruct& made) {
+    std::string bases;
+    for (const YamlValue& entry : made.fields)
+        if (is_set(entry, "base")) bases += (bases.empty() ? " : " : ", ") + entry["type"].text();
+    return bases;
 }
 
 std::string struct_of(const Declaration& declaration, const DeclaredStruct& made,
                       const std::string& before = {}, const std::string& after = {}) {
-    std::string out = comment(made.about) + "struct " + made.name + " {\n" + before;
+    std::string out =
+        comment(made.about) + "struct " + made.name + bases_of(made) + " {\n" + before;
     for (std::size_t i = 0; i < made.fields.size(); ++i)
         if (has_member(made, i))
             out += declared_member(declaration, member_name(made.names[i], made.fields[i]),
@@ -106,6 +117,9 @@ std::string codec(const DeclaredStruct& made, bool writes) {
         const std::string& name = made.names[i];
         if (writes && entry["computed"].exists())
             out += fmt::format("    map[\"{}\"] = value.{};\n", name, entry["computed"].text());
+        if (is_set(entry, "base"))
+            out += fmt::format("    member::take(map, \"{}\", static_cast<{}&>(value));\n", name,
+                               entry["type"].text());
         if (!has_member(made, i)) continue;
         const std::string member = "value." + member_name(name, entry);
         const std::string type = entry["type"].text();

@@ -38,8 +38,9 @@
 // of a map stand beside those of the one it is in), `omit` (the value that is left out), `scale`
 // (file over member), `computed` (an expression of the struct, written and never read), `apart` (no
 // member: C++ code reads it), `placed` (of a map: the struct says where it stands, itself or that
-// field of it). A `unit` of "*" is that of the field which the map is used for. A column that is
-// never empty says `always`.
+// field of it), `base` (of an input: the struct of a map is a base of the one it is in), `optional`
+// (required in its map, which itself may be absent). A `unit` of "*" is that of the field which the
+// map is used for. A column that is never empty says `always`.
 
 namespace runcert {
 

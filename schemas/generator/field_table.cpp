@@ -9,9 +9,9 @@ namespace runcert {
 namespace {
 
 /// What a declaration says for C++ alone, or in other words than a field table.
-constexpr std::array<std::string_view, 13> not_of_tables{
-    "member", "of",    "item", "flat",     "initially",   "scale", "omit",
-    "always", "about", "bits", "computed", "item_values", "apart"};
+constexpr std::array<std::string_view, 15> not_of_tables{
+    "member", "of",   "item",     "flat",        "initially", "scale", "omit",    "always",
+    "about",  "bits", "computed", "item_values", "apart",     "base",  "optional"};
 
 /// Types that a field table knows as texts.
 constexpr std::array<std::string_view, 6> kinds_of_text{"gps_time", "satellite", "signal",

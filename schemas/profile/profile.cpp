@@ -39,17 +39,7 @@ bool is_published(const Profile& profile) {
     return lines.contains(fmt::format("{}  {} {}", profile.sha256, profile.id, profile.revision));
 }
 
-/// One of the words that the field table allows.
-template <class Enum>
-Enum word(const YamlValue& value) {
-    Enum word{};
-    from_text(value.text(), word);
-    return word;
-}
-
-void read_limit(const YamlValue& entry, Clause& clause) {
-    clause.limit = entry["limit"].optional_real();
-    clause.unit = entry["unit"].text_or("");
+void require_limit(const YamlValue& entry, const Clause& clause) {
     const std::string_view computation = to_text(clause.decided_by);
     const std::vector<std::string_view> known = limit_of(clause.decided_by).units;
     if (known.empty()) {
@@ -70,43 +60,17 @@ void read_limit(const YamlValue& entry, Clause& clause) {
                   "Give unit: " + units);
 }
 
-void read_accepts(const YamlValue& entry, Clause& clause) {
-    if (!entry["accepts"].exists()) return;
-    if (clause.decided_by != Computation::secondary_method)
-        entry["accepts"].fail("only secondary_method accepts witnesses", "Remove it");
-    for (const YamlValue& one : entry["accepts"].list())
-        clause.accepts.push_back(one.text());
-}
-
-/// The field's own value, or its default.
-YamlValue value_or_default(const YamlValue& document, std::string_view group,
-                           const std::string& key) {
-    const YamlValue value = document[key];
-    return value.exists() ? value
-                          : profile_schema().find(fmt::format("{}.{}", group, key))->default_value;
-}
-
-RoleSignatures read_answerer(const YamlValue& map) {
-    constexpr std::string_view group = "clauses[].answered_by";
-    return {.role = read_role(value_or_default(map, group, "role")),
-            .count = value_or_default(map, group, "count").integer()};
-}
-
-std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profile) {
-    std::vector<Clause> clauses;
+void require_sound_clauses(const YamlValue& list, const Profile& profile) {
     std::set<std::string> ids;
-    for (const YamlValue& entry : document["clauses"].list()) {
-        Clause& clause =
-            clauses.emplace_back(Clause{.id = entry["id"].text(),
-                                        .text = entry["text"].text(),
-                                        .source = entry["source"].text(),
-                                        .certainty = word<Certainty>(entry["certainty"]),
-                                        .decided_by = word<Computation>(entry["decided_by"]),
-                                        .limit = std::nullopt,
-                                        .unit = {}});
-        read_limit(entry, clause);
-        read_accepts(entry, clause);
-        clause.answered_by = read_answerer(entry["answered_by"]);
+    const std::vector<YamlValue> entries = list.list();
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const YamlValue& entry = entries[i];
+        const Clause& clause = profile.clauses[i];
+        require_limit(entry, clause);
+        if (entry["accepts"].exists() && clause.decided_by != Computation::secondary_method)
+            entry["accepts"].fail("only secondary_method accepts witnesses", "Remove it");
+        if (const YamlValue role = entry["answered_by"]["role"]; role.exists())
+            (void)read_role(role);
         if (!ids.insert(clause.id).second)
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
@@ -118,36 +82,24 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
             entry["decided_by"].fail("the profile does not ask for two runs",
                                      "Add opposite_runs: {within_s}");
     }
-    if (clauses.empty())
-        document["clauses"].fail("the rule requires nothing", "List its requirements");
-    return clauses;
+    if (profile.clauses.empty()) list.fail("the rule requires nothing", "List its requirements");
 }
 
-Profile::Uncertainty read_uncertainty(const YamlValue& map) {
-    const auto value = [&map](const char* key) {
-        return value_or_default(map, "uncertainty", key);
-    };
-    Profile::Uncertainty uncertainty{
-        .tau_min_s = value("correlation_time_min_s").real(),
-        .tau_max_s = value("correlation_time_max_s").real(),
-        .subtract_selection_bias = value("selection_bias").text() == "subtracted",
-        .error_floor_m = {},
-        .fault_probability = map["fault_probability"].optional_real()};
-    if (uncertainty.tau_max_s <= uncertainty.tau_min_s) {
-        const bool stated = map["correlation_time_max_s"].exists();
-        map[stated ? "correlation_time_max_s" : "correlation_time_min_s"].fail(
-            fmt::format("the correlation times go from {} s to {} s", uncertainty.tau_min_s,
-                        uncertainty.tau_max_s),
-            "Give correlation_time_max_s above correlation_time_min_s");
-    }
-    constexpr std::string_view floors = "uncertainty.error_floor_m";
-    for (const FieldRule& rule : profile_schema().fields()) {
-        if (!rule.path.starts_with(floors) || rule.path == floors) continue;
-        const std::string kind = rule.path.substr(floors.size() + 1);
-        uncertainty.error_floor_m[kind] =
-            value_or_default(map["error_floor_m"], floors, kind).real();
-    }
-    return uncertainty;
+/// What the rule leaves out has its default.
+void complete_floors(ErrorFloors& floors) {
+    constexpr std::string_view path = "uncertainty.error_floor_m.";
+    for (const FieldRule& rule : profile_schema().fields())
+        if (rule.path.starts_with(path))
+            floors.try_emplace(rule.path.substr(path.size()), rule.default_value.real());
+}
+
+void require_correlation_times(const YamlValue& map, const UncertaintyRule& uncertainty) {
+    if (uncertainty.tau_max_s > uncertainty.tau_min_s) return;
+    const bool stated = map["correlation_time_max_s"].exists();
+    map[stated ? "correlation_time_max_s" : "correlation_time_min_s"].fail(
+        fmt::format("the correlation times go from {} s to {} s", uncertainty.tau_min_s,
+                    uncertainty.tau_max_s),
+        "Give correlation_time_max_s above correlation_time_min_s");
 }
 
 /// Combinations that no computation exists for.
@@ -194,18 +146,7 @@ void require_sound_window(const YamlValue& map, const Profile& profile) {
                           "Remove it");
 }
 
-void read_window(const YamlValue& map, Profile& profile) {
-    const auto value = [&map](const char* key) { return value_or_default(map, "window", key); };
-    profile.window_kind = word<WindowKind>(value("kind"));
-    profile.definition = word<SpeedDefinition>(map["definition"]);
-    profile.dimension = word<Dimension>(value("dimension"));
-    profile.speed_source = word<SpeedSource>(value("source"));
-    profile.ends = word<WindowEnds>(value("ends"));
-    profile.exact_duration = value("exact").boolean();
-    profile.windows = value("count").integer();
-    profile.proximity_m = value("proximity_m").real();
-    profile.turn_deg = value("turn_deg").real();
-    profile.repaired_steps = value("repaired_steps").boolean();
+void require_length(const YamlValue& map, const Profile& profile) {
     const bool by_time = profile.window_kind == WindowKind::time;
     const char* const length = by_time ? "duration_s" : "distance_m";
     const char* const other = by_time ? "distance_m" : "duration_s";
@@ -216,30 +157,17 @@ void read_window(const YamlValue& map, Profile& profile) {
         map[other].fail(
             fmt::format("a window of kind {} has no {}", to_text(profile.window_kind), other),
             "Remove it");
-    (by_time ? profile.duration_s : profile.distance_m) = map[length].real();
-    require_sound_window(map, profile);
 }
 
-void read_runs(const YamlValue& document, Profile& profile) {
-    const YamlValue map = document["runs"];
-    const auto value = [&map](const char* key) {
-        return value_or_default(map, "runs", key).real();
-    };
-    profile.runs = {.start_m_s = value("start_m_s"),
-                    .stop_m_s = value("stop_m_s"),
-                    .stop_s = value("stop_s"),
-                    .turn_deg = value("turn_deg")};
+void require_sound_runs(const YamlValue& document, const Profile& profile) {
     if (profile.runs.stop_m_s >= profile.runs.start_m_s)
-        map.fail("stop_m_s is not below start_m_s", "Give stop_m_s below start_m_s");
-    if (const YamlValue pair = document["opposite_runs"]; pair.exists()) {
-        profile.opposite_runs_within_s = pair["within_s"].real();
-        if (profile.windows != 1)
-            pair.fail("the mean of two runs has one window of each", "Leave out window.count");
-    }
+        document["runs"].fail("stop_m_s is not below start_m_s", "Give stop_m_s below start_m_s");
+    if (profile.opposite_runs_within_s && profile.windows != 1)
+        document["opposite_runs"].fail("the mean of two runs has one window of each",
+                                       "Leave out window.count");
 }
 
-void read_margin(const YamlValue& margin, Profile& profile) {
-    profile.margin_kind = word<MarginKind>(margin["kind"]);
+void require_sound_margin(const YamlValue& margin, const Profile& profile) {
     const YamlValue unit = margin["unit"];
     const bool relative = profile.margin_kind == MarginKind::relative;
     const bool time = profile.margin_kind == MarginKind::elapsed_time;
@@ -252,18 +180,6 @@ void read_margin(const YamlValue& margin, Profile& profile) {
                   time ? "Write unit: s" : "Use km/h, m/s, kn or mph");
     if (time && profile.window_kind != WindowKind::course)
         margin["kind"].fail("a margin of time belongs to a course", "Use absolute or relative");
-    profile.margin_unit = unit.text_or("");
-    profile.margin =
-        margin["value"].real() * (relative || time ? 1.0 : metres_per_second(profile.margin_unit));
-    profile.margin_above_upper_limit =
-        value_or_default(margin, "margin", "above").text() == "upper_limit";
-}
-
-std::optional<DecimalRule> read_decimals(const YamlValue& map) {
-    if (!map.exists()) return std::nullopt;
-    return DecimalRule{.mode = map["mode"].text(),
-                       .unit = map["unit"].text(),
-                       .decimals = static_cast<int>(map["decimals"].integer())};
 }
 
 }  // namespace
@@ -295,52 +211,51 @@ void require_own_id(const Profile& profile, const std::string& where) {
                   "and its file the same name");
 }
 
-RoleSignatures default_answerer() {
-    return read_answerer(YamlValue(YamlNode(), "schemas/profile/v1.yaml"));
-}
-
 const std::vector<Clause>& own_clauses() {
     static const std::vector<Clause> clauses = [] {
         const char* const file = "own_clauses.yaml";
         const YamlValue document(parse_yaml(own_clauses_text(file), file), file);
-        return read_clauses(document, Profile{});
+        Profile rule;
+        for (const YamlValue& entry : document["clauses"].list())
+            rule.clauses.push_back(read_members<Clause>(entry));
+        require_sound_clauses(document["clauses"], rule);
+        return std::move(rule.clauses);
     }();
     return clauses;
 }
 
+template <>
+ErrorFloors read_members(const YamlValue& map) {
+    ErrorFloors floors;
+    for (const std::string& kind : map.keys())
+        floors[kind] = map[kind].real();
+    return floors;
+}
+
 Profile read_profile(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, profile_schema());
-    Profile profile;
-    profile.id = document["id"].text();
-    profile.revision = document["revision"].exists() ? document["revision"].integer() : 1;
+    Profile profile{read_members<ProfileDocument>(document)};
     profile.sha256 = sha256_hex(text);
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
-    profile.body = document["body"].text();
-    profile.title = document["title"].text();
-    read_window(document["window"], profile);
-    read_runs(document, profile);
-    if (const YamlValue accuracy = document["accuracy"]; accuracy.exists()) {
-        profile.accuracy_unit = accuracy["unit"].text();
+    require_length(document["window"], profile);
+    require_sound_window(document["window"], profile);
+    require_sound_runs(document, profile);
+    if (profile.accuracy_limit)
         profile.accuracy_limit_m_s =
-            accuracy["limit"].real() * metres_per_second(profile.accuracy_unit);
-        profile.coverage_factor = accuracy["coverage_factor"].real();
-    }
-    read_margin(document["margin"], profile);
-    profile.rounding = read_decimals(document["rounding"]);
-    profile.result = read_decimals(document["result"]);
-    profile.decision_probability =
-        value_or_default(document["decision"], "decision", "probability").real();
-    profile.subtract_current =
-        (document["current"].exists() ? document["current"]
-                                      : profile_schema().find("current")->default_value)
-            .text() == "subtracted";
-    if (profile.subtract_current && (profile.windows > 1 || profile.opposite_runs_within_s))
+            *profile.accuracy_limit * metres_per_second(profile.accuracy_unit);
+    require_sound_margin(document["margin"], profile);
+    profile.margin = profile.margin_value * (profile.margin_kind == MarginKind::absolute
+                                                 ? metres_per_second(profile.margin_unit)
+                                                 : 1.0);
+    if (profile.current == CurrentUse::subtracted &&
+        (profile.windows > 1 || profile.opposite_runs_within_s))
         document["current"].fail(
             "the current is known along one window, and the rule takes several",
             "Leave out current, or take one window");
     profile.signatures = read_role_signatures(document["signatures"]);
-    profile.uncertainty = read_uncertainty(document["uncertainty"]);
-    profile.clauses = read_clauses(document, profile);
+    require_correlation_times(document["uncertainty"], profile.uncertainty);
+    complete_floors(profile.uncertainty.error_floor_m);
+    require_sound_clauses(document["clauses"], profile);
     for (const YamlValue& clause : document["clauses"].list())
         if (clause["decided_by"].text() == to_text(Computation::claims))
             clause["decided_by"].fail("claims is what this program asks beside every rule",

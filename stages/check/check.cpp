@@ -374,7 +374,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     if (context.required_speed) verdict.required_speed_m_s = context.required_speed->speed_m_s;
     if (context.windows.best) verdict.window = context.windows.best->span;
     if (context.record != nullptr) verdict.record = record_to_beat(*context.record);
-    if (context.profile.subtract_current && context.speed)
+    if (context.profile.current == CurrentUse::subtracted && context.speed)
         verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;

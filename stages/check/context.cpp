@@ -15,10 +15,10 @@ namespace {
 
 std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rule) {
     if (!rule) return std::nullopt;
-    return DecimalRounding{
-        .mode = rule->mode == "truncate" ? RoundingMode::truncate : RoundingMode::nearest,
-        .unit_m_s = metres_per_second(rule->unit),
-        .decimals = rule->decimals};
+    return DecimalRounding{.mode = rule->mode == DecimalMode::truncate ? RoundingMode::truncate
+                                                                       : RoundingMode::nearest,
+                           .unit_m_s = metres_per_second(rule->unit),
+                           .decimals = static_cast<int>(rule->decimals)};
 }
 
 Threshold required_speed_over(const Profile& profile, const Record& record) {
@@ -26,7 +26,7 @@ Threshold required_speed_over(const Profile& profile, const Record& record) {
     const MarginRule rule{.kind = profile.margin_kind,
                           .value = profile.margin,
                           .distance_m = profile.distance_m,
-                          .above_upper_limit = profile.margin_above_upper_limit,
+                          .above_upper_limit = profile.margin_above == MarginBase::upper_limit,
                           .rounding = rounding_of(profile.rounding)};
     return threshold_of(rule, {.speed_m_s = record.speed * unit,
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
@@ -95,7 +95,7 @@ void set_speed(ClauseContext& context) {
     std::optional<SpeedPosterior> found = posterior_of(context.windows);
     if (!found) return;
     SpeedPosterior& speed = *found;
-    if (context.profile.subtract_current) {
+    if (context.profile.current == CurrentUse::subtracted) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_m_s -= context.current->along_m_s;
         speed.standard_uncertainty_m_s =
@@ -164,7 +164,7 @@ void set_shown(ClauseContext& context) {
     if (context.required_speed) speeds.required_speed_m_s = context.required_speed->speed_m_s;
     if (context.decision) speeds.acceptance_limit_m_s = context.decision->acceptance_limit_m_s;
     context.shown = shown_in(speeds, speed_unit(rule_unit_name(context.profile)),
-                             rule ? std::optional(rule->decimals) : std::nullopt);
+                             rule ? std::optional(static_cast<int>(rule->decimals)) : std::nullopt);
 }
 
 void set_declared(ClauseContext& context) {

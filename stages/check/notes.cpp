@@ -89,7 +89,8 @@ void add_windows(const ClauseContext& context, Notes& notes) {
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
-    if (context.profile.subtract_current && context.current && context.current->missing.empty())
+    if (context.profile.current == CurrentUse::subtracted && context.current &&
+        context.current->missing.empty())
         notes.push_back(
             fmt::format("The current along the course, {:+.3f} kn, is subtracted from the speed.",
                         context.current->along_m_s / metres_per_second("kn")));

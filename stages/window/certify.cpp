@@ -123,9 +123,7 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
                                              .tau_min_s = bound.tau_min_s,
                                              .tau_max_s = bound.tau_max_s},
                              stated_m_s, estimate.config.selection_samples, estimate.config.seed);
-    selection.treatment = choice.profile.uncertainty.subtract_selection_bias
-                              ? SelectionTreatment::subtracted
-                              : SelectionTreatment::covered;
+    selection.treatment = choice.profile.uncertainty.selection_bias;
     return selection;
 }
 
@@ -299,7 +297,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                const EstimatedWindow<Axes>& at, const PositionNoise& noise,
                CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
-    const Profile::Uncertainty& rule = choice.profile.uncertainty;
+    const UncertaintyRule& rule = choice.profile.uncertainty;
     const SelectionBias& selection = *window.selection;
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     const double probability =

@@ -238,7 +238,7 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
          .brief_m_s = errors.brief_m_s,
          .slow_m_s = errors.slow_between_m_s},
         selection_width * differs_m_s, estimate.config.selection_samples, estimate.config.seed);
-    const bool subtracted = profile.uncertainty.subtract_selection_bias;
+    const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
     const double middle_m_s = 0.5 * (bias.least_m_s + bias.most_m_s);
     window.bias_limit_m_s = subtracted ? 0.5 * (bias.most_m_s - bias.least_m_s) : bias.most_m_s;
     if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, middle_m_s);

@@ -24,7 +24,7 @@ PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs
 
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const Profile::Uncertainty& rule, double along) {
+                       const NoiseSummary& noise, const UncertaintyRule& rule, double along) {
     ErrorBound bound;
     bound.along = along;
     bound.tau_min_s = rule.tau_min_s;
@@ -253,8 +253,7 @@ template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorB
 template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
     template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,          \
-                                          const NoiseSummary&, const Profile::Uncertainty&,        \
-                                          double);                                                 \
+                                          const NoiseSummary&, const UncertaintyRule&, double);    \
     template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                    \
                                                   const SpeedQuantity&, const SpeedWeights<AXES>&, \
                                                   const PositionNoise&);                           \

@@ -22,8 +22,7 @@ namespace runcert {
 /// which both axes share. `standard_uncertainty_m_s` is left zero. Axes: 2, or 1 for heights alone.
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const Profile::Uncertainty& rule,
-                       double along = 1.0);
+                       const NoiseSummary& noise, const UncertaintyRule& rule, double along = 1.0);
 
 /// The size of the fitted time-correlated error along a direction (east, north) in units of that of
 /// both axes together: the most likely one for the coordinates along it, between 1 and sqrt(2),

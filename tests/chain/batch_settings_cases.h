@@ -1,6 +1,7 @@
 #pragma once
 
-// An attempt in which every key has an effect, and another value for each key.
+// An attempt in which every key has an effect, and another value for those keys that need more than
+// another one of their kind.
 
 namespace runcert::chain {
 
@@ -41,6 +42,7 @@ attempt:
   current: {file: current.csv, source: float, expanded_uncertainty_m_s: 0.01}
   wheel: {file: wheel.csv, source: rear wheel, scale: 1.01, expanded_uncertainty_scale: 0.002}
   gates: {file: gates.csv, source: light gates, expanded_uncertainty_m: 0.02, expanded_uncertainty_s: 0.002}
+  speed_trap: {file: trap.csv, source: a gun}
   secondary: {method: video, source: a sheet, start_utc: "2026-10-20T11:00:41.435", finish_utc: "2026-10-20T11:00:59.297", time_expanded_uncertainty_s: 0.010}
   parameters: {window: {selection_samples: 100, monte_carlo_trials_max: 100000}}
 rules:
@@ -120,54 +122,26 @@ inline constexpr const char* other_way_changes = R"yaml(
 
 inline constexpr const char* claim_changes = R"yaml(
 - {key: id, set: {/attempt/id: other}}
-- {key: craft.name, set: {/attempt/craft/name: ketch}}
 - {key: craft.class, set: {/attempt/craft/class: car}, redoes: screen smooth}
-- {key: place, set: {/attempt/place: another canal}}
 - {key: date, set: {/attempt/date: "2026-10-21"}}
 - {key: "officials[].role", set: {/attempt/officials/1/role: judge}}
-- {key: "officials[].name", set: {/attempt/officials/0/name: B. Person}}
 - {key: "officials[].key", set: {/attempt/officials/0/key: a key}}
 - {key: "signatures[].role", set: {/attempt/signatures/0/role: judge}}
-- {key: "signatures[].count", set: {/attempt/signatures/0/count: 2}}
-- {key: attempts_made, set: {/attempt/attempts_made: 3}}
 - {key: amends.report_id, set: {/attempt/amends/report_id: 0123456789abcdee}}
 - {key: amends.sha256, set: {/attempt/amends/sha256: 1123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef}}
-- {key: amends.reason, set: {/attempt/amends/reason: another slip}}
-- {key: record.speed, set: {/attempt/record/speed: 51}}
 - {key: record.unit, set: {/attempt/record/unit: mph}}
-- {key: record.source, set: {/attempt/record/source: another list}}
 - {key: record.expanded_uncertainty, set: {/attempt/record/expanded_uncertainty: 0.3}}
 - {key: "rules[].profile", set: {/attempt/rules/0/profile: course}}
 - {key: "rules[].figure", set: {/attempt/rules/0/figure: decision.probability}}
 - {key: "rules[].value", set: {/attempt/rules/0/value: 0.8}}
-- {key: "rules[].reason", set: {/attempt/rules/0/reason: settled}}
 - {key: "rules[].value", set: {/attempt/rules/1/value: 2.4}, redoes: window}
 - {key: "rules[].figure", set: {/attempt/rules/1/figure: accuracy.limit}, redoes: window}
 - {key: rules, set: {/attempt/rules: null}, redoes: window}
 - {key: wind.file, set: {/attempt/wind/file: current.csv}}
-- {key: wind.source, set: {/attempt/wind/source: another anemometer}}
 - {key: current.file, set: {/attempt/current/file: wind.csv}}
-- {key: current.source, set: {/attempt/current/source: another float}}
-- {key: current.expanded_uncertainty_m_s, set: {/attempt/current/expanded_uncertainty_m_s: 0.02}}
-- {key: wheel.file, set: {/attempt/wheel/file: other_wheel.csv}, redoes: screen window}
-- {key: wheel.source, set: {/attempt/wheel/source: front wheel}}
-- {key: wheel.scale, set: {/attempt/wheel/scale: 1.02}, redoes: screen window}
-- {key: wheel.expanded_uncertainty_scale, set: {/attempt/wheel/expanded_uncertainty_scale: 0.003}, redoes: screen window}
-- {key: gates.file, set: {/attempt/gates/file: other_gates.csv}, redoes: window}
-- {key: gates.source, set: {/attempt/gates/source: other gates}}
-- {key: gates.expanded_uncertainty_m, set: {/attempt/gates/expanded_uncertainty_m: 0.03}, redoes: window}
-- {key: gates.expanded_uncertainty_s, set: {/attempt/gates/expanded_uncertainty_s: 0.003}, redoes: window}
-- {key: secondary.method, set: {/attempt/secondary/method: light barrier}}
-- {key: secondary.source, set: {/attempt/secondary/source: another sheet}}
 - {key: secondary.start_utc, set: {/attempt/secondary/start_utc: "2026-10-20T11:00:41.535"}}
 - {key: secondary.finish_utc, set: {/attempt/secondary/finish_utc: "2026-10-20T11:00:59.397"}}
-- {key: secondary.time_expanded_uncertainty_s, set: {/attempt/secondary/time_expanded_uncertainty_s: 0.02}}
 - {key: "profiles[]", set: {/attempt/profiles/1: null, /attempt/rules/1: null}, redoes: window}
-- {key: course.length_m, set: {/attempt/course/length_m: 500.1}, redoes: window}
-- {key: course.length_expanded_uncertainty_m, set: {/attempt/course/length_expanded_uncertainty_m: 0.03}, redoes: window}
-- {key: origin.latitude_deg, set: {/attempt/origin/latitude_deg: -22.93}, redoes: enu}
-- {key: origin.longitude_deg, set: {/attempt/origin/longitude_deg: 14.42}, redoes: enu}
-- {key: origin.height_m, set: {/attempt/origin/height_m: 31}, redoes: enu}
 - {key: origin, set: {/attempt/origin: null}, redoes: enu}
 - {key: "parameters.screen.allowed_fixes", set: {/attempt/parameters/screen/allowed_fixes: [fixed, float]}, redoes: screen}
 - {key: "parameters.screen.allowed_fixes[]", set: {/attempt/parameters/screen/allowed_fixes: [float]}, redoes: screen}
@@ -187,7 +161,6 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].base_position.latitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 3}}, redoes: import}
 - {key: "receivers[].base_position.longitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 3, height_m: 3}}, redoes: import}
 - {key: "receivers[].base_position.height_m", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 4}}, redoes: import}
-- {key: "receivers[].solution_pass", set: {/attempt/receivers/0/solution_pass: backward}, redoes: import}
 - {key: "receivers[].utc_offset_h", set: {/attempt/receivers/0/utc_offset_h: 2}, redoes: import}
 - {key: "receivers[].start_date", set: {/attempt/receivers/0/start_date: "2026-10-20"}, redoes: import}
 - {key: "receivers[].frame", set: {/attempt/receivers/0/frame: ecef}, redoes: import}
@@ -204,41 +177,16 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
 - {key: "receivers[].solution", set: {/attempt/receivers/0/solution: float}, redoes: import}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
-- {key: "receivers[].antenna_height_m", set: {/attempt/receivers/0/antenna_height_m: 1.6}}
-- {key: "receivers[].lever_arm_m.forward", set: {/attempt/receivers/0/lever_arm_m/forward: 0.6}, redoes: window}
-- {key: "receivers[].lever_arm_m.right", set: {/attempt/receivers/0/lever_arm_m/right: 0.2}, redoes: window}
-- {key: "receivers[].lever_arm_m.down", set: {/attempt/receivers/0/lever_arm_m/down: -1.3}, redoes: window}
-- {key: "receivers[].rotation_bound_deg", set: {/attempt/receivers/0/rotation_bound_deg: 5}, redoes: window}
 )yaml";
 
-/// All but those of `window`, `runs`, `opposite_runs` and `uncertainty`, which the window step
-/// depends on key by key.
+/// What no value of its own kind alone can stand for: the walk over the field table does the rest.
 inline constexpr const char* profile_changes = R"yaml(
-- {key: revision, set: {/rules/time/revision: 2}}
-- {key: body, set: {/rules/time/body: another body}}
-- {key: title, set: {/rules/time/title: another title}}
-- {key: accuracy.limit, set: {/rules/time/accuracy/limit: 0.9}}
-- {key: accuracy.unit, set: {/rules/time/accuracy/unit: kn}}
-- {key: accuracy.coverage_factor, set: {/rules/time/accuracy/coverage_factor: 3}, redoes: window}
 - {key: margin.kind, set: {/rules/course/margin: {kind: absolute, value: 0.01, unit: kn}}}
-- {key: margin.value, set: {/rules/time/margin/value: 2}}
 - {key: margin.unit, set: {/rules/time/margin/unit: kn}}
-- {key: margin.above, set: {/rules/time/margin/above: upper_limit}}
-- {key: rounding.mode, set: {/rules/time/rounding/mode: nearest}}
-- {key: rounding.unit, set: {/rules/time/rounding/unit: kn}}
-- {key: rounding.decimals, set: {/rules/time/rounding/decimals: 1}}
-- {key: result.mode, set: {/rules/time/result/mode: truncate}}
-- {key: result.unit, set: {/rules/time/result/unit: kn}}
-- {key: result.decimals, set: {/rules/time/result/decimals: 3}}
-- {key: decision.probability, set: {/rules/time/decision/probability: 0.95}}
 - {key: current, set: {/rules/time/current: subtracted}}
 - {key: current, set: {/rules/course/current: ignored}}
 - {key: "signatures[].role", set: {/rules/time/signatures/0/role: judge}}
-- {key: "signatures[].count", set: {/rules/time/signatures/0/count: 2}}
 - {key: "clauses[].id", set: {/rules/time/clauses/0/id: stretch}}
-- {key: "clauses[].text", set: {/rules/time/clauses/0/text: another average}}
-- {key: "clauses[].source", set: {/rules/time/clauses/0/source: another book}}
-- {key: "clauses[].certainty", set: {/rules/time/clauses/0/certainty: secondary}}
 - {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}, redoes: window}
 - {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}, redoes: window}
 - {key: "clauses[].accepts[]", set: {/rules/time/clauses/5/accepts: [phases]}}
@@ -257,15 +205,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: window.proximity_m, set: {/rules/alpha/window/proximity_m: 40}, redoes: window}
 - {key: window.turn_deg, set: {/rules/alpha/window/turn_deg: 80}, redoes: window}
 - {key: window.repaired_steps, set: {/rules/time/window/repaired_steps: true}, redoes: window}
-- {key: runs.start_m_s, set: {/rules/time/runs/start_m_s: 3}, redoes: window}
-- {key: runs.stop_m_s, set: {/rules/time/runs/stop_m_s: 1.5}, redoes: window}
-- {key: runs.stop_s, set: {/rules/time/runs/stop_s: 6}, redoes: window}
-- {key: runs.turn_deg, set: {/rules/time/runs/turn_deg: 80}, redoes: window}
 - {key: opposite_runs.within_s, set: {/rules/pair/opposite_runs/within_s: 700}, redoes: window}
-- {key: uncertainty.correlation_time_min_s, set: {/rules/time/uncertainty/correlation_time_min_s: 0.6}, redoes: window}
-- {key: uncertainty.correlation_time_max_s, set: {/rules/time/uncertainty/correlation_time_max_s: 11}, redoes: window}
-- {key: uncertainty.selection_bias, set: {/rules/time/uncertainty/selection_bias: subtracted}, redoes: window}
-- {key: uncertainty.fault_probability, set: {/rules/time/uncertainty/fault_probability: 0.01}, redoes: window}
 )yaml";
 
 }  // namespace runcert::chain

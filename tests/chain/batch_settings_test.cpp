@@ -19,48 +19,67 @@ void write_recordings(const fs::path& folder) {
         write_file_atomically(folder / name, text);
     for (const char* name : {"wind.csv", "current.csv"})
         fs::copy_file(examples / "course" / name, folder / name);
-    for (const auto& [name, speed] : {std::pair("wheel.csv", 25.0), {"other_wheel.csv", 26.0}}) {
+    for (const auto& [name, speed] : {std::pair("wheel.csv", 25.0), {"other-wheel.csv", 26.0}}) {
         std::string speeds = "time_s,speed_m_s\n";
         for (int k = 0; k < 200; ++k)
             speeds += fmt::format("{:.1f},{:.2f}\n", 0.1 * k, speed + 0.01 * (k % 7));
         write_file_atomically(folder / name, speeds);
     }
     write_file_atomically(folder / "gates.csv", "time_s,distance_m\n2,0\n19,480\n");
-    write_file_atomically(folder / "other_gates.csv", "time_s,distance_m\n2,0\n19,481\n");
+    for (const auto& [name, speed] : {std::pair("trap.csv", 25.0), {"other-trap.csv", 26.0}}) {
+        std::string speeds = "time_s,speed_m_s,expanded_uncertainty_m_s,length_m\n";
+        for (int k = 0; k < 20; ++k)
+            speeds += fmt::format("{},{:.2f},0.5,0\n", k, speed + 0.01 * (k % 7));
+        write_file_atomically(folder / name, speeds);
+    }
+    write_file_atomically(folder / "other-gates.csv", "time_s,distance_m\n2,0\n19,481\n");
 }
 
-DocumentSchema schema_of(const std::string& name) {
-    if (name == attempt_schema().name()) return attempt_schema();
-    const fs::path file = fs::path(RUNCERT_SOURCE_DIR) / "schemas" / name / "v1.yaml";
-    return DocumentSchema::parse(read_file(file), file.string());
-}
-
-/// Another legal value for a figure or a word.
+/// Another legal value for a figure, a word or a text.
 Json other_value(const FieldRule& rule, const Json& value) {
     if (!rule.values.empty())
         return *std::ranges::find_if(rule.values, [&](const auto& word) { return word != value; });
+    if (value.is_boolean()) return !value.get<bool>();
+    if (value.is_string()) return "other-" + value.get<std::string>();
     if (value.is_number_integer()) return value.get<int>() + 1;
     const double more = value.get<double>() * 1.1;
     return rule.maximum && more > *rule.maximum ? value.get<double>() * 0.9 : more;
 }
 
-/// A change for every parameter of the field table, and the stages that it says read it.
-std::vector<Change> parameter_changes(const Attempt& attempt) {
+/// The judged steps that a field is declared to be read by.
+std::set<std::string> readers_of(const DocumentSchema& schema, const std::string& path) {
+    std::set<std::string> readers;
+    for (const std::string& step : judged_steps)
+        if (schema.is_read_by(path, step)) readers.insert(step);
+    return readers;
+}
+
+/// A change for every field whose value stands in a part of the document, or which has one that
+/// stands where nothing is said, and of which nobody says otherwise: by another value of its kind,
+/// the steps that its declaration says read it are done again.
+std::vector<Change> declared_changes(const DocumentSchema& schema, const Json& document,
+                                     const std::string& part, const std::vector<Change>& others) {
     std::vector<Change> changes;
-    for (const FieldRule& rule : attempt_schema().fields()) {
-        std::string path = rule.path;
-        std::ranges::replace(path, '.', ' ');
-        std::istringstream in(path);
-        const std::vector<std::string> names{std::istream_iterator<std::string>(in), {}};
-        if (names.size() != 3 || names[0] != "parameters" || rule.types.front() == "list" ||
-            rule.path.ends_with("[]"))
+    for (const FieldRule& rule : schema.fields()) {
+        std::string pointer = part + "/" + rule.path;
+        std::ranges::replace(pointer, '.', '/');
+        for (std::size_t at; (at = pointer.find("[]")) != std::string::npos;)
+            pointer.replace(at, 2, "/0");
+        const Json::json_pointer at(pointer);
+        const bool is_parameter = rule.path.starts_with("parameters.");
+        if (rule.types.front() == "map" || rule.types.front() == "list" || rule.path == "schema" ||
+            std::ranges::find(others, rule.path, &Change::key) != others.end() ||
+            !(document.contains(at) || (rule.default_value.exists() &&
+                                        (is_parameter || document.contains(at.parent_pointer())))))
             continue;
-        Change change{.key = rule.path, .edits = {}, .redone = {}};
-        for (const Step& step : steps())
-            if (attempt_schema().is_read_by(rule.path, step.name)) change.redone.insert(step.name);
-        change.edits["/attempt/parameters/" + names[1] + "/" + names[2]] =
-            other_value(rule, parameters_of(attempt, names[1])->value(names[2], Json(0.01)));
-        changes.push_back(std::move(change));
+        const std::string craft = document.at("attempt").at("craft").at("class");
+        const YamlValue& usual = rule.default_value;
+        const Json value = document.contains(at)
+                               ? document.at(at)
+                               : json_from_yaml(usual.is_map() ? usual[craft] : usual);
+        changes.push_back({.key = rule.path,
+                           .edits = {{pointer, other_value(rule, value)}},
+                           .redone = readers_of(schema, rule.path)});
     }
     return changes;
 }
@@ -82,20 +101,6 @@ std::vector<Change> course_changes() {
         add("east_m", at, {{"east_m", 1.0}, {"north_m", 2.0}});
         add("north_m", at, {{"east_m", 1.0}, {"north_m", 3.0}});
     }
-    return changes;
-}
-
-/// A change for each floor that a rule sets, by fix type.
-std::vector<Change> floor_changes(const DocumentSchema& schema) {
-    std::vector<Change> changes;
-    const std::string prefix = "uncertainty.error_floor_m.";
-    for (const FieldRule& rule : schema.fields())
-        if (rule.path.starts_with(prefix))
-            changes.push_back({.key = rule.path,
-                               .edits = {{"/rules/time/uncertainty/error_floor_m/" +
-                                              rule.path.substr(prefix.size()),
-                                          0.33}},
-                               .redone = {"window"}});
     return changes;
 }
 
@@ -206,11 +211,10 @@ std::vector<Change> joined(std::initializer_list<std::vector<Change>> parts) {
 
 TEST_F(BatchSettings, NameEveryKeyOfAnAttemptThatAStepDependsOn) {
     const Json document = json_of(course_case);
-    const DocumentSchema schema = schema_of("attempt");
-    const AttemptCase base = case_of(document);
-    const std::vector<Change> changes =
-        joined({changes_in(claim_changes), changes_in(receiver_changes), course_changes(),
-                column_changes(schema), parameter_changes(base.attempt())});
+    const DocumentSchema& schema = attempt_schema();
+    std::vector<Change> changes = joined({changes_in(claim_changes), changes_in(receiver_changes),
+                                          course_changes(), column_changes(schema)});
+    changes = joined({changes, declared_changes(schema, document, "/attempt", changes)});
     check(document, changes);
     Json other_document = document;
     const Json edits = json_of(other_way);
@@ -229,9 +233,9 @@ TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {
         document["rules"][name] = rule;
         document["attempt"]["profiles"].push_back(name + ".yaml");
     }
-    const DocumentSchema schema = schema_of("profile");
-    const std::vector<Change> changes =
-        joined({changes_in(profile_changes), floor_changes(schema)});
+    const DocumentSchema& schema = profile_schema();
+    std::vector<Change> changes = changes_in(profile_changes);
+    changes = joined({changes, declared_changes(schema, document, "/rules/time", changes)});
     check(document, changes);
     expect_all_keys(schema, changes,
                     {{"schema", "as of an attempt"},

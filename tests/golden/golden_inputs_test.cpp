@@ -96,6 +96,7 @@ TEST(GoldenAttempt, OnTheEarth) {
     EXPECT_EQ(attempt.gates->expanded_uncertainty_m, 0.0125);
     EXPECT_EQ(attempt.gates->expanded_uncertainty_s, 0.0005);
     EXPECT_EQ(attempt.wheel->scale, 1.0125);
+    EXPECT_EQ(attempt.speed_trap->file, "gun.csv");
     EXPECT_EQ(attempt.wheel->expanded_uncertainty_scale, 0.0025);
     EXPECT_EQ(attempt.secondary_method->method, "light gates");
     EXPECT_EQ(to_iso(attempt.secondary_method->times->start), "2022-03-18T08:51:36.250");
@@ -145,14 +146,14 @@ TEST(GoldenProfile, Margin) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.id, "my-rule");
     EXPECT_EQ(profile.margin, 0.1);
-    EXPECT_EQ(profile.rounding->mode, "nearest");
+    EXPECT_EQ(profile.rounding->mode, DecimalMode::nearest);
 }
 
 TEST(GoldenProfile, Uncertainty) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.uncertainty.tau_min_s, 1.0);
     EXPECT_EQ(profile.uncertainty.tau_max_s, 30.0);
-    EXPECT_TRUE(profile.uncertainty.subtract_selection_bias);
+    EXPECT_EQ(profile.uncertainty.selection_bias, SelectionTreatment::subtracted);
     EXPECT_EQ(profile.uncertainty.error_floor_m,
               (std::map<std::string, double>{{"fixed", 0.015},
                                              {"float", 0.25},
@@ -181,8 +182,9 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.runs.stop_s, 2.5);
     EXPECT_EQ(profile.runs.turn_deg, 60.0);
     EXPECT_EQ(profile.opposite_runs_within_s, 1800.0);
-    EXPECT_TRUE(profile.margin_above_upper_limit && !profile.subtract_current);
-    EXPECT_EQ(profile.result->mode, "truncate");
+    EXPECT_EQ(profile.margin_above, MarginBase::upper_limit);
+    EXPECT_EQ(profile.current, CurrentUse::ignored);
+    EXPECT_EQ(profile.result->mode, DecimalMode::truncate);
     EXPECT_EQ(profile.result->unit, "mph");
     EXPECT_EQ(profile.result->decimals, 1);
     EXPECT_EQ(profile.decision_probability, 0.95);
@@ -218,7 +220,7 @@ TEST(GoldenProfile, OfACourse) {
     EXPECT_EQ(profile.ends, WindowEnds::any);
     EXPECT_EQ(profile.margin_kind, MarginKind::elapsed_time);
     EXPECT_EQ(profile.margin, 0.0125);
-    EXPECT_TRUE(profile.subtract_current);
+    EXPECT_EQ(profile.current, CurrentUse::subtracted);
     EXPECT_EQ(profile.decision_probability, 0.975);
 }
 

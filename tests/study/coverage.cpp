@@ -60,7 +60,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     const FittedSpeed fitted =
         fitted_speed(stretch, posterior_of(noise), {SpeedDefinition::displacement});
     count(cell.fitted, fitted.speed_m_s - true_m_s, fitted.standard_uncertainty_m_s);
-    Profile::Uncertainty rule;
+    UncertaintyRule rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};
     const ErrorBound bound = error_bound<2>(recording.screened, first, last, noise, rule);
     const EstimationModel fitted_model = model_of(noise);

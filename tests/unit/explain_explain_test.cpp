@@ -229,8 +229,8 @@ TEST(Explain, MarginsAndRoundingOfEveryKind) {
     };
     rule.margin_kind = MarginKind::relative;
     rule.margin = 0.002;
-    rule.margin_above_upper_limit = true;
-    rule.rounding = DecimalRule{.mode = "truncate", .unit = "km/h", .decimals = 2};
+    rule.margin_above = MarginBase::upper_limit;
+    rule.rounding = DecimalRule{.mode = DecimalMode::truncate, .unit = "km/h", .decimals = 2};
     texts.add("relative, above the upper limit, truncated", text());
     rule.margin_kind = MarginKind::elapsed_time;
     rule.margin = 0.01;

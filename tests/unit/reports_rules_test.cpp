@@ -66,7 +66,7 @@ TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
     rule.window_kind = WindowKind::course;
     rule.distance_m = 500.0;
     rule.definition = SpeedDefinition::elapsed_time;
-    rule.subtract_current = true;
+    rule.current = CurrentUse::subtracted;
     EXPECT_EQ(rule_words(rule),
               "Speed over a course of 500 m, by the definition: Surveyed length over the time "
               "between the lines. The current's component along the course is subtracted.");
@@ -86,9 +86,9 @@ TEST(RuleUnit, IsThatOfTheResultFirst) {
     EXPECT_EQ(rule_unit(rule).name, "km/h");
     rule.accuracy_unit = "mph";
     EXPECT_EQ(rule_unit(rule).name, "mph");
-    rule.rounding = DecimalRule{.mode = "nearest", .unit = "m/s", .decimals = 2};
+    rule.rounding = DecimalRule{.mode = DecimalMode::nearest, .unit = "m/s", .decimals = 2};
     EXPECT_EQ(rule_unit(rule).name, "m/s");
-    rule.result = DecimalRule{.mode = "truncate", .unit = "kn", .decimals = 2};
+    rule.result = DecimalRule{.mode = DecimalMode::truncate, .unit = "kn", .decimals = 2};
     EXPECT_EQ(rule_unit(rule).name, "kn");
 }
 

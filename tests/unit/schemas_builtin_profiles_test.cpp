@@ -152,7 +152,7 @@ TEST(BuiltinProfiles, Fisly) {
     EXPECT_EQ(profile.margin, 0.002);
     ASSERT_TRUE(profile.rounding && profile.result);
     for (const DecimalRule& rule : {*profile.rounding, *profile.result}) {
-        EXPECT_EQ(rule.mode, "truncate");
+        EXPECT_EQ(rule.mode, DecimalMode::truncate);
         EXPECT_EQ(rule.unit, "km/h");
         EXPECT_EQ(rule.decimals, 2);
     }
@@ -173,9 +173,9 @@ TEST(BuiltinProfiles, Wssrc) {
         EXPECT_EQ(profile.margin_kind, MarginKind::elapsed_time);
         EXPECT_EQ(profile.margin, 0.01);
         EXPECT_EQ(profile.margin_unit, "s");
-        EXPECT_TRUE(profile.subtract_current);
+        EXPECT_EQ(profile.current, CurrentUse::subtracted);
         EXPECT_FALSE(profile.accuracy_limit_m_s || profile.rounding);
-        EXPECT_EQ(profile.result->mode, "nearest");
+        EXPECT_EQ(profile.result->mode, DecimalMode::nearest);
         EXPECT_EQ(rule_unit_name(profile), "kn");
         EXPECT_EQ(clause_of(profile, "current").decided_by, Computation::current);
         EXPECT_EQ(clause_of(profile, "current").limit, 1.0);
@@ -197,8 +197,8 @@ TEST(BuiltinProfiles, SpeedSkydiving) {
     EXPECT_EQ(profile.ends, WindowEnds::epochs);
     EXPECT_EQ(profile.margin_kind, MarginKind::relative);
     EXPECT_EQ(profile.margin, 0.02);
-    EXPECT_TRUE(profile.margin_above_upper_limit);
-    EXPECT_EQ(profile.rounding->mode, "truncate");
+    EXPECT_EQ(profile.margin_above, MarginBase::upper_limit);
+    EXPECT_EQ(profile.rounding->mode, DecimalMode::truncate);
     EXPECT_EQ(profile.result->decimals, 2);
     EXPECT_EQ(clause_of(profile, "sampling-rate").limit, 5.0);
     EXPECT_EQ(clause_of(profile, "sampling-rate").unit, "Hz");

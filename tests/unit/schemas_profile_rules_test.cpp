@@ -46,7 +46,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
     EXPECT_EQ(stretch.runs.stop_s, 2.0);
     EXPECT_EQ(stretch.runs.turn_deg, 45.0);
     EXPECT_EQ(stretch.decision_probability, 0.9);
-    EXPECT_FALSE(stretch.subtract_current);
+    EXPECT_EQ(stretch.current, CurrentUse::ignored);
     EXPECT_EQ(stretch.result->unit, "kn");
     EXPECT_EQ(stretch.result->decimals, 1);
     const Profile alpha =
@@ -83,7 +83,8 @@ TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
         EXPECT_EQ(profile.runs.stop_s, 5.0);
         EXPECT_EQ(profile.runs.turn_deg, 90.0);
         EXPECT_FALSE(profile.opposite_runs_within_s || profile.result);
-        EXPECT_FALSE(profile.margin_above_upper_limit || profile.subtract_current);
+        EXPECT_EQ(profile.margin_above, MarginBase::value);
+        EXPECT_EQ(profile.current, CurrentUse::ignored);
         EXPECT_EQ(profile.decision_probability, 0.975);
     }
 }
@@ -258,12 +259,12 @@ TEST(ProfileRule, SaysWhoAnswersForAClause) {
             .clauses.at(0)
             .answered_by;
     };
-    EXPECT_EQ(answerer(", answered_by: {role: board, count: 3}"), (RoleSignatures{"board", 3}));
-    EXPECT_EQ(answerer(", answered_by: {role: board}"), (RoleSignatures{"board", 1}));
+    EXPECT_EQ(answerer(", answered_by: {role: board, count: 3}"), (Answerer{"board", 3}));
+    EXPECT_EQ(answerer(", answered_by: {role: board}"), (Answerer{"board", 1}));
     // A silent rule has what the schema says, which is the same for a report without the field.
-    EXPECT_EQ(answerer(", answered_by: {count: 2}"), (RoleSignatures{"judge", 2}));
-    EXPECT_EQ(answerer(""), default_answerer());
-    EXPECT_EQ(default_answerer(), (RoleSignatures{"judge", 1}));
+    EXPECT_EQ(answerer(", answered_by: {count: 2}"), (Answerer{"judge", 2}));
+    EXPECT_EQ(answerer(""), Answerer());
+    EXPECT_EQ(Answerer(), (Answerer{"judge", 1}));
     EXPECT_TRUE(failure_of([&] {
                     answerer(", answered_by: {role: chief judge}");
                 }).contains("a role is letters, digits"));

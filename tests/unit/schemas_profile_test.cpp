@@ -93,10 +93,10 @@ std::string with_uncertainty(const std::string& text) {
 TEST(ProfileUncertainty, HasItsDefaults) {
     for (const std::string& text :
          {sample, with_uncertainty("{}"), std::string(builtin_profile("nalsa"))}) {
-        const Profile::Uncertainty found = read_profile(text, "p").uncertainty;
+        const UncertaintyRule found = read_profile(text, "p").uncertainty;
         EXPECT_EQ(found.tau_min_s, 0.5);
         EXPECT_EQ(found.tau_max_s, 10.0);
-        EXPECT_TRUE(found.subtract_selection_bias);
+        EXPECT_EQ(found.selection_bias, SelectionTreatment::subtracted);
         EXPECT_EQ(found.error_floor_m, (std::map<std::string, double>{{"fixed", 0.02},
                                                                       {"unknown", 0.5},
                                                                       {"float", 0.2},
@@ -109,19 +109,20 @@ TEST(ProfileUncertainty, HasItsDefaults) {
 }
 
 TEST(ProfileUncertainty, TheBiasOfChoosingMayBeCovered) {
-    EXPECT_FALSE(read_profile(with_uncertainty("{selection_bias: covered}"), "p")
-                     .uncertainty.subtract_selection_bias);
+    EXPECT_EQ(
+        read_profile(with_uncertainty("{selection_bias: covered}"), "p").uncertainty.selection_bias,
+        SelectionTreatment::covered);
 }
 
 TEST(ProfileUncertainty, IsReadAndWhatIsLeftOutHasItsDefault) {
-    const Profile::Uncertainty found =
+    const UncertaintyRule found =
         read_profile(with_uncertainty("{correlation_time_max_s: 4, selection_bias: subtracted, "
                                       "error_floor_m: {fixed: 0, single: 2.5}}"),
                      "p")
             .uncertainty;
     EXPECT_EQ(found.tau_min_s, 0.5);
     EXPECT_EQ(found.tau_max_s, 4.0);
-    EXPECT_TRUE(found.subtract_selection_bias);
+    EXPECT_EQ(found.selection_bias, SelectionTreatment::subtracted);
     EXPECT_EQ(found.error_floor_m.at("fixed"), 0.0);
     EXPECT_EQ(found.error_floor_m.at("single"), 2.5);
     EXPECT_EQ(found.error_floor_m.at("float"), 0.2);

@@ -26,10 +26,10 @@ ScreenedTable table_of(FixType fix) {
 
 const double stated_m = std::sqrt(0.5 * (0.008 * 0.008 + 0.006 * 0.006));
 
-Profile::Uncertainty rule() {
+UncertaintyRule rule() {
     return {.tau_min_s = 0.5,
             .tau_max_s = 10.0,
-            .subtract_selection_bias = false,
+            .selection_bias = SelectionTreatment::covered,
             .error_floor_m = {{"fixed", 0.020}, {"float", 0.200}}};
 }
 

@@ -131,7 +131,7 @@ TEST(VelocityBudget, HasARowForEachSource) {
 TEST(VelocityBudget, CoversTheChoiceWhereTheRuleSaysSo) {
     Session session;
     const CertifiableWindow subtracted = session.certified();
-    session.profile.uncertainty.subtract_selection_bias = false;
+    session.profile.uncertainty.selection_bias = SelectionTreatment::covered;
     const CertifiableWindow covered = session.certified();
     EXPECT_DOUBLE_EQ(covered.speed_m_s, session.all[0].speed_m_s);
     EXPECT_NEAR(covered.bias_limit_m_s,

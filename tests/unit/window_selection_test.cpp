@@ -176,7 +176,8 @@ struct Searched {
     }
     CertifiableWindow best(bool subtract) const {
         Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
-        profile.uncertainty.subtract_selection_bias = subtract;
+        profile.uncertainty.selection_bias =
+            subtract ? SelectionTreatment::subtracted : SelectionTreatment::covered;
         return find_windows(screened, trajectory, {profile}, config).profiles.at(0).best.value();
     }
 };

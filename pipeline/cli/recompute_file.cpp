@@ -149,11 +149,10 @@ std::string maker_of(const std::string& text, const std::string& where) {
     return fmt::format("runcert {}, source {}", version, revision);
 }
 
-/// What a stage says that it was given: parameters and, but for files written before it was said,
-/// what it read of the attempt.
-Json given_in(const Json& header, bool attempt_is_said) {
+/// What a stage says that it was given: parameters and what it read of the attempt.
+Json given_in(const Json& header) {
     Json given = header.value("parameters", Json::object());
-    if (attempt_is_said) given["attempt"] = header.value("attempt", Json());
+    if (header.contains("attempt")) given["attempt"] = header.at("attempt");
     return given;
 }
 
@@ -186,11 +185,15 @@ void judge(FileComparison& file, const std::string& old_text, const std::string&
                      value_differences(results_of(new_text, new_where),
                                        results_of(old_text, old_where), rules),
                      "");
-    // Who made it does not count; by which parameters does.
-    const Json old_header = header_of(old_text, old_where);
-    const bool attempt_is_said = old_header.contains("attempt");
-    judge_exact(file, given_in(header_of(new_text, new_where), attempt_is_said),
-                given_in(old_header, attempt_is_said), "parameter ");
+    // Who made it does not count; by which parameters does. Another program may not have said all
+    // that this one says, of what was the same.
+    const Json old_given = given_in(header_of(old_text, old_where));
+    const Json new_given = given_in(header_of(new_text, new_where));
+    Json compared = new_given;
+    if (!file.maker.empty())
+        for (const auto& [name, value] : new_given.items())
+            if (!old_given.contains(name)) compared.erase(name);
+    judge_exact(file, compared, old_given, "parameter ");
 }
 
 /// Whether two files were made from the same bytes, by the same programs of others.

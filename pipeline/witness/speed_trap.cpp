@@ -65,8 +65,8 @@ std::optional<HeardWitness<2>> heard_speed_trap(const HandedInSeries& given) {
     return HeardWitness<2>{
         .kind = WitnessKind::speed_trap,
         .motion = std::make_shared<const GateWitness>(std::move(ends), GateErrors{}),
-        .note = made ? "The speeds of the radar gun or speed trap agree with the positions better "
-                       "than the errors of these allow: they were made from them, and were not "
+        .note = made ? "The speeds of the radar gun or speed trap keep to the positions more "
+                       "closely than measured ones do: they were made from them, and were not "
                        "heard."
                 : original ? copy_text("speeds of the radar gun or speed trap", *original)
                            : "",

@@ -394,7 +394,7 @@ TEST_F(Origins, ARadarGunIsHeardAndAnsweredForWhereItIsNoCopy) {
     for (const std::size_t either_side : {1U, 3U, 8U}) {
         write("radar.csv", radar(speeds_from_positions(sailed(), either_side)));
         judge_alone(sailed(), false, stated);
-        EXPECT_TRUE(says("The speeds of the radar gun or speed trap agree with the positions"))
+        EXPECT_TRUE(says("The speeds of the radar gun or speed trap keep to the positions"))
             << either_side;
         EXPECT_EQ(witnesses(), 0U);
         EXPECT_NEAR(expanded_uncertainty_km_h(), alone_km_h, 0.01);

@@ -214,6 +214,25 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
     }
     expect_in(recomputed(), {"yes  recompute     equal within 1/1000 of the stated uncertainty",
                              "note: the folder's files were made by runcert 0.9.9"});
+    // It may not have said all of its parameters; what it said must be what was used.
+    const std::string said = "  plane_scale_bound: 0.001\n";
+    std::string text = read_file(run() / "5-windows.yaml");
+    const std::size_t at = text.find(said);
+    ASSERT_NE(at, std::string::npos);
+    forge("5-windows.yaml", text.erase(at, said.size()));
+    expect_in(recomputed(), {"yes  recompute"});
+    forge("5-windows.yaml", text.insert(at, "  plane_scale_bound: 0.002\n"));
+    expect_in(recomputed(), {"NO   recompute", "parameter plane_scale_bound: 0.002 in the folder"});
+}
+
+TEST_F(Recompute, OfItsOwnFilesNoParameterIsMissing) {
+    std::string text = read_file(run() / "5-windows.yaml");
+    const std::string said = "  plane_scale_bound: 0.001\n";
+    const std::size_t at = text.find(said);
+    ASSERT_NE(at, std::string::npos);
+    forge("5-windows.yaml", text.erase(at, said.size()));
+    expect_in(recomputed(),
+              {"NO   recompute", "parameter plane_scale_bound: absent in the folder"});
 }
 
 /// The C library of a processor without fused multiply-add and AVX2 has other last bits in sin, exp

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "estimation/speed_mixture.h"
 #include "files/measured_series.h"
@@ -14,9 +15,9 @@
 #include "witness/track.h"
 
 // Every kind of witness that there is. A kind is a word of `WitnessKind` (schemas/screened/v1.yaml:
-// its name and its origin), an entry here, and a file of its own beside this one. One that is
-// handed in is a series of the attempt under the key of the same name, whose `read_by` says which
-// stages hear it.
+// its name and its origin) and a file in kinds/ that makes its entry here, of the same name. One
+// that is handed in is a series of the attempt under the key of the same name, whose `read_by` says
+// which stages hear it.
 
 namespace runcert {
 
@@ -56,8 +57,11 @@ struct WitnessEntry {
     std::optional<HeardWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
 };
 
-/// In the order in which they are heard.
-std::span<const WitnessEntry> witness_roster();
+/// How likely measured speeds err unseen in a window, and by how much.
+inline constexpr FaultPrior faults_of_speeds{.probability = 0.01, .largest_m_s = 1.0};
+
+/// In the order of `WitnessKind`, in which they are heard.
+const std::vector<WitnessEntry>& witness_roster();
 
 /// Of a kind that is a witness of positions: not `WitnessKind::positions`.
 const WitnessEntry& witness_entry(WitnessKind kind);

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "witness/gates.h"
+#include "witness/kinds/gates.h"
 #include "witness/recorded_velocities.h"
-#include "witness/wheel.h"
+#include "witness/kinds/wheel.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

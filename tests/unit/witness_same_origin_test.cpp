@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "witness/gates.h"
+#include "witness/kinds/gates.h"
 #include "witness/same_origin.h"
 
 // What was made from the positions, and what was measured beside them.

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <memory>
 
-#include "witness/gates.h"
+#include "witness/kinds/gates.h"
 #include "witness/roster.h"
 
 // Speeds by a radar gun or a speed trap: each is the mean over a stretch of the way, whose middle
@@ -53,7 +53,10 @@ std::vector<GatePassage> ends_of_stretches(const MeasuredSeries& series, const T
 
 }  // namespace
 
-std::optional<HeardWitness<2>> heard_speed_trap(const HandedInSeries& given) {
+namespace witnesses {
+namespace {
+
+std::optional<HeardWitness<2>> make_speed_trap(const HandedInSeries& given) {
     std::vector<GatePassage> ends = ends_of_stretches(given.series, given.track);
     if (ends.empty()) return std::nullopt;
     const std::vector<Way> ways = ways_between(ends);
@@ -65,12 +68,25 @@ std::optional<HeardWitness<2>> heard_speed_trap(const HandedInSeries& given) {
     return HeardWitness<2>{
         .kind = WitnessKind::speed_trap,
         .motion = std::make_shared<const GateWitness>(std::move(ends), GateErrors{}),
-        .note = made ? "The speeds of the radar gun or speed trap keep to the positions more "
-                       "closely than measured ones do: they were made from them, and were not "
-                       "heard."
+        .note = made       ? "The speeds of the radar gun or speed trap keep to the positions more "
+                             "closely than measured ones do: they were made from them, and were not "
+                             "heard."
                 : original ? copy_text("speeds of the radar gun or speed trap", *original)
                            : "",
         .is_copy = made || original};
 }
 
+FaultPrior fault_of_speed_trap(const FaultPrior& /*positions*/) {
+    return faults_of_speeds;
+}
+
+}  // namespace
+
+extern const WitnessEntry speed_trap{
+    .kind = WitnessKind::speed_trap,
+    .fault = fault_of_speed_trap,
+    .silent = "none of them was measured while the craft's motion was estimated",
+    .make = make_speed_trap};
+
+}  // namespace witnesses
 }  // namespace runcert

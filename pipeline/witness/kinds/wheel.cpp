@@ -1,4 +1,4 @@
-#include "witness/wheel.h"
+#include "witness/kinds/wheel.h"
 
 #include <fmt/format.h>
 
@@ -249,9 +249,10 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
         const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
         if (!(velocity.norm() > 0.0)) continue;
         const std::int64_t stretch =
-            samples.empty() ? 0
-                            : samples.back().stretch +
-                                  (one.time_s - samples.back().time_s > longest_between_speeds_s ? 1 : 0);
+            samples.empty()
+                ? 0
+                : samples.back().stretch +
+                      (one.time_s - samples.back().time_s > longest_between_speeds_s ? 1 : 0);
         samples.push_back({.time_s = one.time_s,
                            .velocity = scale * one.value * velocity.normalized(),
                            .stretch = stretch});
@@ -304,7 +305,10 @@ std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
 
 }  // namespace
 
-std::optional<HeardWitness<2>> heard_wheel(const HandedInSeries& given) {
+namespace witnesses {
+namespace {
+
+std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
     const WheelSeries& said = given.attempt.wheel.value();
     const WheelSpeeds speeds{
         .m_s = timed_values(given.series),
@@ -320,4 +324,23 @@ std::optional<HeardWitness<2>> heard_wheel(const HandedInSeries& given) {
         .is_copy = wheel->made_from_positions || original};
 }
 
+FaultPrior fault_of_wheel(const FaultPrior& /*positions*/) {
+    return faults_of_speeds;
+}
+
+}  // namespace
+
+extern const WitnessEntry wheel{
+    .kind = WitnessKind::wheel,
+    .fault = fault_of_wheel,
+    .silent =
+        "too few of them are at times at which the craft's motion was estimated, or nothing "
+        "bounds their errors",
+    .screening = ScreeningTest{.reason = Reason::wheel,
+                               .hypothesis = Hypothesis::wheel,
+                               .single_epochs = false,
+                               .only_fast = true},
+    .make = make_wheel};
+
+}  // namespace witnesses
 }  // namespace runcert

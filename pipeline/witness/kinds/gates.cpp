@@ -1,4 +1,4 @@
-#include "witness/gates.h"
+#include "witness/kinds/gates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -122,7 +122,10 @@ std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
     return GateWitness(std::move(passed), errors);
 }
 
-std::optional<HeardWitness<2>> heard_gates(const HandedInSeries& given) {
+namespace witnesses {
+namespace {
+
+std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
     const GateSeries& said = given.attempt.gates.value();
     const std::vector<TimedValue> passages_m = timed_values(given.series);
     auto gates = gate_witness(passages_m,
@@ -147,4 +150,17 @@ std::optional<HeardWitness<2>> heard_gates(const HandedInSeries& given) {
         .is_copy = made || original};
 }
 
+FaultPrior fault_of_gates(const FaultPrior& positions) {
+    return {.probability = 0.001, .largest_m_s = positions.largest_m_s};
+}
+
+}  // namespace
+
+extern const WitnessEntry gates{
+    .kind = WitnessKind::gates,
+    .fault = fault_of_gates,
+    .silent = "fewer than two were passed while the craft's motion was estimated",
+    .make = make_gates};
+
+}  // namespace witnesses
 }  // namespace runcert

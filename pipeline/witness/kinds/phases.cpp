@@ -1,0 +1,20 @@
+#include "witness/roster.h"
+
+// Carrier phases differenced in time: `phase_witness` and `phase_motion` make the witness.
+
+namespace runcert::witnesses {
+namespace {
+
+FaultPrior fault_of_phases(const FaultPrior& /*positions*/) {
+    return {.probability = 0.001, .largest_m_s = 0.1};
+}
+
+}  // namespace
+
+extern const WitnessEntry phases{
+    .kind = WitnessKind::phases,
+    .fault = fault_of_phases,
+    .silent = "the positions have no times or no place on the Earth to compare them with",
+    .screening = ScreeningTest{.reason = Reason::phase, .hypothesis = Hypothesis::phase}};
+
+}  // namespace runcert::witnesses

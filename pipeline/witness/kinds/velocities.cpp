@@ -1,0 +1,20 @@
+#include "witness/roster.h"
+
+// Recorded velocities: `recorded_velocities` makes the witness, screening finds its errors.
+
+namespace runcert::witnesses {
+namespace {
+
+FaultPrior fault_of_velocities(const FaultPrior& /*positions*/) {
+    return faults_of_speeds;
+}
+
+}  // namespace
+
+extern const WitnessEntry velocities{
+    .kind = WitnessKind::velocities,
+    .fault = fault_of_velocities,
+    .silent = "nothing bounds their errors",
+    .screening = ScreeningTest{.reason = Reason::velocity, .hypothesis = Hypothesis::velocity}};
+
+}  // namespace runcert::witnesses

@@ -105,13 +105,15 @@ void print_speeds(std::int64_t runs, std::uint64_t seed, const std::string& only
 }
 
 void print_witnesses(WitnessStudyOptions options, const std::vector<int>& rivals,
-                     const std::string& only) {
+                     const std::vector<double>& parts, const std::string& only) {
     setenv("RUNCERT_THREADS", "1", 1);
     if (const auto named = std::ranges::find(study_heard_names, only);
         named != study_heard_names.end())
         options.only = static_cast<StudyHeard>(named - study_heard_names.begin());
     for (const WitnessCell& cell : witness_cells()) {
-        if (std::ranges::find(rivals, cell.rivals) == rivals.end()) continue;
+        if (std::ranges::find(rivals, cell.rivals) == rivals.end() ||
+            std::ranges::find(parts, cell.part) == parts.end())
+            continue;
         fmt::print("{}\n", witness_table(cell, study_witnesses(cell, options)));
         std::fflush(stdout);
     }
@@ -192,6 +194,10 @@ int main(int argc, char** argv) {
     witness->add_option("--threads", witness_options.threads, "0: as many as there are")
         ->capture_default_str();
     std::vector<int> witness_rivals{1, 20, 60};
+    std::vector<double> witness_parts{0.1, 1.0};
+    witness
+        ->add_option("--parts", witness_parts, "cells with errors of this part of what is stated")
+        ->capture_default_str();
     witness->add_option("--rivals", witness_rivals, "cells with so many windows as fast")
         ->capture_default_str();
     std::string witness_heard;
@@ -249,7 +255,8 @@ int main(int argc, char** argv) {
             fmt::print("{}\n", usefulness_table(cell, study_usefulness(cell, usefulness_runs,
                                                                        usefulness_seed, 0)));
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
-    if (witness->parsed()) print_witnesses(witness_options, witness_rivals, witness_heard);
+    if (witness->parsed())
+        print_witnesses(witness_options, witness_rivals, witness_parts, witness_heard);
     if (people->parsed())
         print_people(people_options, faults, people_only, people_length_s, csv_file);
     if (motion->parsed()) print_motion(motion_options, only, budget, motion_rate_hz);

@@ -244,6 +244,14 @@ BudgetRow antenna_row(const BudgetInput& input) {
 
 BudgetRow undetected_row(const BudgetInput& input) {
     const double share = 1.0 - input.detection_power;
+    if (input.fault.is_shown)
+        return speed_row(
+            "d", "error of the positions that screening left, drifts included", "B",
+            input.fault.standard_uncertainty_m_s(), independent_of_other_rows,
+            fmt::format("up to {:.2f} m/s: positions and recorded velocities differ all over the "
+                        "recording by more than the errors of either explain; the positions are "
+                        "taken to err as likely as not, as mean square",
+                        input.fault.prior.largest_m_s));
     return speed_row(
         "d", "error of the positions that screening left, drifts included", "B",
         input.fault.standard_uncertainty_m_s(), independent_of_other_rows,

@@ -304,10 +304,12 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         estimate.config.fault_probability_given
             ? estimate.config.fault_probability
             : rule.fault_probability.value_or(estimate.config.fault_probability);
-    const WindowFault fault =
-        window_fault(estimate.screened, choice.found, choice.all,
-                     {rows.rows[choice.found.first], rows.rows[choice.found.last]},
-                     window.reliability, counts_path(choice.profile.definition), probability);
+    const WindowFault fault = window_fault(
+        estimate.screened, choice.found, choice.all,
+        {rows.rows[choice.found.first], rows.rows[choice.found.last]}, window.reliability,
+        counts_path(choice.profile.definition), probability,
+        unexplained_by_velocities_m_s(estimate.screened,
+                                      Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal));
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
     const std::vector<BudgetRow> alone = budget_of(input);
     HeardBudget heard = hear_witnesses(

@@ -134,10 +134,20 @@ double WindowFault::standard_uncertainty_m_s(double times) const {
            rectangular_uncertainty(prior.largest_m_s);
 }
 
+double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
+    // What lasts of the errors of good receivers, whatever they state.
+    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.04;
+    const auto& all = screened.basis.velocity_errors;
+    const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
+    if (errors == all.end()) return 0.0;
+    const double known = std::max(known_m_s, errors->stated_m_s.value_or(0.0));
+    return errors->shown_m_s > known ? errors->shown_m_s : 0.0;
+}
+
 WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
-                         double probability) {
+                         double probability, double unexplained_m_s) {
     const double duration_s = found.end.seconds() - found.start.seconds();
     WindowFault fault;
     fault.prior.probability =
@@ -148,6 +158,13 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
     fault.prior.largest_m_s =
         std::min(fault.prior.largest_m_s,
                  (by_path ? 2.0 : 1.0) * largest_error_m(screened, rows) / duration_s);
+    if (unexplained_m_s > 0.0) {
+        // One of the two errs, and nobody can tell which: the positions as likely as not, and so
+        // that twice the standard uncertainty holds what the two axes show together.
+        fault.is_shown = true;
+        fault.prior.probability = 0.5;
+        fault.prior.largest_m_s = std::max(fault.prior.largest_m_s, 2.0 * unexplained_m_s);
+    }
     // That of one of so many: in proportion to them where it is small.
     fault.chosen_probability = 1.0 - std::pow(1.0 - fault.prior.probability,
                                               1.0 + by_rivals(found, all, fault.prior.largest_m_s));

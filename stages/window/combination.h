@@ -18,6 +18,7 @@ namespace runcert {
 /// A window's fault: with its probability, and with that of the window chosen among its rivals.
 struct WindowFault {
     FaultPrior prior;
+    bool is_shown = false;  ///< the recorded velocities show that they or the positions err
     double chosen_probability = 0.0;
 
     /// Standard uncertainty (m/s): that of a rare error is its root mean square ([GUM] 4.3, C.3.2).
@@ -36,10 +37,18 @@ struct WindowFault {
 /// A window chosen as the fastest is one that such an error may have made so: its probability grows
 /// with each rival that does not overlap it, by half of what of the largest effect its being slower
 /// leaves.
+///
+/// `unexplained_m_s`: as below. Above 0 it is the positions that err, or the velocities, all over
+/// the recording: the probability is a half.
 WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
-                         double probability);
+                         double probability, double unexplained_m_s = 0.0);
+
+/// The standard deviation (m/s, each axis) of an error that lasts, which displacements by recorded
+/// velocities and by positions differ by, where neither the positions' errors nor what the
+/// velocities are stated to err by explains it; 0 where they do.
+double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes);
 
 /// A window's speed by positions, by what its errors come from, m/s.
 struct PositionTerms {

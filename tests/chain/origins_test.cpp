@@ -281,6 +281,24 @@ TEST_F(Origins, VelocitiesMadeFromThePositionsConfirmNothing) {
     }
 }
 
+// A drift for most of the recording makes velocities look wrong, which are right: 60.3 m/s for 60
+// were certified beside them.
+TEST_F(Origins, ADriftAllOverTheRecordingIsNotTakenForAnErrorOfTheVelocities) {
+    judge_alone(sailed(), true);
+    EXPECT_EQ(outcome(), "beaten");
+    EXPECT_FALSE(says("which the errors of neither explain"));
+    for (const double drift_m_s : {0.15, 0.3, 1.0}) {
+        Samples drifting = sailed();
+        for (Sample& one : drifting)
+            one.north_m += drift_m_s * std::max(0.0, one.time_s - 20.0);
+        judge_alone(drifting, true);
+        EXPECT_TRUE(outcome() == "not_certifiable" ||
+                    expanded_uncertainty_km_h() > 3.6 * drift_m_s - 0.05)
+            << drift_m_s << " " << outcome() << " " << expanded_uncertainty_km_h();
+        EXPECT_TRUE(says("which the errors of neither explain")) << drift_m_s;
+    }
+}
+
 TEST_F(Origins, ACopyIsNoSecondReceiver) {
     const Samples first = sailed();
     const auto judge_with = [&](const Samples& second) {

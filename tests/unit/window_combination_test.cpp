@@ -44,6 +44,30 @@ struct Chosen {
     }
 };
 
+// Positions that drift for most of a recording make the velocities look wrong, which are right.
+TEST(WindowFaults, WhatPositionsAndVelocitiesDifferByMayBeThePositions) {
+    Chosen run;
+    const auto shown = [&run](double shown_m_s, std::optional<double> stated_m_s,
+                              TestedAxes axes = TestedAxes::horizontal) {
+        run.screened.basis.velocity_errors = {
+            {.axes = axes, .stated_m_s = stated_m_s, .shown_m_s = shown_m_s}};
+        return unexplained_by_velocities_m_s(run.screened, axes);
+    };
+    EXPECT_EQ(unexplained_by_velocities_m_s(run.screened, TestedAxes::horizontal), 0.0);
+    EXPECT_EQ(shown(0.03, std::nullopt), 0.0);
+    EXPECT_EQ(shown(0.5, std::nullopt), 0.5);
+    EXPECT_EQ(shown(0.5, 0.02), 0.5);
+    EXPECT_EQ(shown(0.5, 0.6), 0.0);
+    EXPECT_EQ(shown(0.08, std::nullopt, TestedAxes::vertical), 0.0);
+    const WindowFault fault = window_fault(run.screened, run.found, run.all, {1000, 1030},
+                                           run.reliability, false, 0.002, 0.5);
+    EXPECT_TRUE(fault.is_shown);
+    EXPECT_EQ(fault.prior.probability, 0.5);
+    EXPECT_EQ(fault.prior.largest_m_s, 1.0);
+    // A drift that shows 0.5 m/s along each axis is one of 0.71 m/s.
+    EXPECT_GT(2.0 * fault.standard_uncertainty_m_s(), 0.5 * std::sqrt(2.0));
+}
+
 TEST(WindowFaults, GoByTheKindOfSolutionAndTheWindow) {
     Chosen run;
     EXPECT_DOUBLE_EQ(run.fault().prior.probability, 0.002);

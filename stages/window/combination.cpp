@@ -72,6 +72,40 @@ double by_rivals(const FoundWindow& found, const std::vector<FoundWindow>& all,
     return sum;
 }
 
+/// The recorded velocity of a row towards east, or upwards; of a speed alone, that.
+OptionalReal recorded_along(const ScreenedEpoch& row, TestedAxes axes) {
+    if (axes == TestedAxes::vertical) return row.recorded_velocity_up_m_s;
+    return row.recorded_velocity_east_m_s ? row.recorded_velocity_east_m_s : row.recorded_speed_m_s;
+}
+
+/// What the white noise of recorded velocities, as their third differences have it, adds to the
+/// variance of a displacement in a second (m^2/s).
+double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
+    constexpr double of_third_differences = 20.0;
+    std::vector<double> squares;
+    const auto& rows = screened.rows;
+    for (std::size_t i = 3; i < rows.size(); ++i) {
+        const auto a = recorded_along(rows[i - 3], axes), b = recorded_along(rows[i - 2], axes),
+                   c = recorded_along(rows[i - 1], axes), d = recorded_along(rows[i], axes);
+        if (a && b && c && d) squares.push_back(std::pow(*d - 3.0 * *c + 3.0 * *b - *a, 2));
+    }
+    if (squares.empty()) return 0.0;
+    const double of_median = std::pow(normal_quantile(0.75), 2);
+    return median(std::move(squares)) / of_median / of_third_differences *
+           screened.facts.nominal_interval_s;
+}
+
+/// The variance (m^2) of a displacement between positions at twice what is stated at both ends:
+/// nearly all that they could explain.
+double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes) {
+    std::vector<double> sigmas;
+    for (const ScreenedEpoch& row : screened.rows) {
+        const auto& sigma = axes == TestedAxes::vertical ? row.sigma_up_m : row.sigma_east_m;
+        if (row.usable && sigma) sigmas.push_back(*sigma);
+    }
+    return sigmas.empty() ? 0.0 : 2.0 * std::pow(2.0 * median(std::move(sigmas)), 2);
+}
+
 using Covariance = Eigen::MatrixXd;
 
 /// Of the speeds by positions, first, and by the witnesses.
@@ -136,12 +170,21 @@ double WindowFault::standard_uncertainty_m_s(double times) const {
 
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
     // What lasts of the errors of good receivers, whatever they state.
-    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.04;
+    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.06;
+    constexpr double longest_span_s = 10.0;
     const auto& all = screened.basis.velocity_errors;
     const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
     if (errors == all.end()) return 0.0;
-    const double known = std::max(known_m_s, errors->stated_m_s.value_or(0.0));
-    return errors->shown_m_s > known ? errors->shown_m_s : 0.0;
+    const double white_m2_s = white_of_velocities(screened, axes);
+    const double positions_m2 = explained_by_positions_m2(screened, axes);
+    double lasting_m_s = errors->shown_m_s;
+    for (const VelocitySpread& spread : errors->spreads) {
+        if (spread.span_s > longest_span_s) continue;  // which a part of the recording may not fill
+        const double beyond_m2 =
+            spread.sd_m * spread.sd_m - positions_m2 - white_m2_s * spread.span_s;
+        lasting_m_s = std::min(lasting_m_s, std::sqrt(std::max(0.0, beyond_m2)) / spread.span_s);
+    }
+    return lasting_m_s > std::max(known_m_s, errors->stated_m_s.value_or(0.0)) ? lasting_m_s : 0.0;
 }
 
 WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,

@@ -54,11 +54,25 @@ TEST(WindowFaults, WhatPositionsAndVelocitiesDifferByMayBeThePositions) {
         return unexplained_by_velocities_m_s(run.screened, axes);
     };
     EXPECT_EQ(unexplained_by_velocities_m_s(run.screened, TestedAxes::horizontal), 0.0);
-    EXPECT_EQ(shown(0.03, std::nullopt), 0.0);
+    EXPECT_EQ(shown(0.05, std::nullopt), 0.0);
     EXPECT_EQ(shown(0.5, std::nullopt), 0.5);
     EXPECT_EQ(shown(0.5, 0.02), 0.5);
     EXPECT_EQ(shown(0.5, 0.6), 0.0);
     EXPECT_EQ(shown(0.08, std::nullopt, TestedAxes::vertical), 0.0);
+    // The white noise of the velocities shows in short spans, and does not last.
+    EXPECT_EQ(shown(0.3, std::nullopt), 0.3);
+    run.screened.basis.velocity_errors[0].spreads = {
+        {.span_s = 3.0, .sd_m = 0.9}, {.span_s = 10.0, .sd_m = 0.5}, {.span_s = 30.0, .sd_m = 0.1}};
+    EXPECT_EQ(unexplained_by_velocities_m_s(run.screened, TestedAxes::horizontal), 0.0);
+    run.screened.basis.velocity_errors[0].spreads[1].sd_m = 2.0;
+    EXPECT_DOUBLE_EQ(unexplained_by_velocities_m_s(run.screened, TestedAxes::horizontal), 0.2);
+    run.screened.facts.nominal_interval_s = 0.1;
+    RandomGenerator random(2);
+    for (ScreenedEpoch& row : run.screened.rows) {
+        row.recorded_velocity_east_m_s = 2.0 * random.normal();
+        row.sigma_east_m = 0.01;
+    }
+    EXPECT_EQ(unexplained_by_velocities_m_s(run.screened, TestedAxes::horizontal), 0.0);
     const WindowFault fault = window_fault(run.screened, run.found, run.all, {1000, 1030},
                                            run.reliability, false, 0.002, 0.5);
     EXPECT_TRUE(fault.is_shown);

@@ -170,12 +170,13 @@ double WindowFault::standard_uncertainty_m_s(double times) const {
 
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
     // What lasts of the errors of good receivers, whatever they state.
-    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.06;
+    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.07;
     constexpr double longest_span_s = 10.0;
     const auto& all = screened.basis.velocity_errors;
     const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
     if (errors == all.end()) return 0.0;
-    const double white_m2_s = white_of_velocities(screened, axes);
+    // Twice: a short recording has few spans that do not overlap.
+    const double white_m2_s = 2.0 * white_of_velocities(screened, axes);
     const double positions_m2 = explained_by_positions_m2(screened, axes);
     double lasting_m_s = errors->shown_m_s;
     for (const VelocitySpread& spread : errors->spreads) {

@@ -48,7 +48,7 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
 /// The standard deviation (m/s, each axis) of an error that lasts, which displacements of up to 10
 /// s by recorded velocities and by positions differ by, where neither twice the positions' stated
 /// errors, the white noise of the velocities, nor what these are stated to err by explains it; 0
-/// where they do, and up to 0.06 m/s (upwards 0.1), which good receivers leave.
+/// where they do, and up to 0.07 m/s (upwards 0.1), which good receivers leave.
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes);
 
 /// A window's speed by positions, by what its errors come from, m/s.

@@ -307,9 +307,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     const WindowFault fault = window_fault(
         estimate.screened, choice.found, choice.all,
         {rows.rows[choice.found.first], rows.rows[choice.found.last]}, window.reliability,
-        counts_path(choice.profile.definition), probability,
-        unexplained_by_velocities_m_s(estimate.screened,
-                                      Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal));
+        counts_path(choice.profile.definition), probability, estimate.unexplained_m_s);
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
     const std::vector<BudgetRow> alone = budget_of(input);
     HeardBudget heard = hear_witnesses(
@@ -361,16 +359,19 @@ template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config, const Beside& beside) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
-    AxesEstimate<Axes> estimate{.screened = screened,
-                                .trajectory = trajectory,
-                                .config = config,
-                                .noise = noise,
-                                .model = model_of(noise),
-                                .models = posterior_of(noise),
-                                .arcs = arcs_of<Axes>(screened, trajectory),
-                                .rows = arcs_in(trajectory),
-                                .times = {},
-                                .witnesses = {}};
+    AxesEstimate<Axes> estimate{
+        .screened = screened,
+        .trajectory = trajectory,
+        .config = config,
+        .noise = noise,
+        .model = model_of(noise),
+        .models = posterior_of(noise),
+        .arcs = arcs_of<Axes>(screened, trajectory),
+        .rows = arcs_in(trajectory),
+        .times = {},
+        .witnesses = {},
+        .unexplained_m_s = unexplained_by_velocities_m_s(
+            screened, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal)};
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
     const auto same_steps = [&](const Arc<Axes>& arc) {

@@ -25,6 +25,7 @@ struct AxesEstimate {
     std::vector<ArcRows> rows;                    ///< of each arc, in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
+    double unexplained_m_s = 0.0;  ///< as `unexplained_by_velocities_m_s` has it
 };
 
 /// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what

@@ -16,7 +16,6 @@
 #include "stages/window/arc_part.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
-#include "stages/window/combination.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/instants.h"
 #include "stages/window/opposite_runs.h"
@@ -66,14 +65,12 @@ class Certifier {
                                            const std::vector<ProfileWindows>& windows,
                                            const Beside& beside) const {
         std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
-        if (const double apart_m_s =
-                unexplained_by_velocities_m_s(screened_, TestedAxes::horizontal);
-            apart_m_s > 0.0)
+        if (horizontal_.unexplained_m_s > 0.0)
             notes.push_back(fmt::format(
                 "Positions and recorded velocities differ all over the recording by {:.2f} m/s, "
                 "which the errors of neither explain: one of the two is wrong, and the recording "
                 "does not tell which.",
-                apart_m_s));
+                horizontal_.unexplained_m_s));
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
             if (witness.is_copy) continue;

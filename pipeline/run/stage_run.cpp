@@ -55,8 +55,7 @@ std::vector<Profile> StageRun::read_profiles() {
     std::vector<YamlValue> texts;
     for (const std::string& claimed : attempt_.profiles) {
         profiles.push_back(read_claimed_profile(run_dir_, claimed, attempt_));
-        const std::filesystem::path file = run_dir_ / profile_copy_name(claimed);
-        texts.emplace_back(parse_yaml(read_handwritten(file), file.string()), file.string());
+        texts.push_back(profiles.back().written);
     }
     read_["profiles"] = profiles_of_stage(texts, stage_);
     return profiles;

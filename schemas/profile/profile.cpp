@@ -236,6 +236,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, profile_schema());
     Profile profile{read_members<ProfileDocument>(document)};
     profile.sha256 = sha256_hex(text);
+    profile.written = document;
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
     require_length(document["window"], profile);
     require_sound_window(document["window"], profile);

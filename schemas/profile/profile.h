@@ -30,6 +30,7 @@ struct Profile : ProfileDocument {
     std::optional<double> accuracy_limit_m_s = std::nullopt;
     double margin = 0.0;                         ///< m/s, a fraction, or s
     std::vector<FigureOverride> overrides = {};  ///< that were applied
+    YamlValue written{YamlNode(), ""};           ///< the whole of its text
 };
 
 /// What a computation compares with: whether the figure may be at most the clause's limit, and the

@@ -223,21 +223,8 @@ CoverageInterval shortest_interval(std::span<const double> sorted, double probab
     return {sorted[best], sorted[best + span]};
 }
 
-IntervalComparison compare_intervals(double estimate, double expanded_uncertainty,
-                                     const CoverageInterval& simulated, double tolerance) {
-    const double lower = std::abs(estimate - expanded_uncertainty - simulated.lower);
-    const double upper = std::abs(estimate + expanded_uncertainty - simulated.upper);
-    return {lower, upper, lower <= tolerance && upper <= tolerance};
-}
-
 double draw_rectangular(RandomGenerator& random, double half_width) {
     return half_width * (2.0 * random.uniform() - 1.0);
-}
-
-double draw_triangular(RandomGenerator& random, double half_width) {
-    // Two statements: the order in which operands are evaluated is the compiler's choice.
-    const double first = random.uniform();
-    return half_width * (first - random.uniform());
 }
 
 double draw_student_t(RandomGenerator& random, std::optional<double> degrees_of_freedom) {

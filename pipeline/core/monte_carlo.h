@@ -71,23 +71,8 @@ CoverageInterval symmetric_interval(std::span<const double> sorted, double proba
 /// lowest of equally short ones. Failure as of `symmetric_interval`.
 CoverageInterval shortest_interval(std::span<const double> sorted, double probability);
 
-/// Distances of the ends of two coverage intervals, in the unit of the result.
-struct IntervalComparison {
-    double lower_difference = 0.0;
-    double upper_difference = 0.0;
-    bool agree = false;  ///< neither is above the tolerance
-};
-
-/// Whether the interval estimate +- expanded_uncertainty of the law of propagation agrees with a
-/// simulated one within `tolerance` ([GUM-S1] 8.1).
-IntervalComparison compare_intervals(double estimate, double expanded_uncertainty,
-                                     const CoverageInterval& simulated, double tolerance);
-
 /// Uniform in (-half_width, half_width).
 double draw_rectangular(RandomGenerator& random, double half_width);
-
-/// Triangular in (-half_width, half_width), likeliest at 0.
-double draw_triangular(RandomGenerator& random, double half_width);
 
 /// Student's t with degrees of freedom of 1 or more, an integer or not; standard normal where
 /// empty. A quantity estimated by x with a standard uncertainty u of so many degrees of freedom is

@@ -133,11 +133,6 @@ double rectangular_uncertainty(double half_width) {
     return half_width / std::sqrt(3.0);
 }
 
-double triangular_uncertainty(double half_width) {
-    require_not_negative(half_width, "half width");
-    return half_width / std::sqrt(6.0);
-}
-
 std::optional<double> degrees_of_freedom(double relative_uncertainty) {
     require_not_negative(relative_uncertainty, "relative uncertainty of an uncertainty");
     const double degrees = 0.5 / (relative_uncertainty * relative_uncertainty);

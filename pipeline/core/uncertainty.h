@@ -63,10 +63,6 @@ double equivalent_coverage_factor(double factor, std::optional<double> degrees_o
 /// finite.
 double rectangular_uncertainty(double half_width);
 
-/// The same where values near the middle are likelier, the density a triangle:
-/// half_width / sqrt(6) ([GUM] (9b)).
-double triangular_uncertainty(double half_width);
-
 /// Degrees of freedom of a standard uncertainty that is itself uncertain by the fraction
 /// `relative_uncertainty`: 1 / (2 relative_uncertainty^2) ([GUM] (G.3)); infinite, so empty, for 0.
 /// Failure where the fraction is negative or not finite.

@@ -121,12 +121,6 @@ std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
     return search_windows(series, rule, count).windows;
 }
 
-std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series,
-                                         const WindowCriteria& rule) {
-    check_rule(rule);
-    return all_windows(summed_all(series), rule).windows;
-}
-
 void make_allowances(std::vector<FoundWindow>& windows, const Allowance& allowance) {
     if (!allowance) return;
     for (FoundWindow& window : windows)

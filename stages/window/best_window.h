@@ -116,13 +116,9 @@ std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
 WindowSearch search_windows(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                             std::size_t count);
 
-/// All allowed windows in order of series and start, that `best_windows` chooses the fastest of:
-/// one for each sample that one may begin at, and at any instant one for each that one may end at;
-/// of alphas one for each sample that one may end at.
-std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series,
-                                         const WindowCriteria& rule);
-
-/// Both of them from one search; with an allowance the best are those of the highest claims.
+/// All allowed windows in order of series and start: one for each sample that one may begin at, and
+/// at any instant one for each that one may end at; of alphas one for each sample that one may end
+/// at. And the best of them; with an allowance those of the highest claims.
 struct AllowedWindows {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> best;

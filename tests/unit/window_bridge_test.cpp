@@ -89,9 +89,10 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
               SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
             Profile profile = test::rule_over(3.0, definition);
             profile.repaired_steps = true;
-            const auto all = allowed_windows(
-                certifiable_series(run.screened, run.trajectory, arcs_in(run.trajectory), profile),
-                window_criteria(profile, 0.001, 0.1));
+            const auto all = allowed_and_best(certifiable_series(run.screened, run.trajectory,
+                                                                 arcs_in(run.trajectory), profile),
+                                              window_criteria(profile, 0.001, 0.1), 1)
+                                 .all;
             const auto found = std::ranges::find(all, window.first, &FoundWindow::first);
             ASSERT_NE(found, all.end());
             EXPECT_EQ(found->last, window.last);

@@ -159,7 +159,7 @@ TEST(RuleSearch, AllowsTheWindowsThatCanBeCertified) {
         const TrajectoryTable table = trajectory_of(track);
         const auto certifiable =
             certifiable_windows(table, arcs_in(table), 3.0, 0.001, BridgedSteps::refused);
-        const auto allowed = allowed_windows(track.series, over_time(3.0, displacement));
+        const auto allowed = allowed_and_best(track.series, over_time(3.0, displacement), 1).all;
         std::size_t i = 0;
         for (std::size_t arc = 0; arc < certifiable.size(); ++arc)
             for (const EpochPair& window : certifiable[arc]) {
@@ -180,7 +180,7 @@ TEST(RuleSearch, AllowedWindowsHoldTheBest) {
          {over_time(3.0, displacement), over_time(3.0, displacement, WindowEnds::any),
           over_distance(500.0, path_length), over_distance(100.0, path_length, WindowEnds::any),
           alpha(500.0)}) {
-        const auto all = allowed_windows(track.series, rule);
+        const auto all = allowed_and_best(track.series, rule, 1).all;
         const auto best = best_windows(track.series, rule, 1);
         ASSERT_EQ(best.size(), 1u);
         const auto fastest = std::min_element(all.begin(), all.end(), preferred);

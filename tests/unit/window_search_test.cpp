@@ -68,7 +68,8 @@ TEST(RuleSearch, ADistanceReachedInSumsOfDecimalsIsReached) {
         EXPECT_NEAR(by_path[0].length_m, distance_m, 1e-9);
         EXPECT_NEAR(straight[0].length_m, distance_m, 1e-9);
     }
-    for (const FoundWindow& one : allowed_windows(series, over_distance(110.0, path_length)))
+    for (const FoundWindow& one :
+         allowed_and_best(series, over_distance(110.0, path_length), 1).all)
         EXPECT_EQ(one.last - one.first, 100u);
 }
 
@@ -110,7 +111,7 @@ SampleSeries there_and_back(std::int64_t leg_m) {
 /// Beginnings of the alphas there, which must be as long as the rule has it.
 std::vector<std::size_t> alphas_begin(const SampleSeries& series, const WindowCriteria& rule) {
     std::vector<std::size_t> begins;
-    for (const FoundWindow& one : allowed_windows({series}, rule)) {
+    for (const FoundWindow& one : allowed_and_best({series}, rule, 1).all) {
         EXPECT_NEAR(one.length_m, rule.distance_m, 1e-9);
         begins.push_back(one.first);
     }
@@ -191,7 +192,7 @@ TEST(RuleSearch, RulesThatMeanNothingAreRefused) {
           over_time(0.0, displacement), over_distance(500.0, displacement, WindowEnds::any),
           over_distance(500.0, SpeedDefinition::mean_n), over_distance(0.0, path_length)}) {
         EXPECT_THROW(best_windows(series, rule, 1), Failure);
-        EXPECT_THROW(allowed_windows(series, rule), Failure);
+        EXPECT_THROW(allowed_and_best(series, rule, 1).all, Failure);
     }
 }
 

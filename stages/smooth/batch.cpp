@@ -5,7 +5,7 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
-#include "stages/smooth/robust_batch.h"
+#include "stages/smooth/batch_problem.h"
 #include "stages/smooth/robust_chain.h"
 
 namespace runcert {
@@ -204,21 +204,6 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
     return solution;
 }
 
-template <int Axes>
-TwoStateCovariance<Axes> batch_covariance(std::span<const ArcEpoch<Axes>> arc,
-                                          const EstimationModel& model, std::size_t s,
-                                          std::size_t e) {
-    assert(s < e && e < arc.size());
-    // Linear: the covariance is the same about any states.
-    const std::vector<StateVector<Axes>> anywhere(arc.size(), StateVector<Axes>::Zero());
-    BatchProblem<Axes> batch(arc, model, anywhere);
-    const auto covariance = batch.covariance(s, e);
-    if (!covariance)
-        throw Failure(batch.where(), "the batch least squares does not determine every state",
-                      "Check the stated standard deviations and the time steps of this stretch");
-    return *covariance;
-}
-
 template BatchSolution<1> solve_batch<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
                                          const BatchOptions&);
 template BatchSolution<2> solve_batch<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
@@ -229,11 +214,5 @@ template RobustSolution<1> solve_robust<1>(std::span<const ArcEpoch<1>>, const E
 template RobustSolution<2> solve_robust<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
                                            double, std::span<const StateVector<2>>,
                                            const BatchOptions&);
-template TwoStateCovariance<1> batch_covariance<1>(std::span<const ArcEpoch<1>>,
-                                                   const EstimationModel&, std::size_t,
-                                                   std::size_t);
-template TwoStateCovariance<2> batch_covariance<2>(std::span<const ArcEpoch<2>>,
-                                                   const EstimationModel&, std::size_t,
-                                                   std::size_t);
 
 }  // namespace runcert

@@ -78,21 +78,4 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
                                   double scale, std::span<const StateVector<Axes>> start,
                                   const BatchOptions& options = {});
 
-/// Covariances of the states of two epochs and between them.
-template <int Axes>
-struct TwoStateCovariance {
-    StateMatrix<Axes> first;
-    StateMatrix<Axes> last;
-    StateMatrix<Axes> cross;  ///< rows of the first state, columns of the last
-};
-
-/// Joint covariance of the states of epochs s < e by the QR factor of the whole batch problem
-/// (Ceres' covariance estimation): another way to the smoother's, for checks, not for every epoch.
-/// The arc is not cut. Between two bridged steps, and after the last, there must be a measurement.
-/// Throws Failure where the problem does not determine every state.
-template <int Axes>
-TwoStateCovariance<Axes> batch_covariance(std::span<const ArcEpoch<Axes>> arc,
-                                          const EstimationModel& model, std::size_t s,
-                                          std::size_t e);
-
 }  // namespace runcert

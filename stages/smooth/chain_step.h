@@ -16,32 +16,32 @@ class ChainStep {
 
     /// Across a bridged step the position may move by its offset, of which the prior says next to
     /// nothing: the offset need be no unknown beside the states.
-    ChainStep(const EstimationModel& model, const StepKind& kind, bool bridged)
-        : axis_(axis_step(model, kind)) {
-        if (bridged) axis_.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
-        motion_whitener_ = axis_process_whitener(axis_);
-        error_whitener_ = 1.0 / std::sqrt(axis_.error_noise);
-        transition_ = kernel::Transition(axis_);
+    ChainStep(const EstimationModel& model, const StepKind& kind, bool bridged) {
+        AxisStep step = axis_step(model, kind);
+        if (bridged) step.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
+        motion_whitener_ = axis_process_whitener(step);
+        error_whitener_ = 1.0 / std::sqrt(step.error_noise);
+        numbers_ = kernel::step_of(step);
     }
 
     /// F x.
     State carried(const State& state) const {
         State after = state;
-        kernel::carry<Axes, 4>(transition_, after.data());
+        kernel::carry<Axes>(numbers_, after.data());
         return after;
     }
 
     /// F' x.
     State carried_back(const State& state) const {
         State before = state;
-        kernel::carry_back<Axes, 4>(transition_, before.data());
+        kernel::carry_back<Axes>(numbers_, before.data());
         return before;
     }
 
     /// P in place to F P F' + Q.
     void predict(StateMatrix<Axes>& covariance) const {
-        kernel::carry_covariance<Axes, 4>(transition_, covariance.data());
-        kernel::add_noise<Axes, 4>(axis_, covariance.data());
+        kernel::carry_covariance<Axes>(numbers_, covariance.data());
+        kernel::mirror<state_size<Axes>>(covariance.data());
     }
 
     /// W x.
@@ -66,10 +66,9 @@ class ChainStep {
     }
 
   private:
-    AxisStep axis_;
+    kernel::Step<double> numbers_;
     Eigen::Matrix3d motion_whitener_;
     double error_whitener_ = 0.0;
-    kernel::Transition transition_;
 };
 
 }  // namespace runcert

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "stages/smooth/robust_batch.h"
+#include "stages/smooth/batch_problem.h"
 
 namespace runcert {
 namespace {

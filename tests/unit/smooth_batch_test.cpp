@@ -172,34 +172,6 @@ TEST(Batch, SolvesPositionsFreeOfNoiseAndASingleOne) {
     }
 }
 
-TEST(Batch, CovariancesAreTheSmoothers) {
-    const std::size_t s = 250;
-    const std::size_t e = 280;
-    auto arc = simulate<2>({.epochs = 500, .error_sigma_m = 0.008});
-    test::change_motion(arc);
-    for (const NamedModel& one : models()) {
-        const SmoothedArc<2> smoothed = smooth<2>(arc, one.model);
-        const TwoStateCovariance<2> batch = batch_covariance<2>(arc, one.model, s, e);
-        const StateMatrix<2> cross = smoothed.cross_covariance(s, e);
-        for (int block = 0; block < 8; block += 2) {
-            const auto of = [&](const StateMatrix<2>& matrix) {
-                return matrix.block<2, 2>(block, block).eval();
-            };
-            EXPECT_TRUE(of(batch.first).isApprox(of(smoothed.states[s].covariance), 1e-8))
-                << one.name << " " << block;
-            EXPECT_TRUE(of(batch.last).isApprox(of(smoothed.states[e].covariance), 1e-8))
-                << one.name << " " << block;
-            EXPECT_TRUE(of(batch.cross).isApprox(of(cross), 1e-7)) << one.name << " " << block;
-        }
-        const Eigen::Vector2d u(0.6, 0.8);
-        const Eigen::Matrix2d displacement =
-            (batch.first + batch.last - batch.cross - batch.cross.transpose())
-                .topLeftCorner<2, 2>();
-        const double expected = u.dot(displacement_covariance<2>(smoothed, s, e) * u);
-        EXPECT_NEAR(u.dot(displacement * u) / expected, 1.0, 1e-8) << one.name;
-    }
-}
-
 TEST(Batch, StretchesAgreeWithTheWholeArc) {
     auto arc = simulate<2>({.epochs = 3'000, .rate_hz = 20.0});
     const EstimationModel model = without_error();

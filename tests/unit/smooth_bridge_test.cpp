@@ -112,29 +112,6 @@ TEST(BridgedBatch, AgreesWhereMeasurementsAreMissingAroundTheStep) {
     }
 }
 
-TEST(BridgedBatch, CovariancesAreTheSmoothers) {
-    constexpr std::size_t s = 130;
-    constexpr std::size_t e = 160;
-    for (const NamedModel& one : models()) {
-        auto arc = draw_arc<2>(one.model, 300, 10.0);
-        add_step<2>(arc, 145, 0.5);
-        const SmoothedArc<2> smoothed = smooth<2>(arc, one.model);
-        const TwoStateCovariance<2> batch = batch_covariance<2>(arc, one.model, s, e);
-        const StateMatrix<2> cross = smoothed.cross_covariance(s, e);
-        for (int block = 0; block < 8; block += 2) {
-            const auto of = [&](const StateMatrix<2>& matrix) {
-                return matrix.block<2, 2>(block, block).eval();
-            };
-            const Eigen::Matrix2d last = of(smoothed.states[e].covariance);
-            EXPECT_TRUE(of(batch.first).isApprox(of(smoothed.states[s].covariance), 1e-7))
-                << one.name << " " << block;
-            EXPECT_TRUE(of(batch.last).isApprox(last, 1e-7)) << one.name << " " << block;
-            EXPECT_LT((of(batch.cross) - of(cross)).norm(), 1e-7 * last.norm())
-                << one.name << " " << block;
-        }
-    }
-}
-
 TEST(BridgedBatch, StretchesAgreeWithTheWholeArc) {
     const EstimationModel model = models().front().model;
     auto arc = draw_arc<2>(model, 3'000, 20.0);

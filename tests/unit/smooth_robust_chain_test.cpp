@@ -8,7 +8,7 @@
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 #include "smooth_test_support.h"
-#include "stages/smooth/robust_batch.h"
+#include "stages/smooth/batch_problem.h"
 #include "stages/smooth/robust_chain.h"
 
 // The robust solution along the chain of states against the general program for sparse problems

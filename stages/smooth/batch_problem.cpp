@@ -1,6 +1,5 @@
-#include "stages/smooth/robust_batch.h"
-
 #include <ceres/ceres.h>
+#include <ceres/sized_cost_function.h>
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -8,11 +7,101 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
-#include "stages/smooth/batch_costs.h"
+#include "stages/smooth/batch_problem.h"
 
 namespace runcert {
 namespace {
+
+template <int Size>
+using CostVector = Eigen::Matrix<double, Size, 1>;
+
+/// Memory of Ceres seen as a matrix.
+template <class Matrix>
+Eigen::Map<Matrix> view(double* memory) {
+    return Eigen::Map<Matrix>(memory);
+}
+template <class Matrix>
+Eigen::Map<const Matrix> view(const double* memory) {
+    return Eigen::Map<const Matrix>(memory);
+}
+
+/// Residual `offset + sum of jacobians[i] * unknowns[i]`, one for each of `Columns`.
+template <int Rows, int... Columns>
+class LinearCost final : public ceres::SizedCostFunction<Rows, Columns...> {
+  public:
+    static constexpr std::size_t blocks = sizeof...(Columns);
+
+    /// The Jacobians are row by row, and must outlive the cost.
+    LinearCost(const CostVector<Rows>& offset, const std::array<const double*, blocks>& jacobians)
+        : offset_(offset), jacobians_(jacobians) {}
+
+    bool Evaluate(double const* const* unknowns, double* residuals,
+                  double** jacobians) const override {
+        view<CostVector<Rows>>(residuals) = offset_;
+        evaluate(unknowns, residuals, jacobians, std::make_index_sequence<blocks>());
+        return true;
+    }
+
+  private:
+    template <int Size>
+    using Jacobian =
+        Eigen::Matrix<double, Rows, Size, Size == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+    template <std::size_t... Block>
+    void evaluate(double const* const* unknowns, double* residuals, double** jacobians,
+                  std::index_sequence<Block...>) const {
+        (evaluate_block<Columns>(Block, unknowns, residuals, jacobians), ...);
+    }
+
+    template <int Size>
+    void evaluate_block(std::size_t block, double const* const* unknowns, double* residuals,
+                        double** jacobians) const {
+        const auto jacobian = view<Jacobian<Size>>(jacobians_[block]);
+        view<CostVector<Rows>>(residuals) += jacobian * view<CostVector<Size>>(unknowns[block]);
+        if (jacobians && jacobians[block]) view<Jacobian<Size>>(jacobians[block]) = jacobian;
+    }
+
+    CostVector<Rows> offset_;
+    std::array<const double*, blocks> jacobians_;
+};
+
+/// Residual of a measurement, which sees position and error of each axis: `offset - whitener *
+/// (position + error)`, these the first and last unknowns of each axis times their units.
+template <int Axes>
+class MeasurementCost final : public ceres::CostFunction {
+  public:
+    MeasurementCost(const PositionVector<Axes>& offset, const PositionMatrix<Axes>& whitener,
+                    double position_unit, double error_unit)
+        : offset_(offset),
+          by_position_(-whitener * position_unit),
+          by_error_(-whitener * error_unit) {
+        set_num_residuals(Axes);
+        mutable_parameter_block_sizes()->assign(Axes, 4);
+    }
+
+    bool Evaluate(double const* const* unknowns, double* residuals,
+                  double** jacobians) const override {
+        auto residual = view<CostVector<Axes>>(residuals);
+        residual = offset_;
+        for (int axis = 0; axis < Axes; ++axis) {
+            residual += by_position_.col(axis) * unknowns[axis][0];
+            residual += by_error_.col(axis) * unknowns[axis][3];
+            if (!jacobians || !jacobians[axis]) continue;
+            auto jacobian = view<Eigen::Matrix<double, Axes, 4, Eigen::RowMajor>>(jacobians[axis]);
+            jacobian.setZero();
+            jacobian.col(0) = by_position_.col(axis);
+            jacobian.col(3) = by_error_.col(axis);
+        }
+        return true;
+    }
+
+  private:
+    PositionVector<Axes> offset_;
+    PositionMatrix<Axes> by_position_;
+    PositionMatrix<Axes> by_error_;
+};
 
 ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
@@ -213,39 +302,6 @@ std::vector<StateVector<Axes>> BatchProblem<Axes>::states() const {
             for (int i = 0; i < axis_size; ++i)
                 states[k](i * Axes + axis) += unknowns_[k](i, axis) * unit_(i);
     return states;
-}
-
-template <int Axes>
-std::optional<TwoStateCovariance<Axes>> BatchProblem<Axes>::covariance(std::size_t s,
-                                                                       std::size_t e) {
-    ceres::Covariance::Options options;
-    options.algorithm_type = ceres::SPARSE_QR;
-    options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-    options.num_threads = 1;
-    ceres::Covariance covariance(options);
-    std::vector<const double*> blocks;
-    for (const std::size_t k : {s, e})
-        for (int axis = 0; axis < Axes; ++axis)
-            blocks.push_back(unknowns_[k].col(axis).data());
-    if (!covariance.Compute(blocks, &problem_)) return {};
-    constexpr int n = state_size<Axes>;
-    Eigen::Matrix<double, 2 * n, 2 * n, Eigen::RowMajor> scaled;
-    covariance.GetCovarianceMatrix(blocks, scaled.data());
-    const auto block = [&](int rows, int columns) {
-        StateMatrix<Axes> result;
-        for (int row = 0; row < n; ++row)
-            for (int column = 0; column < n; ++column) {
-                // By axis in the problem, by position, velocity and so on in a state.
-                const int i = row / Axes;
-                const int j = column / Axes;
-                result(row, column) = unit_(i) * unit_(j) *
-                                      scaled(rows * n + row % Axes * axis_size + i,
-                                             columns * n + column % Axes * axis_size + j);
-            }
-        return result;
-    };
-    return TwoStateCovariance<Axes>{
-        .first = block(0, 0), .last = block(1, 1), .cross = block(0, 1)};
 }
 
 template <int Axes>

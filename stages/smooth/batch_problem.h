@@ -64,9 +64,6 @@ class BatchProblem {
     /// The states where the problem stands.
     std::vector<StateVector<Axes>> states() const;
 
-    /// Covariances of the states s < e; none where the problem does not determine every state.
-    std::optional<TwoStateCovariance<Axes>> covariance(std::size_t s, std::size_t e);
-
     /// Which times the stretch covers, for a Failure.
     std::string where() const;
 

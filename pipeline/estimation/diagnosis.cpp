@@ -24,11 +24,11 @@ ArcDiagnosis<Axes>::ArcDiagnosis(std::span<const ArcEpoch<Axes>> arc, const Esti
                            epoch.weighted_residual = epoch.innovation_information * seen->residual;
                        });
     step_of_.resize(arc.size(), 0);
+    std::int64_t last_ns = -1;
     for (std::size_t k = 0; k + 1 < arc.size(); ++k) {
-        const double dt_s = arc[k + 1].time_s - arc[k].time_s;
-        const bool same =
-            !steps_.empty() && std::llround(steps_.back().dt_s * 1e9) == std::llround(dt_s * 1e9);
-        if (!same) steps_.push_back(axis_step(model, dt_s));
+        const StepKind kind = step_kind(arc[k], arc[k + 1]);
+        if (kind.length_ns != last_ns) steps_.push_back(filter.numbers_of(kind));
+        last_ns = kind.length_ns;
         step_of_[k] = steps_.size() - 1;
     }
     for (std::size_t k = arc.size(); k-- > 0;) {
@@ -38,11 +38,8 @@ ArcDiagnosis<Axes>::ArcDiagnosis(std::span<const ArcEpoch<Axes>> arc, const Esti
         if (k + 1 < arc.size()) {
             score = epochs_[k + 1].score;
             information = epochs_[k + 1].information;
-            // F' N F for a symmetric N.
             transpose_transition(k, score);
-            transpose_transition(k, information);
-            information.transposeInPlace();
-            transpose_transition(k, information);
+            kernel::carry_information_back<Axes>(steps_[step_of_[k]], information.data());
         }
         if (epoch.measured) {
             const Positions seen = information.lazyProduct(epoch.gain);
@@ -164,9 +161,7 @@ SetTest ArcDiagnosis<Axes>::own_errors(std::size_t first, std::size_t last) cons
         Positions carried = Positions::Zero();
         if (k + 1 < epochs_.size()) {
             StateMatrix<Axes> later = epochs_[k + 1].information;
-            transpose_transition(k, later);
-            later.transposeInPlace();
-            transpose_transition(k, later);
+            kernel::carry_information_back<Axes>(steps_[step_of_[k]], later.data());
             carried = -later * epochs_[k].gain;
         }
         carried.template topRows<Axes>() += epochs_[k].own_precision;

@@ -135,20 +135,16 @@ class ArcDiagnosis {
     void transpose_transition(std::size_t k, Matrix& matrix) const;
 
     std::vector<Epoch> epochs_;
-    std::vector<AxisStep> steps_;       ///< distinct ones
-    std::vector<std::size_t> step_of_;  ///< from each epoch to the next
+    std::vector<kernel::Step<double>> steps_;  ///< distinct ones
+    std::vector<std::size_t> step_of_;         ///< from each epoch to the next
     EstimationModel model_;
 };
 
 template <int Axes>
 template <class Matrix>
 void ArcDiagnosis<Axes>::transpose_transition(std::size_t k, Matrix& matrix) const {
-    const AxisStep& step = steps_[step_of_[k]];
-    const Eigen::Matrix3d& f = step.transition;
-    const auto rows = [&](int block) { return matrix.template middleRows<Axes>(block * Axes); };
-    rows(2) = (f(0, 2) * rows(0) + f(1, 2) * rows(1) + f(2, 2) * rows(2)).eval();
-    rows(1) += f(0, 1) * rows(0);
-    rows(3) *= step.error_transition;
+    for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+        kernel::carry_back<Axes>(steps_[step_of_[k]], matrix.col(column).data());
 }
 
 template <int Axes>

@@ -1,327 +1,383 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <limits>
 
 #include "estimation/motion_model.h"
 
-// The arithmetic of filter and smoother on plain numbers, written for the structure of the model:
-// the transition mixes whole blocks of rows (position, velocity, acceleration, error), and the
-// measurement adds up two of them. General products of matrices of the state's size would cost
-// several times as much. kalman.h and motion_smoother.h are what to use; the plain form of each
-// step is in their tests.
+// The arithmetic of the one filter that likelihoods, innovation tests, smoothers and displacements
+// rest on, written for the structure of the model: the transition mixes whole blocks of rows
+// (position, velocity, acceleration, Gauss-Markov error) by five numbers that are the same for all
+// axes, and the measurement is the sum of two of them. General products of matrices of the state's
+// size would cost several times as much. kalman.h and motion_smoother.h are what to use; the plain
+// form of each step is in their tests.
+//
+// `Number` is a double, or one double for each of several models side by side (a vector of GCC's
+// and clang's): each lane comes of the same operations in the same order, whatever stands beside
+// it. A covariance is the lower triangle of a square, by rows; what is above the diagonal is
+// neither read nor written, unless `mirror` fills it in.
 namespace runcert::kernel {
 
-/// A state of `Blocks` kinds for `Axes` axes: position, velocity, acceleration and, where there are
-/// four, the Gauss-Markov error. Matrices are column by column.
-template <int Axes, int Blocks>
-struct Layout {
-    static_assert(Blocks == 3 || Blocks == 4);
-    static constexpr int size = Axes * Blocks;
-    static constexpr bool with_error = Blocks == 4;
-    /// The block of the error where there is one, else the position's own.
-    static constexpr int error_row = with_error ? 3 * Axes : 0;
-
-    static constexpr int at(int row, int column) { return column * size + row; }
-};
-
-/// What a step of time does, without the structure that all steps share.
-struct Transition {
-    double position_of_velocity = 0.0;
-    double position_of_acceleration = 0.0;
-    double velocity_of_acceleration = 0.0;
-    double acceleration = 0.0;
-    double error = 0.0;
-
-    Transition() = default;
-    explicit Transition(const AxisStep& step)
-        : position_of_velocity(step.transition(0, 1)),
-          position_of_acceleration(step.transition(0, 2)),
-          velocity_of_acceleration(step.transition(1, 2)),
-          acceleration(step.transition(2, 2)),
-          error(step.error_transition) {}
-};
-
-/// So many numbers, counted by int as all of Eigen's are.
-template <int Count>
+/// So many numbers.
+template <class Number, int Count>
 struct Numbers {
-    double values[static_cast<std::size_t>(Count)];
+    Number values[static_cast<std::size_t>(Count)];
 
-    double& operator[](int i) { return values[i]; }
-    double operator[](int i) const { return values[i]; }
-    double* data() { return values; }
-    const double* data() const { return values; }
+    Number& operator[](int i) { return values[i]; }
+    const Number& operator[](int i) const { return values[i]; }
+    Number* data() { return values; }
+    const Number* data() const { return values; }
 };
 
-/// F x in place.
-template <int Axes, int Blocks>
-inline void carry(const Transition& f, double* x) {
+/// Where an entry of a symmetric matrix stands in its lower triangle, packed by rows.
+constexpr int in_triangle(int row, int column) {
+    return row * (row + 1) / 2 + column;
+}
+template <class Number, int Size>
+using Triangle = Numbers<Number, Size*(Size + 1) / 2>;
+
+/// The lower triangle of a symmetric matrix.
+template <int Size>
+Triangle<double, Size> triangle_of(const Eigen::Matrix<double, Size, Size>& matrix) {
+    Triangle<double, Size> packed;
+    for (int row = 0; row < Size; ++row)
+        for (int column = 0; column <= row; ++column)
+            packed[in_triangle(row, column)] = matrix(row, column);
+    return packed;
+}
+
+/// One step of time: what of AxisStep is not the same for all steps.
+template <class Number>
+struct Step {
+    Number position_of_velocity{};
+    Number position_of_acceleration{};
+    Number velocity_of_acceleration{};
+    Number acceleration{};
+    Number error{};
+    Triangle<Number, 3> noise{};  ///< of position, velocity, acceleration
+    Number error_noise{};
+};
+
+/// Fills a step in; `put(number, value)` sets a number, or one lane of it.
+template <class Number, class Put>
+void set_step(Step<Number>& to, const AxisStep& step, const Put& put) {
+    put(to.position_of_velocity, step.transition(0, 1));
+    put(to.position_of_acceleration, step.transition(0, 2));
+    put(to.velocity_of_acceleration, step.transition(1, 2));
+    put(to.acceleration, step.transition(2, 2));
+    put(to.error, step.error_transition);
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column <= row; ++column)
+            put(to.noise[in_triangle(row, column)], step.process_noise(row, column));
+    put(to.error_noise, step.error_noise);
+}
+inline Step<double> step_of(const AxisStep& step) {
+    Step<double> one;
+    set_step(one, step, [](double& number, double value) { number = value; });
+    return one;
+}
+
+/// F x in place. The coordinates may be other numbers than the step's, such as arrays of them.
+template <int Axes, class Number, class Coordinate>
+void carry(const Step<Number>& f, Coordinate* x) {
     for (int axis = 0; axis < Axes; ++axis) {
-        double* const p = x + axis;
+        Coordinate* const p = x + axis;
         p[0] += f.position_of_velocity * p[Axes] + f.position_of_acceleration * p[2 * Axes];
         p[Axes] += f.velocity_of_acceleration * p[2 * Axes];
         p[2 * Axes] *= f.acceleration;
-        if constexpr (Blocks == 4) p[3 * Axes] *= f.error;
+        p[3 * Axes] *= f.error;
     }
 }
 
 /// F' x in place.
-template <int Axes, int Blocks>
-inline void carry_back(const Transition& f, double* x) {
+template <int Axes, class Number, class Coordinate>
+void carry_back(const Step<Number>& f, Coordinate* x) {
     for (int axis = 0; axis < Axes; ++axis) {
-        double* const p = x + axis;
+        Coordinate* const p = x + axis;
         p[2 * Axes] = f.position_of_acceleration * p[0] + f.velocity_of_acceleration * p[Axes] +
                       f.acceleration * p[2 * Axes];
         p[Axes] += f.position_of_velocity * p[0];
-        if constexpr (Blocks == 4) p[3 * Axes] *= f.error;
+        p[3 * Axes] *= f.error;
     }
 }
 
-/// The lower triangle's mirror image.
+/// Above the diagonal what is below it.
 template <int Size>
-inline void mirror(double* matrix) {
-    for (int column = 0; column < Size; ++column)
-        for (int row = column + 1; row < Size; ++row)
-            matrix[row * Size + column] = matrix[column * Size + row];
+void mirror(double* matrix) {
+    for (int row = 0; row < Size; ++row)
+        for (int column = 0; column < row; ++column)
+            matrix[column * Size + row] = matrix[row * Size + column];
 }
 
-/// F P F' of a symmetric P, in place.
-template <int Axes, int Blocks>
-inline void carry_covariance(const Transition& f, double* p) {
-    using L = Layout<Axes, Blocks>;
-    constexpr int n = L::size;
-    // P F': whole columns.
-    for (int axis = 0; axis < Axes; ++axis) {
-        double* const position = p + L::at(0, axis);
-        double* const velocity = p + L::at(0, Axes + axis);
-        double* const acceleration = p + L::at(0, 2 * Axes + axis);
-        for (int row = 0; row < n; ++row) {
-            position[row] += f.position_of_velocity * velocity[row] +
-                             f.position_of_acceleration * acceleration[row];
-            velocity[row] += f.velocity_of_acceleration * acceleration[row];
-            acceleration[row] *= f.acceleration;
-        }
-        if constexpr (Blocks == 4) {
-            double* const error = p + L::at(0, 3 * Axes + axis);
-            for (int row = 0; row < n; ++row)
-                error[row] *= f.error;
-        }
+/// Of the covariance X between position, velocity and acceleration of axis `a` (rows) and of axis
+/// `b` <= `a`: F X F', and the process noise.
+template <int Axes, class Number>
+void carry_motion_covariance(const Step<Number>& f, int a, int b, Number* p) {
+    constexpr int size = state_size<Axes>;
+    const auto at = [p](int row, int column) -> Number& { return p[row * size + column]; };
+    // Above the diagonal of the blocks stands the transpose of what is below.
+    const Number x01 = at(Axes + b, a);
+    const Number x02 = at(2 * Axes + b, a);
+    const Number x12 = at(2 * Axes + b, Axes + a);
+    Number& x00 = at(a, b);
+    Number& x10 = at(Axes + a, b);
+    Number& x11 = at(Axes + a, Axes + b);
+    Number& x20 = at(2 * Axes + a, b);
+    Number& x21 = at(2 * Axes + a, Axes + b);
+    Number& x22 = at(2 * Axes + a, 2 * Axes + b);
+    const Number g00 = x00 + f.position_of_velocity * x10 + f.position_of_acceleration * x20;
+    const Number g01 = x01 + f.position_of_velocity * x11 + f.position_of_acceleration * x21;
+    const Number g02 = x02 + f.position_of_velocity * x12 + f.position_of_acceleration * x22;
+    const Number g10 = x10 + f.velocity_of_acceleration * x20;
+    const Number g11 = x11 + f.velocity_of_acceleration * x21;
+    const Number g12 = x12 + f.velocity_of_acceleration * x22;
+    const Number g20 = f.acceleration * x20;
+    const Number g21 = f.acceleration * x21;
+    const Number g22 = f.acceleration * x22;
+    x00 = g00 + f.position_of_velocity * g01 + f.position_of_acceleration * g02;
+    x10 = g10 + f.position_of_velocity * g11 + f.position_of_acceleration * g12;
+    x20 = g20 + f.position_of_velocity * g21 + f.position_of_acceleration * g22;
+    x11 = g11 + f.velocity_of_acceleration * g12;
+    x21 = g21 + f.velocity_of_acceleration * g22;
+    x22 = g22 * f.acceleration;
+    if (a == b) {
+        x00 += f.noise[0];
+        x10 += f.noise[1];
+        x11 += f.noise[2];
+        x20 += f.noise[3];
+        x21 += f.noise[4];
+        x22 += f.noise[5];
+        return;
     }
-    // F (P F'): of each column the lower triangle is enough.
-    for (int column = 0; column < n; ++column)
-        carry<Axes, Blocks>(f, p + L::at(0, column));
-    mirror<n>(p);
+    at(Axes + b, a) = g01 + f.velocity_of_acceleration * g02;
+    at(2 * Axes + b, a) = g02 * f.acceleration;
+    at(2 * Axes + b, Axes + a) = g12 * f.acceleration;
 }
 
-/// F' M F of a symmetric M, in place.
-template <int Axes, int Blocks>
-inline void carry_information_back(const Transition& f, double* m) {
-    using L = Layout<Axes, Blocks>;
-    constexpr int n = L::size;
-    for (int axis = 0; axis < Axes; ++axis) {
-        double* const position = m + L::at(0, axis);
-        double* const velocity = m + L::at(0, Axes + axis);
-        double* const acceleration = m + L::at(0, 2 * Axes + axis);
-        for (int row = 0; row < n; ++row) {
-            acceleration[row] = f.position_of_acceleration * position[row] +
-                                f.velocity_of_acceleration * velocity[row] +
-                                f.acceleration * acceleration[row];
-            velocity[row] += f.position_of_velocity * position[row];
+/// F P F' + Q in place: the covariance one step later.
+template <int Axes, class Number>
+void carry_covariance(const Step<Number>& f, Number* p) {
+    constexpr int size = state_size<Axes>;
+    for (int a = 0; a < Axes; ++a) {
+        for (int b = 0; b <= a; ++b)
+            carry_motion_covariance<Axes>(f, a, b, p);
+        // The error of this axis with the motion along each, and with the errors.
+        Number* const error = p + (3 * Axes + a) * size;
+        for (int b = 0; b < Axes; ++b) {
+            Number& position = error[b];
+            Number& velocity = error[Axes + b];
+            Number& acceleration = error[2 * Axes + b];
+            position = f.error * (position + f.position_of_velocity * velocity +
+                                  f.position_of_acceleration * acceleration);
+            velocity = f.error * (velocity + f.velocity_of_acceleration * acceleration);
+            acceleration *= f.error * f.acceleration;
         }
-        if constexpr (Blocks == 4) {
-            double* const error = m + L::at(0, 3 * Axes + axis);
-            for (int row = 0; row < n; ++row)
-                error[row] *= f.error;
-        }
+        for (int b = 0; b <= a; ++b)
+            error[3 * Axes + b] *= f.error * f.error;
+        error[3 * Axes + a] += f.error_noise;
     }
-    for (int column = 0; column < n; ++column)
-        carry_back<Axes, Blocks>(f, m + L::at(0, column));
-    mirror<n>(m);
 }
 
-/// Adds the process noise of a step.
-template <int Axes, int Blocks>
-inline void add_noise(const AxisStep& step, double* p) {
-    using L = Layout<Axes, Blocks>;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            for (int axis = 0; axis < Axes; ++axis)
-                p[L::at(i * Axes + axis, j * Axes + axis)] += step.process_noise(i, j);
-    if constexpr (Blocks == 4)
-        for (int axis = 0; axis < Axes; ++axis)
-            p[L::at(3 * Axes + axis, 3 * Axes + axis)] += step.error_noise;
-}
-
-/// Whether all pivots of a symmetric matrix are positive; only its lower triangle is looked at.
+/// F' M F of a symmetric M, all of it, in place.
 template <int Axes>
-inline bool is_positive_definite(const double* matrix) {
-    double s[Axes * Axes];
-    for (int i = 0; i < Axes * Axes; ++i)
-        s[i] = matrix[i];
-    for (int j = 0; j < Axes; ++j) {
-        const double pivot = s[j * Axes + j];
+void carry_information_back(const Step<double>& f, double* m) {
+    constexpr int size = state_size<Axes>;
+    for (int axis = 0; axis < Axes; ++axis) {
+        double* const position = m + axis * size;
+        double* const velocity = m + (Axes + axis) * size;
+        double* const acceleration = m + (2 * Axes + axis) * size;
+        double* const error = m + (3 * Axes + axis) * size;
+        for (int i = 0; i < size; ++i) {
+            acceleration[i] = f.position_of_acceleration * position[i] +
+                              f.velocity_of_acceleration * velocity[i] +
+                              f.acceleration * acceleration[i];
+            velocity[i] += f.position_of_velocity * position[i];
+            error[i] *= f.error;
+        }
+    }
+    for (int i = 0; i < size; ++i)
+        carry_back<Axes>(f, m + i * size);
+    mirror<size>(m);
+}
+
+/// Whether all pivots of a symmetric matrix, packed, are positive.
+template <int Size>
+bool is_positive_definite(Triangle<double, Size> s) {
+    for (int j = 0; j < Size; ++j) {
+        const double pivot = s[in_triangle(j, j)];
         if (!(pivot > 0.0 && pivot < std::numeric_limits<double>::infinity())) return false;
-        for (int i = j + 1; i < Axes; ++i)
+        for (int i = Size - 1; i > j; --i)
             for (int k = j + 1; k <= i; ++k)
-                s[k * Axes + i] -= s[j * Axes + i] * (s[j * Axes + k] / pivot);
+                s[in_triangle(i, k)] -= s[in_triangle(i, j)] * (s[in_triangle(k, j)] / pivot);
     }
     return true;
 }
 
+/// Columns of the state's height, one for each axis: entry (row, axis) at axis * size + row.
+template <int Axes, class Number>
+using Columns = Numbers<Number, Axes * state_size<Axes>>;
+
 /// A measured position against a prediction. With S = H P H' + R = U D U', U lower with a diagonal
-/// of ones.
-template <int Axes, int Blocks>
+/// of ones, the residual and P H', both times inverse(U'), are independent from axis to axis.
+template <int Axes, class Number>
 struct Seen {
-    static constexpr int n = Layout<Axes, Blocks>::size;
-    Numbers<n * Axes> cross;         ///< P H'
-    Numbers<Axes * Axes> factor;     ///< below its diagonal: U
-    Numbers<Axes> inverse_variance;  ///< of D
-    Numbers<Axes> residual;          ///< measured less predicted
-    Numbers<Axes> independent;       ///< inverse(U) residual: of variance D
-    double determinant = 1.0;        ///< of S
-    double statistic = 0.0;          ///< residual' inverse(S) residual
-    bool digits_lost = false;  ///< whether P - P H' inverse(S) H P would lose more than a digit
+    Columns<Axes, Number> cross;             ///< P H'
+    Triangle<Number, Axes> factor;           ///< below its diagonal: U
+    Numbers<Number, Axes> inverse_variance;  ///< of D
+    Numbers<Number, Axes> independent;       ///< inverse(U) (measured less predicted)
+    Number determinant{};                    ///< of S
+    Number statistic{};                      ///< residual' inverse(S) residual
+    /// Whether P - P H' inverse(S) H P would lose more than a digit, as it does where the
+    /// measurement is far better than the prediction: at an arc's beginning.
+    decltype(Number{} > Number{}) digits_lost{};
 };
 
-/// P - P H' inverse(S) H P is as good as Joseph's form unless the measurement is far better than
-/// the prediction, as at an arc's beginning.
+/// P - P H' inverse(S) H P is as good as Joseph's form up to this ratio of the predicted variance
+/// to the measurement's.
 inline constexpr double short_form_ratio = 30.0;
 
-/// `covariance` is that of the measured position as the model has it (column by column).
-template <int Axes, int Blocks>
-inline Seen<Axes, Blocks> see(const double* mean, const double* p, const double* measured,
-                              const double* covariance) {
-    using L = Layout<Axes, Blocks>;
-    constexpr int n = L::size;
-    Seen<Axes, Blocks> seen;
-    for (int axis = 0; axis < Axes; ++axis) {
-        const double* const position = p + L::at(0, axis);
-        double* const cross = seen.cross.data() + axis * n;
-        if constexpr (Blocks == 4) {
-            const double* const error = p + L::at(0, L::error_row + axis);
-            for (int row = 0; row < n; ++row)
-                cross[row] = position[row] + error[row];
-            seen.residual[axis] = measured[axis] - mean[axis] - mean[L::error_row + axis];
-        } else {
-            for (int row = 0; row < n; ++row)
-                cross[row] = position[row];
-            seen.residual[axis] = measured[axis] - mean[axis];
-        }
+/// P H': the measurement sees position and error.
+template <int Axes, class Number>
+Columns<Axes, Number> cross_covariance(const Number* p) {
+    constexpr int size = state_size<Axes>;
+    const auto at = [p](int row, int column) -> const Number& { return p[row * size + column]; };
+    Columns<Axes, Number> cross;
+    for (int a = 0; a < Axes; ++a) {
+        Number* const column = cross.data() + a * size;
+        const int error = 3 * Axes + a;
+        for (int row = 0; row < a; ++row)
+            column[row] = at(a, row) + at(error, row);
+        for (int row = a; row < 3 * Axes; ++row)
+            column[row] = at(row, a) + at(error, row);
+        for (int row = 3 * Axes; row < size; ++row)
+            column[row] = at(row, a) + (row >= error ? at(row, error) : at(error, row));
     }
-    double s[Axes * Axes];
-    for (int column = 0; column < Axes; ++column)
-        for (int row = column; row < Axes; ++row) {
-            const double* const cross = seen.cross.data() + column * n;
-            const double predicted =
-                Blocks == 4 ? cross[row] + cross[L::error_row + row] : cross[row];
-            const double stated = covariance[column * Axes + row];
-            s[column * Axes + row] = predicted + stated;
-            if (row == column) seen.digits_lost |= predicted > short_form_ratio * stated;
+    return cross;
+}
+
+/// `covariance` is that of the measured position as the model has it.
+template <int Axes, class Number>
+Seen<Axes, Number> see(const Number* mean, const Number* p, const double* measured,
+                       const Triangle<Number, Axes>& covariance) {
+    constexpr int size = state_size<Axes>;
+    Seen<Axes, Number> seen;
+    seen.cross = cross_covariance<Axes>(p);
+    auto& lower = seen.factor;
+    for (int row = 0; row < Axes; ++row)
+        for (int column = 0; column <= row; ++column) {
+            const Number predicted =
+                seen.cross[column * size + row] + seen.cross[column * size + 3 * Axes + row];
+            const Number& stated = covariance[in_triangle(row, column)];
+            lower[in_triangle(row, column)] = predicted + stated;
+            if (row == column)
+                seen.digits_lost = seen.digits_lost | (predicted > short_form_ratio * stated);
         }
-    // S = U D U', and inverse(U) residual beside it.
+    seen.determinant += 1.0;
     for (int j = 0; j < Axes; ++j) {
-        const double variance = s[j * Axes + j];
-        const double inverse = 1.0 / variance;
+        const Number variance = lower[in_triangle(j, j)];
+        const Number inverse = 1.0 / variance;
         seen.inverse_variance[j] = inverse;
         seen.determinant *= variance;
-        seen.independent[j] = seen.residual[j];
-        for (int k = 0; k < j; ++k)
-            seen.independent[j] -= seen.factor[k * Axes + j] * seen.independent[k];
-        seen.statistic += seen.independent[j] * seen.independent[j] * inverse;
-        for (int i = j + 1; i < Axes; ++i)
-            seen.factor[j * Axes + i] = s[j * Axes + i] * inverse;
-        for (int i = j + 1; i < Axes; ++i)
+        for (int i = Axes - 1; i > j; --i) {
+            const Number factor = lower[in_triangle(i, j)] * inverse;
             for (int k = j + 1; k <= i; ++k)
-                s[k * Axes + i] -= seen.factor[j * Axes + i] * s[j * Axes + k];
+                lower[in_triangle(i, k)] -= factor * lower[in_triangle(k, j)];
+            lower[in_triangle(i, j)] = factor;
+        }
+        seen.independent[j] = measured[j] - mean[j] - mean[3 * Axes + j];
+        for (int k = 0; k < j; ++k)
+            seen.independent[j] -= lower[in_triangle(j, k)] * seen.independent[k];
+        seen.statistic += seen.independent[j] * seen.independent[j] * inverse;
     }
     return seen;
 }
 
-/// P H' inverse(U'), a column for each axis: what the independent residuals move the state by,
-/// times their variances.
-template <int Axes, int Blocks>
-inline Numbers<Layout<Axes, Blocks>::size * Axes> independent_cross(
-    const Seen<Axes, Blocks>& seen) {
-    constexpr int n = Layout<Axes, Blocks>::size;
-    Numbers<n* Axes> columns = seen.cross;
+/// P H' inverse(U'): what the independent residuals move the state by, times their variances.
+template <int Axes, class Number>
+Columns<Axes, Number> independent_cross(const Seen<Axes, Number>& seen) {
+    constexpr int size = state_size<Axes>;
+    Columns<Axes, Number> columns = seen.cross;
     for (int j = 1; j < Axes; ++j)
-        for (int k = 0; k < j; ++k) {
-            const double factor = seen.factor[k * Axes + j];
-            for (int row = 0; row < n; ++row)
-                columns[j * n + row] -= factor * columns[k * n + row];
-        }
+        for (int k = 0; k < j; ++k)
+            for (int row = 0; row < size; ++row)
+                columns[j * size + row] -= seen.factor[in_triangle(j, k)] * columns[k * size + row];
     return columns;
 }
 
-/// Of U.
-template <int Axes, int Blocks>
-inline Eigen::Matrix<double, Axes, Axes> inverse_factor(const Seen<Axes, Blocks>& seen) {
-    Eigen::Matrix<double, Axes, Axes> inverse = Eigen::Matrix<double, Axes, Axes>::Identity();
-    for (int j = 1; j < Axes; ++j)
-        for (int k = 0; k < j; ++k)
-            inverse.row(j) -= seen.factor[k * Axes + j] * inverse.row(k);
-    return inverse;
-}
-
-/// A square matrix times some columns, one whole column of the matrix after the other.
-template <int Size, int Count>
-inline Eigen::Matrix<double, Size, Count> times_columns(
-    const Eigen::Matrix<double, Size, Size>& matrix,
-    const Eigen::Matrix<double, Size, Count>& columns) {
-    Eigen::Matrix<double, Size, Count> product;
-    for (int column = 0; column < Count; ++column) {
-        double sum[Size] = {};
-        for (int i = 0; i < Size; ++i) {
-            const double factor = columns(i, column);
-            for (int row = 0; row < Size; ++row)
-                sum[row] += matrix.data()[i * Size + row] * factor;
+/// (I - K H) P (I - K H)' + K R K', one side after the other, from K U = `scaled`.
+template <int Axes, class Number>
+Numbers<Number, state_size<Axes> * state_size<Axes>> joseph_form(
+    const Seen<Axes, Number>& seen, const Columns<Axes, Number>& scaled,
+    const Triangle<Number, Axes>& covariance, const Number* p) {
+    constexpr int size = state_size<Axes>;
+    Columns<Axes, Number> gain = scaled;
+    for (int j = Axes - 2; j >= 0; --j)
+        for (int i = j + 1; i < Axes; ++i)
+            for (int row = 0; row < size; ++row)
+                gain[j * size + row] -= gain[i * size + row] * seen.factor[in_triangle(i, j)];
+    // `one_side` is P - K (P H')', as rounded; `rest` is K R less what the measurement sees of it.
+    Numbers<Number, size * size> one_side;
+    for (int row = 0; row < size; ++row)
+        for (int column = 0; column < size; ++column) {
+            Number value = row >= column ? p[row * size + column] : p[column * size + row];
+            for (int a = 0; a < Axes; ++a)
+                value -= gain[a * size + row] * seen.cross[a * size + column];
+            one_side[row * size + column] = value;
         }
-        for (int row = 0; row < Size; ++row)
-            product(row, column) = sum[row];
-    }
-    return product;
+    Columns<Axes, Number> rest;
+    for (int a = 0; a < Axes; ++a)
+        for (int row = 0; row < size; ++row) {
+            Number sum{};
+            for (int b = 0; b < Axes; ++b)
+                sum +=
+                    gain[b * size + row] * covariance[in_triangle(std::max(a, b), std::min(a, b))];
+            rest[a * size + row] =
+                sum - (one_side[row * size + a] + one_side[row * size + 3 * Axes + a]);
+        }
+    for (int row = 0; row < size; ++row)
+        for (int column = 0; column <= row; ++column)
+            for (int a = 0; a < Axes; ++a)
+                one_side[row * size + column] += rest[a * size + row] * gain[a * size + column];
+    return one_side;
 }
 
-/// (I - K H) P (I - K H)' + K R K', one side after the other, in place.
-template <int Axes, int Blocks>
-inline void take_in_by_joseph(const Seen<Axes, Blocks>& seen, const double* noise,
-                              const Numbers<Layout<Axes, Blocks>::size * Axes>& columns,
-                              double* p) {
-    using L = Layout<Axes, Blocks>;
-    constexpr int n = L::size;
-    using Columns = Eigen::Matrix<double, n, Axes>;
-    using Small = Eigen::Matrix<double, Axes, Axes>;
-    const Eigen::Map<const Columns> cross(seen.cross.data());
-    const Eigen::Map<const Eigen::Matrix<double, Axes, 1>> weights(seen.inverse_variance.data());
-    const Columns gain = Eigen::Map<const Columns>(columns.data()) * weights.asDiagonal() *
-                         inverse_factor<Axes, Blocks>(seen);
-    Eigen::Map<Eigen::Matrix<double, n, n>> covariance(p);
-    const Eigen::Matrix<double, n, n> one_side = covariance - gain * cross.transpose();
-    Columns rest = gain * Eigen::Map<const Small>(noise) - one_side.template leftCols<Axes>();
-    if constexpr (Blocks == 4) rest -= one_side.template rightCols<Axes>();
-    covariance = one_side + rest * gain.transpose();
-    mirror<n>(p);
+inline bool any_of(bool holds) {
+    return holds;
+}
+/// Whether a comparison holds in any lane.
+template <class Comparison>
+bool any_of(const Comparison& holds) {
+    for (std::size_t i = 0; i < sizeof holds / sizeof holds[0]; ++i)
+        if (holds[i]) return true;
+    return false;
 }
 
-/// Takes the measurement in. `noise` is its covariance as the model has it. The updated covariance
-/// is symmetric but for rounding.
-template <int Axes, int Blocks>
-inline void take_in(const Seen<Axes, Blocks>& seen, const double* noise, double* mean, double* p) {
-    constexpr int n = Layout<Axes, Blocks>::size;
-    const auto columns = independent_cross<Axes, Blocks>(seen);
-    for (int axis = 0; axis < Axes; ++axis) {
-        const double* const cross = columns.data() + axis * n;
-        double scaled[n];
-        for (int row = 0; row < n; ++row)
-            scaled[row] = cross[row] * seen.inverse_variance[axis];
-        for (int row = 0; row < n; ++row)
-            mean[row] += scaled[row] * seen.independent[axis];
-        if (seen.digits_lost) continue;
-        for (int column = 0; column < n; ++column)
-            for (int row = 0; row < n; ++row)
-                p[column * n + row] -= scaled[row] * cross[column];
-    }
-    if (seen.digits_lost) take_in_by_joseph<Axes, Blocks>(seen, noise, columns, p);
+/// Takes the measurement in: by the short form of the covariance, or by Joseph's where that would
+/// lose digits.
+template <int Axes, class Number>
+void take_in(const Seen<Axes, Number>& seen, const Triangle<Number, Axes>& covariance, Number* mean,
+             Number* p) {
+    constexpr int size = state_size<Axes>;
+    const Columns<Axes, Number> columns = independent_cross(seen);
+    Columns<Axes, Number> scaled = columns;
+    for (int j = 0; j < Axes; ++j)
+        for (int row = 0; row < size; ++row) {
+            scaled[j * size + row] *= seen.inverse_variance[j];
+            mean[row] += scaled[j * size + row] * seen.independent[j];
+        }
+    const auto subtract = [&] {
+        for (int a = 0; a < Axes; ++a)
+            for (int row = 0; row < size; ++row)
+                for (int column = 0; column <= row; ++column)
+                    p[row * size + column] -= scaled[a * size + row] * columns[a * size + column];
+    };
+    if (!any_of(seen.digits_lost)) return subtract();
+    const auto joseph = joseph_form(seen, scaled, covariance, p);
+    subtract();
+    for (int i = 0; i < size * size; ++i)
+        p[i] = seen.digits_lost ? joseph[i] : p[i];
 }
 
 }  // namespace runcert::kernel

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "core/failure.h"
@@ -29,7 +30,7 @@ void KalmanFilter<Axes>::prepare(const StepKind& kind) {
     if (kind == kind_) return;
     kind_ = kind;
     step_ = axis_step(model_, kind);
-    kernel_step_ = kernel::Transition(step_);
+    numbers_ = kernel::step_of(step_);
     transition_ = runcert::transition<Axes>(step_);
 }
 
@@ -37,6 +38,12 @@ template <int Axes>
 const AxisStep& KalmanFilter<Axes>::step_of(const StepKind& kind) {
     prepare(kind);
     return step_;
+}
+
+template <int Axes>
+const kernel::Step<double>& KalmanFilter<Axes>::numbers_of(const StepKind& kind) {
+    prepare(kind);
+    return numbers_;
 }
 
 template <int Axes>
@@ -48,16 +55,15 @@ const StateMatrix<Axes>& KalmanFilter<Axes>::transition_of(const StepKind& kind)
 template <int Axes>
 void KalmanFilter<Axes>::carry(StateEstimate<Axes>& estimate, const StepKind& kind) {
     prepare(kind);
-    kernel::carry<Axes, 4>(kernel_step_, estimate.mean.data());
-    kernel::carry_covariance<Axes, 4>(kernel_step_, estimate.covariance.data());
-    kernel::add_noise<Axes, 4>(step_, estimate.covariance.data());
+    kernel::carry<Axes>(numbers_, estimate.mean.data());
+    kernel::carry_covariance<Axes>(numbers_, estimate.covariance.data());
+    kernel::mirror<state_size<Axes>>(estimate.covariance.data());
 }
 
 template <int Axes>
-StateEstimate<Axes> KalmanFilter<Axes>::predict(const StateEstimate<Axes>& estimate, double dt_s) {
-    StateEstimate<Axes> predicted = estimate;
-    carry(predicted, {.length_ns = std::llround(dt_s * 1e9)});
-    return predicted;
+StateEstimate<Axes> KalmanFilter<Axes>::predict(StateEstimate<Axes> estimate, double dt_s) {
+    carry(estimate, {.length_ns = std::llround(dt_s * 1e9)});
+    return estimate;
 }
 
 template <int Axes>
@@ -70,12 +76,10 @@ void KalmanFilter<Axes>::carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<
 }
 
 template <int Axes>
-StateEstimate<Axes> KalmanFilter<Axes>::predict_to(const StateEstimate<Axes>& estimate,
-                                                   const ArcEpoch<Axes>& from,
-                                                   const ArcEpoch<Axes>& to) {
-    StateEstimate<Axes> predicted = estimate;
-    carry_to(predicted, from, to);
-    return predicted;
+kernel::Triangle<double, Axes> KalmanFilter<Axes>::noise_of(
+    const PositionMeasurement<Axes>& measurement) const {
+    const double scale = model_.measurement_scale * model_.measurement_scale;
+    return kernel::triangle_of(PositionMatrix<Axes>(scale * measurement.covariance));
 }
 
 template <int Axes>
@@ -89,9 +93,8 @@ Innovation<Axes> KalmanFilter<Axes>::innovation(
                         p.template topRightCorner<Axes, Axes>() +
                         p.template bottomLeftCorner<Axes, Axes>() +
                         p.template bottomRightCorner<Axes, Axes>() + scale * measurement.covariance;
-    const PositionMatrix<Axes> noise = scale * measurement.covariance;
-    result.statistic = kernel::see<Axes, 4>(predicted.mean.data(), p.data(),
-                                            measurement.position.data(), noise.data())
+    result.statistic = kernel::see<Axes>(predicted.mean.data(), p.data(),
+                                         measurement.position.data(), noise_of(measurement))
                            .statistic;
     return result;
 }
@@ -106,28 +109,19 @@ typename KalmanFilter<Axes>::GainMatrix KalmanFilter<Axes>::gain(
 }
 
 template <int Axes>
-kernel::Seen<Axes, 4> KalmanFilter<Axes>::take_in(
+typename KalmanFilter<Axes>::Seen KalmanFilter<Axes>::take_in(
     StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const {
-    const double scale = model_.measurement_scale * model_.measurement_scale;
-    const PositionMatrix<Axes> noise = scale * measurement.covariance;
-    const auto seen = kernel::see<Axes, 4>(estimate.mean.data(), estimate.covariance.data(),
-                                           measurement.position.data(), noise.data());
-    kernel::take_in<Axes, 4>(seen, noise.data(), estimate.mean.data(), estimate.covariance.data());
+    const auto noise = noise_of(measurement);
+    const Seen seen = kernel::see<Axes>(estimate.mean.data(), estimate.covariance.data(),
+                                        measurement.position.data(), noise);
+    kernel::take_in(seen, noise, estimate.mean.data(), estimate.covariance.data());
     kernel::mirror<state_size<Axes>>(estimate.covariance.data());
     return seen;
 }
 
 template <int Axes>
-StateEstimate<Axes> KalmanFilter<Axes>::update(const StateEstimate<Axes>& predicted,
-                                               const PositionMeasurement<Axes>& measurement) const {
-    StateEstimate<Axes> updated = predicted;
-    take_in(updated, measurement);
-    return updated;
-}
-
-template <int Axes>
 void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s) {
-    if (kernel::is_positive_definite<Axes>(covariance.data())) return;
+    if (kernel::is_positive_definite<Axes>(kernel::triangle_of(covariance))) return;
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   "the stated covariance of the position is not positive definite",
                   "Check the stated standard deviations and correlations of this epoch");
@@ -135,6 +129,34 @@ void require_positive_definite(const PositionMatrix<Axes>& covariance, double ti
 template void require_positive_definite<1>(const PositionMatrix<1>&, double);
 template void require_positive_definite<2>(const PositionMatrix<2>&, double);
 template void require_positive_definite<3>(const PositionMatrix<3>&, double);
+
+template <int Axes>
+double memory_s(std::span<const ArcEpoch<Axes>> epochs, const EstimationModel& model) {
+    constexpr double time_constants = 28.0;
+    double variance_m2 = 0.0;
+    double least_factor = epochs.back().jerk_factor;
+    for (const ArcEpoch<Axes>& epoch : epochs) {
+        least_factor = std::min(least_factor, epoch.jerk_factor);
+        if (epoch.measurement)
+            variance_m2 = std::max(variance_m2, epoch.measurement->covariance.trace());
+    }
+    variance_m2 *= model.measurement_scale * model.measurement_scale;
+    const double interval_s =
+        (epochs.back().time_s - epochs.front().time_s) / static_cast<double>(epochs.size() - 1);
+    const GaussMarkovError& error = model.error;
+    const double slow_m2 =
+        std::max(error.initial_sigma_m * error.initial_sigma_m,
+                 0.5 * error.tau_s * error.process_density * error.process_density);
+    const auto uncertain_s = [&](double density) {
+        return std::cbrt(std::sqrt(density) / (least_factor * model.motion.jerk_density));
+    };
+    return time_constants *
+           (error.tau_s + 2.0 * interval_s + 2.0 * uncertain_s(variance_m2 * interval_s) +
+            2.0 * uncertain_s(2.0 * slow_m2 * error.tau_s));
+}
+
+template double memory_s<1>(std::span<const ArcEpoch<1>>, const EstimationModel&);
+template double memory_s<2>(std::span<const ArcEpoch<2>>, const EstimationModel&);
 
 template class KalmanFilter<1>;
 template class KalmanFilter<2>;

@@ -62,6 +62,10 @@ struct Innovation {
 template <int Axes>
 class KalmanFilter {
   public:
+    using Seen = kernel::Seen<Axes, double>;
+    /// What an innovation moves the state by: P H' S^-1.
+    using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
+
     explicit KalmanFilter(const EstimationModel& model) : model_(model) {}
 
     const EstimationModel& model() const { return model_; }
@@ -71,23 +75,21 @@ class KalmanFilter {
     /// measurement of 10 mm it moves a position by 1e-8 of the distance between the two.
     StateEstimate<Axes> prior(const PositionVector<Axes>& position) const;
 
-    /// The estimate carried on by `dt` seconds, at the model's own jerk density.
-    StateEstimate<Axes> predict(const StateEstimate<Axes>& estimate, double dt_s);
+    /// Carries the estimate on by `dt` seconds, at the model's own jerk density.
+    StateEstimate<Axes> predict(StateEstimate<Axes> estimate, double dt_s);
 
-    /// The estimate of `from` carried on to the arc's next epoch. Across a bridged step the
+    /// Carries the estimate of `from` on to the arc's next epoch. Across a bridged step the
     /// position becomes vague, as in the prior, in the frame of the offset positions.
-    StateEstimate<Axes> predict_to(const StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
-                                   const ArcEpoch<Axes>& to);
-
-    /// The same two in place, for passes in which every epoch counts: carries an estimate on to the
-    /// arc's next epoch, and takes a measurement in.
     void carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                   const ArcEpoch<Axes>& to);
-    kernel::Seen<Axes, 4> take_in(StateEstimate<Axes>& estimate,
-                                  const PositionMeasurement<Axes>& measurement) const;
 
-    /// A step for one axis, and its transition for all.
+    /// Takes a measurement in: P - P H' inverse(S) H P, or, where the measurement is so much better
+    /// than the prediction that this would lose digits, Joseph's form, one side after the other.
+    Seen take_in(StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const;
+
+    /// A step for one axis, the five numbers of its transition, and the transition for all axes.
     const AxisStep& step_of(const StepKind& kind);
+    const kernel::Step<double>& numbers_of(const StepKind& kind);
     const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
     /// A measured position less the predicted one: the measurement sees position and error.
@@ -99,24 +101,18 @@ class KalmanFilter {
     Innovation<Axes> innovation(const StateEstimate<Axes>& predicted,
                                 const PositionMeasurement<Axes>& measurement) const;
 
-    /// What an innovation moves the state by: P H' S^-1.
-    using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
     GainMatrix gain(const StateEstimate<Axes>& predicted, const Innovation<Axes>& seen) const;
-
-    /// The estimate with the measurement taken in: P - P H' inverse(S) H P, or, where the
-    /// measurement is so much better than the prediction that this would lose digits, Joseph's
-    /// form, one side after the other.
-    StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
-                               const PositionMeasurement<Axes>& measurement) const;
 
   private:
     void prepare(const StepKind& kind);
     void carry(StateEstimate<Axes>& estimate, const StepKind& kind);
+    /// The measurement's covariance as the model has it.
+    kernel::Triangle<double, Axes> noise_of(const PositionMeasurement<Axes>& measurement) const;
 
     EstimationModel model_;
     StepKind kind_;
     AxisStep step_;
-    kernel::Transition kernel_step_;
+    kernel::Step<double> numbers_;
     StateMatrix<Axes> transition_;
 };
 
@@ -158,21 +154,32 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
     StateEstimate<Axes> estimate;
     UnknownsToTell unknowns;
     for (std::size_t k = 0; k < arc.size(); ++k) {
-        const StateEstimate<Axes> predicted =
-            k == 0 ? filter.prior(arc[0].measurement.value().position)
-                   : filter.predict_to(estimate, arc[k - 1], arc[k]);
+        if (k == 0)
+            estimate = filter.prior(arc[0].measurement.value().position);
+        else
+            filter.carry_to(estimate, arc[k - 1], arc[k]);
         if (k > 0 && arc[k].step_before) unknowns.add_step();
-        if (arc[k].measurement) {
-            require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-            Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
-            seen.tests_model = !unknowns.determined_by_measurement();
-            estimate = filter.update(predicted, *arc[k].measurement);
-            visit(k, predicted, &seen, estimate);
-        } else {
-            estimate = predicted;
+        const StateEstimate<Axes> predicted = estimate;
+        if (!arc[k].measurement) {
             visit(k, predicted, static_cast<const Innovation<Axes>*>(nullptr), estimate);
+            continue;
         }
+        require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
+        Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
+        seen.tests_model = !unknowns.determined_by_measurement();
+        filter.take_in(estimate, *arc[k].measurement);
+        visit(k, predicted, &seen, estimate);
     }
 }
+
+/// Time (s) over which an estimate under the model forgets what was before by a factor of 1e12,
+/// twelve digits of the distance of what is supposed there from what is: 28 times the longest time
+/// constant of the filter, which is below the correlation time of the time-correlated error, two
+/// intervals, and twice the times in which the motion becomes as uncertain as white noise and
+/// time-correlated error leave it ((density / jerk density)^(1/3), the pole of the steady filter of
+/// third order). White noise, at its largest, and mean interval are those of the epochs, of which
+/// there must be two.
+template <int Axes>
+double memory_s(std::span<const ArcEpoch<Axes>> epochs, const EstimationModel& model);
 
 }  // namespace runcert

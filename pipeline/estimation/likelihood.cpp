@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "core/parallel.h"
-#include "estimation/innovation_filter.h"
+#include "estimation/filter_kernel.h"
 
 namespace runcert {
 
@@ -40,14 +40,17 @@ class LogOfProduct {
     double sum_ = 0.0;
 };
 
-/// The filters of as many models as stand side by side.
+/// One number for each of several models: two take less time than one takes in scalar numbers.
+constexpr std::size_t models_side_by_side = 2;
+using SideBySide = double __attribute__((vector_size(models_side_by_side * sizeof(double))));
+
+/// The forward filters of as many models as stand side by side, as far as their likelihood needs
+/// them. KalmanFilter is the same filter of one.
 template <int Axes>
 class Likelihood {
   public:
-    static constexpr std::size_t models_at_once = models_side_by_side;
-
     explicit Likelihood(std::span<const EstimationModel> models) : models_(models) {
-        for (std::size_t i = 0; i < models_at_once; ++i) {
+        for (std::size_t i = 0; i < models_side_by_side; ++i) {
             const double scale = models[i].measurement_scale;
             scale_[i] = scale * scale;
         }
@@ -61,19 +64,18 @@ class Likelihood {
     template <class Visited>
     void add(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
         if (arc.empty()) return;
-        Filter filter = begin(arc[0].measurement.value().position);
+        begin(arc[0].measurement.value().position);
         UnknownsToTell unknowns;
         for (std::size_t k = 0; k < arc.size(); ++k) {
-            if (k > 0) {
-                filter.carry(step_of(step_kind(arc[k - 1], arc[k])));
-                if (arc[k].step_before) {
-                    filter.add_offset(vague_position_sigma_m * vague_position_sigma_m);
-                    unknowns.add_step();
-                }
+            if (k > 0) carry(step_kind(arc[k - 1], arc[k]));
+            if (k > 0 && arc[k].step_before) {
+                for (int a = 0; a < Axes; ++a)
+                    covariance_[a * size + a] += vague_position_sigma_m * vague_position_sigma_m;
+                unknowns.add_step();
             }
             if (arc[k].measurement) {
                 require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-                const auto seen = filter.take_in(measured(*arc[k].measurement));
+                const auto seen = take_in(*arc[k].measurement);
                 if (!unknowns.determined_by_measurement()) count(seen);
             }
             visited(k);
@@ -87,70 +89,64 @@ class Likelihood {
     }
 
   private:
-    using Filter = InnovationFilter<Axes>;
-    using Step = typename Filter::Step;
+    static constexpr int size = state_size<Axes>;
+    using Seen = kernel::Seen<Axes, SideBySide>;
 
-    void count(const typename Filter::Seen& seen) {
+    void count(const Seen& seen) {
         statistic_ += seen.statistic;
-        for (std::size_t i = 0; i < models_at_once; ++i)
+        for (std::size_t i = 0; i < models_side_by_side; ++i)
             determinants_[i].multiply(seen.determinant[i]);
         values_ += Axes;
     }
 
-    Filter begin(const PositionVector<Axes>& position) const {
-        typename Filter::template Array<Filter::size> mean{};
-        typename Filter::template Array<Filter::size> variance{};
-        for (std::size_t i = 0; i < models_at_once; ++i) {
+    void begin(const PositionVector<Axes>& position) {
+        for (std::size_t i = 0; i < models_side_by_side; ++i) {
             const StateEstimate<Axes> prior = KalmanFilter<Axes>(models_[i]).prior(position);
-            for (int row = 0; row < Filter::size; ++row) {
-                mean[static_cast<std::size_t>(row)][i] = prior.mean(row);
-                variance[static_cast<std::size_t>(row)][i] = prior.covariance(row, row);
+            for (int row = 0; row < size; ++row) {
+                mean_[row][i] = prior.mean(row);
+                for (int column = 0; column <= row; ++column)
+                    covariance_[row * size + column][i] = prior.covariance(row, column);
             }
         }
-        return Filter(mean, variance);
     }
 
-    typename Filter::Measured measured(const PositionMeasurement<Axes>& measurement) const {
-        typename Filter::Measured result;
-        std::size_t next = 0;
-        for (int row = 0; row < Axes; ++row) {
-            result.position[static_cast<std::size_t>(row)] = measurement.position(row);
+    /// To the next epoch. A step is kept while steps are of one kind; and what the jerk's density
+    /// does not change, while they are of one length.
+    void carry(const StepKind& kind) {
+        if (kind != kind_) {
+            const bool same_length = kind.length_ns == kind_.length_ns;
+            kind_ = kind;
+            for (std::size_t i = 0; i < models_side_by_side; ++i) {
+                if (!same_length) of_length_[i] = axis_step(models_[i], kind.dt_s());
+                kernel::set_step(step_, with_jerk(of_length_[i], kind.jerk_factor),
+                                 [i](SideBySide& number, double value) { number[i] = value; });
+            }
+        }
+        kernel::carry<Axes>(step_, mean_.data());
+        kernel::carry_covariance<Axes>(step_, covariance_.data());
+    }
+
+    Seen take_in(const PositionMeasurement<Axes>& measurement) {
+        kernel::Triangle<SideBySide, Axes> noise;
+        for (int row = 0; row < Axes; ++row)
             for (int column = 0; column <= row; ++column)
-                result.covariance[next++] = scale_ * measurement.covariance(row, column);
-        }
-        return result;
-    }
-
-    /// Kept while steps are of one kind; and what the jerk's density does not change, while they
-    /// are of one length.
-    const Step& step_of(const StepKind& kind) {
-        if (kind == kind_) return step_;
-        const bool same_length = kind.length_ns == kind_.length_ns;
-        kind_ = kind;
-        for (std::size_t i = 0; i < models_at_once; ++i) {
-            if (!same_length) of_length_[i] = axis_step(models_[i], kind.dt_s());
-            const AxisStep one = with_jerk(of_length_[i], kind.jerk_factor);
-            step_.position_of_velocity[i] = one.transition(0, 1);
-            step_.position_of_acceleration[i] = one.transition(0, 2);
-            step_.velocity_of_acceleration[i] = one.transition(1, 2);
-            step_.acceleration[i] = one.transition(2, 2);
-            step_.error[i] = one.error_transition;
-            step_.error_noise[i] = one.error_noise;
-            std::size_t next = 0;
-            for (int row = 0; row < 3; ++row)
-                for (int column = 0; column <= row; ++column)
-                    step_.noise[next++][i] = one.process_noise(row, column);
-        }
-        return step_;
+                noise[kernel::in_triangle(row, column)] =
+                    scale_ * measurement.covariance(row, column);
+        const Seen seen =
+            kernel::see<Axes>(mean_.data(), covariance_.data(), measurement.position.data(), noise);
+        kernel::take_in(seen, noise, mean_.data(), covariance_.data());
+        return seen;
     }
 
     std::span<const EstimationModel> models_;
     SideBySide scale_{};
     StepKind kind_;
-    std::array<AxisStep, models_at_once> of_length_;
-    Step step_;
+    std::array<AxisStep, models_side_by_side> of_length_;
+    kernel::Step<SideBySide> step_;
+    kernel::Numbers<SideBySide, size> mean_{};
+    kernel::Numbers<SideBySide, size * size> covariance_{};
     SideBySide statistic_{};
-    std::array<LogOfProduct, models_at_once> determinants_;
+    std::array<LogOfProduct, models_side_by_side> determinants_;
     std::int64_t values_ = 0;
 };
 

@@ -6,14 +6,6 @@
 #include <cmath>
 
 namespace runcert {
-namespace {
-
-/// The whole-nanosecond length of a step, by which steps are the same.
-std::int64_t step_ns(double dt_s) {
-    return std::llround(dt_s * 1e9);
-}
-
-}  // namespace
 
 template <int Axes>
 LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
@@ -50,13 +42,9 @@ LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
                        });
     std::int64_t last_ns = -1;
     for (std::size_t k = 0; k + 1 < arc.size(); ++k) {
-        const double dt_s = arc[k + 1].time_s - arc[k].time_s;
-        if (step_ns(dt_s) != last_ns) {
-            const AxisStep& step = filter.step_of(step_kind(arc[k], arc[k + 1]));
-            const Eigen::Matrix3d& f = step.transition;
-            steps_.push_back({f(0, 1), f(0, 2), f(1, 2), f(2, 2), step.error_transition});
-            last_ns = step_ns(dt_s);
-        }
+        const StepKind kind = step_kind(arc[k], arc[k + 1]);
+        if (kind.length_ns != last_ns) steps_.push_back(filter.numbers_of(kind));
+        last_ns = kind.length_ns;
         epochs_[k].step = steps_.size() - 1;
     }
 }
@@ -80,27 +68,6 @@ struct LinearSmoother<Axes>::Pass {
             one.setZero();
     }
 
-    static void carry_forward(const Transition& step, State& state) {
-        for (std::size_t a = 0; a < axes; ++a) {
-            state[a] += step.position_by_velocity * state[axes + a] +
-                        step.position_by_acceleration * state[2 * axes + a];
-            state[axes + a] += step.velocity_by_acceleration * state[2 * axes + a];
-            state[2 * axes + a] *= step.acceleration;
-            state[3 * axes + a] *= step.error;
-        }
-    }
-
-    /// The transposed transition.
-    static void carry_back(const Transition& step, State& score) {
-        for (std::size_t a = 0; a < axes; ++a) {
-            score[2 * axes + a] = step.acceleration * score[2 * axes + a] +
-                                  step.velocity_by_acceleration * score[axes + a] +
-                                  step.position_by_acceleration * score[a];
-            score[axes + a] += step.position_by_velocity * score[a];
-            score[3 * axes + a] *= step.error;
-        }
-    }
-
     void forward(std::span<const Positions> measured) {
         State state;
         set_zero(state);
@@ -109,7 +76,8 @@ struct LinearSmoother<Axes>::Pass {
         auto bridge = smoother.bridges_.begin();
         for (std::size_t k = 0; k < measured.size(); ++k) {
             const Epoch& epoch = smoother.epochs_[k];
-            if (k > 0) carry_forward(smoother.steps_[smoother.epochs_[k - 1].step], state);
+            if (k > 0)
+                kernel::carry<Axes>(smoother.steps_[smoother.epochs_[k - 1].step], state.data());
             for (; bridge != smoother.bridges_.end() && k == bridge->step.epoch; ++bridge)
                 at_bridges.push_back(state);
             if (bridge != smoother.bridges_.end() && k + 1 == bridge->step.epoch)
@@ -139,7 +107,8 @@ struct LinearSmoother<Axes>::Pass {
         auto state = at_bridges.rbegin();
         for (std::size_t k = positions.size(); k-- > 0;) {
             const Epoch& epoch = smoother.epochs_[k];
-            if (k + 1 < positions.size()) carry_back(smoother.steps_[epoch.step], score);
+            if (k + 1 < positions.size())
+                kernel::carry_back<Axes>(smoother.steps_[epoch.step], score.data());
             Positions own = weighted[k];
             for (std::size_t a = 0; a < axes; ++a)
                 for (std::size_t i = 0; i < size; ++i)

@@ -59,19 +59,11 @@ class LinearSmoother {
         StateMatrix<Axes> before = StateMatrix<Axes>::Zero();
         StateMatrix<Axes> after = StateMatrix<Axes>::Zero();
     };
-    /// A step in time, alone what the state's transition does not have as 0 or 1.
-    struct Transition {
-        double position_by_velocity = 0.0;
-        double position_by_acceleration = 0.0;
-        double velocity_by_acceleration = 0.0;
-        double acceleration = 1.0;
-        double error = 1.0;
-    };
     template <int Lanes>
     struct Pass;
 
     std::vector<Epoch> epochs_;
-    std::vector<Transition> steps_;  ///< distinct ones
+    std::vector<kernel::Step<double>> steps_;  ///< distinct ones
     std::vector<Bridge> bridges_;
 };
 

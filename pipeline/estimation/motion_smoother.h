@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "estimation/filter_kernel.h"
 #include "estimation/kalman.h"
 
 namespace runcert {
@@ -17,17 +16,11 @@ namespace runcert {
 /// RTS step, and memory stays small: of the forward filter one state in `epochs_at_once` is kept,
 /// and what lies between is filtered again on the way back.
 ///
-/// `Blocks` is 4, or 3 for position, velocity and acceleration alone, without the Gauss-Markov
-/// error.
-///
 ///     for (MotionSmoother<2> at(arc, model); !at.done(); at.step_back())
 ///         use(at.epoch(), at.mean(), at.covariance(MotionSmoother<2>::velocity));
-template <int Axes, int Blocks = 4>
+template <int Axes>
 class MotionSmoother {
   public:
-    static constexpr int size = Axes * Blocks;
-    using State = Eigen::Matrix<double, size, 1>;
-    using StateCovariance = Eigen::Matrix<double, size, size>;
     static constexpr std::size_t epochs_at_once = 256;
 
     /// Kinds of coordinates.
@@ -50,9 +43,9 @@ class MotionSmoother {
     void step_back();
 
     /// Given all measurements of the arc: position, velocity, acceleration (m, s) and the error.
-    const State& mean() const { return mean_; }
+    const StateVector<Axes>& mean() const { return mean_; }
     PositionMatrix<Axes> covariance(int kind) const;
-    StateCovariance covariance() const;  ///< of all
+    StateMatrix<Axes> covariance() const;  ///< of all
 
     /// How far from symmetric it is before it is made so, relative.
     double asymmetry() const;
@@ -61,45 +54,37 @@ class MotionSmoother {
     std::int64_t measurements() const { return measurements_; }
 
   private:
-    struct Filtered {
-        State mean;
-        StateCovariance covariance;
-    };
+    using Seen = typename KalmanFilter<Axes>::Seen;
+
     /// An epoch with its measurement taken in, if it has one.
     struct Visited {
-        Filtered filtered;
-        kernel::Seen<Axes, Blocks> seen;
+        StateEstimate<Axes> filtered;
+        Seen seen;
     };
 
-    void prepare(std::size_t k);
-    Filtered begin() const;
-    kernel::Seen<Axes, Blocks> take_in(std::size_t k, Filtered& state) const;
-    kernel::Seen<Axes, Blocks> carry_and_take_in(std::size_t k, Filtered& state);
-    void carry_on(std::size_t k, Filtered& state) const;
+    void take_in(std::size_t k, Visited& at);
+    void carry_and_take_in(std::size_t k, Visited& at);
     void filter_again(std::size_t piece);
-    void back_through_measurement(const kernel::Seen<Axes, Blocks>& seen);
-    StateCovariance unsymmetrised() const;
+    void back_through_measurement(const Seen& seen);
+    StateMatrix<Axes> unsymmetrised() const;
     void smooth_here();
     void smooth_here_by_rts();
     const Visited& here() const { return piece_[epoch_ % epochs_at_once]; }
 
     std::span<const ArcEpoch<Axes>> arc_;
-    EstimationModel model_;
-    StepKind kind_;
-    AxisStep step_;
-    kernel::Transition transition_;
+    KalmanFilter<Axes> filter_;
 
     std::vector<Visited> kept_;  // the first epoch of each piece
     std::vector<Visited> piece_;
     std::size_t epoch_ = 0;
     bool done_ = false;
-    State mean_;
+    StateVector<Axes> mean_;
     bool by_rts_ = false;  // then the covariance is there too
-    StateCovariance covariance_;
-    Filtered next_;  // the smoothed state one epoch later, where an RTS step may need it
+    StateMatrix<Axes> covariance_;
+    StateEstimate<Axes> next_;  // the smoothed state one epoch later, where an RTS step may need it
     // What later measurements say: of the state a gradient, of its covariance an information.
-    State gradient_ = State::Zero();
-    StateCovariance information_ = StateCovariance::Zero();
+    StateVector<Axes> gradient_ = StateVector<Axes>::Zero();
+    StateMatrix<Axes> information_ = StateMatrix<Axes>::Zero();
     double innovation_sum_ = 0.0;
     std::int64_t measurements_ = 0;
 };

@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "estimation/memory.h"
+#include "estimation/kalman.h"
 #include "stages/screen/section_tests.h"
 #include "witness/screening_noise.h"
 

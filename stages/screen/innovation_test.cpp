@@ -45,7 +45,8 @@ class ArcFilter {
 
     /// Takes in the epoch last asked about.
     void accept(const ScreenedEpoch& row) {
-        estimate_ = filter_.update(predicted_, measurement_of<Axes>(row, variance_factor_));
+        estimate_ = predicted_;
+        filter_.take_in(estimate_, measurement_of<Axes>(row, variance_factor_));
         time_s_ = row.time.seconds();
         started_ = true;
         ++taken_;

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/memory.h"
+#include "estimation/kalman.h"
 #include "witness/arcs.h"
 #include "witness/window_ends.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
-#include "estimation/fixed_lag.h"
 #include "estimation/linear_smoother.h"
+#include "estimation/smoother.h"
 #include "estimation/speed.h"
 #include "estimation_test_support.h"
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "estimation/fixed_lag.h"
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 

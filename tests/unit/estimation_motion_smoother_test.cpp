@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "estimation/motion_smoother_definitions.h"
+#include "estimation/motion_smoother.h"
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
@@ -67,20 +67,6 @@ TEST(MotionSmoother, IsTheSmootherWhereTheMotionChanges) {
         arc[k].measurement.reset();
     arc = test::at_equal_steps(arc);
     expect_as_by_rts<2>(arc, singer_with_error);
-}
-
-TEST(MotionSmoother, WithoutTheErrorIsTheSmootherOfAnErrorOfNextToNothing) {
-    EstimationModel model = singer_with_error;
-    model.error = {.tau_s = 1.0, .process_density = 1e-9, .initial_sigma_m = 1e-9};
-    const std::vector<ArcEpoch<2>> arc = sample_arc<2>(300);
-    const SmoothedArc<2> expected = smooth<2>(arc, model);
-    for (MotionSmoother<2, 3> at(arc, model); !at.done(); at.step_back()) {
-        const StateEstimate<2>& state = expected.states[at.epoch()];
-        EXPECT_TRUE(at.mean().isApprox(state.mean.head<6>(), 1e-9));
-        for (const int kind : {0, 1, 2})
-            EXPECT_TRUE(at.covariance(kind).isApprox(
-                (state.covariance.block<2, 2>(2 * kind, 2 * kind)), 1e-7));
-    }
 }
 
 TEST(MotionSmoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {

@@ -59,8 +59,6 @@ int run_program(int argc, char** argv,
     app.add_option("--result", arguments.result, "where the smoothed points go")->required();
     app.add_option("--every", arguments.every, "of which epochs (default: 1)")
         ->check(CLI::PositiveNumber);
-    app.add_option("--states", arguments.states, "9, or 12 with a Gauss-Markov error (default: 9)")
-        ->check(CLI::IsMember({9, 12}));
     try {
         app.parse(argc, argv);
         fmt::print("{}\n", program(arguments).dump());

@@ -50,10 +50,9 @@ struct Arguments {
     std::filesystem::path data;
     std::filesystem::path result;
     std::size_t every = 1;
-    int states = 9;  ///< 12: with a Gauss-Markov error of the positions
 };
 
-/// Reads --data, --result, --every and --states, runs the program on them, prints as one line of
+/// Reads --data, --result and --every, runs the program on them, prints as one line of
 /// JSON what it returns; the exit status: 0, or 2 where something failed, which is said.
 int run_program(int argc, char** argv,
                 const std::function<nlohmann::ordered_json(const Arguments&)>& program);

@@ -12,7 +12,7 @@ BEGIN, END = "<!-- comparison: begin -->", "<!-- comparison: end -->"
 PICTURE = "comparison.svg"  # beside the page
 # Ours in blues; Okabe & Ito's colours, which colour-blind readers tell apart, for the others.
 COLOURS = {
-    "library": "#0040c0", "library-12": "#60a0ff", "certify": "#002060", "nmea": "#0040c0",
+    "library": "#0040c0", "certify": "#002060", "nmea": "#0040c0",
     "eigen": "#000000", "ceres": "#009e73", "statsmodels": "#d55e00", "statsmodels-all": "#f0a060",
     "numpy": "#e69f00", "octave": "#cc79a7", "gpsbabel": "#808080",
 }

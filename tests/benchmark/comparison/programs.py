@@ -151,8 +151,7 @@ NMEA_EPOCHS = 1_000_000  # a recording of more than a day would need its dates
 OCTAVE = ["octave-cli", "--no-gui", "--norc", "--no-history", "--quiet"]
 
 PROGRAMS = (
-    native("library", "runcert, 9 states", "library", bytes_per_epoch=700),
-    native("library-12", "runcert, 12 states", "library", "--states", "12", bytes_per_epoch=700),
+    native("library", "runcert", "library", bytes_per_epoch=700),
     native("eigen", "plain Eigen, -O3", "eigen", bytes_per_epoch=1600),
     native("ceres", "Ceres alone, means", "ceres", bytes_per_epoch=10100, compared_from=None),
     # In the first epochs its smoother loses what the prior takes of sixteen digits.

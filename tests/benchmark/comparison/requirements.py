@@ -112,11 +112,10 @@ def of_smoothers(m):
         return m.ratio((n, key), ours)
 
     return [
-        Requirement("statsmodels, its fastest / runcert, 9 states", times_ours("statsmodels"), 15),
+        Requirement("statsmodels, its fastest / runcert", times_ours("statsmodels"), 15),
         Requirement("statsmodels, as it comes / runcert", times_ours("statsmodels-all"), 15),
         Requirement("Octave / runcert", times_ours("octave"), 25),
         Requirement("runcert / plain Eigen", m.ratio(ours, (n, "eigen")), at_most=0.7),
-        Requirement("runcert, 12 states / 9 states", times_ours("library-12"), at_most=1.5),
     ]
 
 

@@ -9,9 +9,9 @@
 #include <cstdint>
 #include <numbers>
 
-#include "core/eigenvalues.h"
 #include "core/failure.h"
 #include "core/statistics.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 

@@ -69,4 +69,8 @@ std::string shell_word(std::string_view text);
 /// The lines of a text, without their ends.
 std::vector<std::string> lines_of(const std::string& text);
 
+/// A text as one cell of a CSV file (RFC 4180), quoted where it must be. One that a spreadsheet
+/// would take for a formula gets an apostrophe before it (OWASP, "CSV Injection").
+std::string csv_cell(std::string_view text);
+
 }  // namespace runcert

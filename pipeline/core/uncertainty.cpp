@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <string>
 
-#include "core/eigenvalues.h"
 #include "core/failure.h"
 #include "core/statistics.h"
 
@@ -138,6 +138,11 @@ std::optional<double> degrees_of_freedom(double relative_uncertainty) {
     const double degrees = 0.5 / (relative_uncertainty * relative_uncertainty);
     if (!std::isfinite(degrees)) return std::nullopt;
     return degrees;
+}
+
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly)
+        .eigenvalues();
 }
 
 }  // namespace runcert

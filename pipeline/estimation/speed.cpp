@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/eigenvalues.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 

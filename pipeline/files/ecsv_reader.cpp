@@ -5,7 +5,7 @@
 #include <span>
 #include <utility>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/ecsv.h"

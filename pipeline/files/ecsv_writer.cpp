@@ -4,8 +4,8 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "core/decimal.h"
 #include "core/failure.h"
-#include "core/fixed_text.h"
 #include "core/text.h"
 #include "files/ecsv.h"
 #include "files/yaml_output.h"

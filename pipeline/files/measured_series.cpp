@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 

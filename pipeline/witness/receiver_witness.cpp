@@ -1,7 +1,12 @@
 #include "witness/receiver_witness.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/statistics.h"
 
 namespace runcert {
 
@@ -74,5 +79,122 @@ std::optional<double> ReceiverWitness<Axes>::path_between(double from_s, double 
 
 template class ReceiverWitness<1>;
 template class ReceiverWitness<2>;
+
+namespace {
+
+using Eigen::Matrix2d, Eigen::Vector2d, Eigen::Vector3d;
+
+/// Beyond this two antennas are not on one craft that turns as a whole.
+constexpr double longest_baseline_m = 50.0;
+/// A craft points where it goes no better than this, and below this speed nobody knows where.
+constexpr double sigma_heading = 0.015;
+constexpr double slowest_m_s = 1.0;
+
+/// From the other's frame to the own one: places turn and shift, velocities turn.
+class FrameChange {
+  public:
+    FrameChange(const Track& other, const Track& own) {
+        if (!other.origin) return;
+        from_.emplace(*other.origin);
+        to_.emplace(*own.origin);
+    }
+    /// An epoch of the other's at a moment on either clock.
+    void apply(TrackEpoch& epoch, ElapsedTime there, ElapsedTime here) const {
+        if (!from_) return;
+        epoch.position_m = to_->enu_m(here, from_->geodetic(there, epoch.position_m));
+        const Geodetic& place = from_->at(there).origin();
+        const Eigen::Matrix3d turn =
+            to_->at(here).rotation_from_local(place.latitude, place.longitude);
+        epoch.velocity_m_s = turn * epoch.velocity_m_s;
+        epoch.acceleration_m_s2 = turn * epoch.acceleration_m_s2;
+    }
+
+  private:
+    std::optional<PlaceFrames> from_, to_;
+};
+
+ElapsedTime elapsed(double time_s) {
+    return {std::llround(time_s * 1e9)};
+}
+
+/// The other receiver's usable epochs in the own frame and time.
+std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool with_heights) {
+    const FrameChange frame(other, own);
+    const double later_s =
+        static_cast<double>(other.first_epoch->nanoseconds_since(*own.first_epoch)) * 1e-9;
+    std::vector<TrackEpoch> epochs;
+    for (TrackEpoch epoch : other.epochs) {
+        if (!epoch.usable || (with_heights && !epoch.has_height)) continue;
+        frame.apply(epoch, elapsed(epoch.time_s), elapsed(epoch.time_s + later_s));
+        epoch.time_s += later_s;
+        epochs.push_back(epoch);
+    }
+    return epochs;
+}
+
+/// The vector between the antennas along and across the track; `tolerance_s`: between epochs so
+/// near to one another the motion takes the one to the time of the other.
+Vector2d baseline_of(const std::vector<TrackEpoch>& epochs, double tolerance_s, const Track& own) {
+    std::vector<double> along, across;
+    std::size_t k = 0;
+    for (const TrackEpoch& at : own.epochs) {
+        if (!at.usable) continue;
+        while (k < epochs.size() && epochs[k].time_s < at.time_s - tolerance_s)
+            ++k;
+        if (k == epochs.size()) break;
+        const double to_s = at.time_s - epochs[k].time_s;
+        const Vector3d velocity = epochs[k].velocity_m_s + to_s * epochs[k].acceleration_m_s2;
+        if (to_s < -tolerance_s || velocity.head<2>().norm() < slowest_m_s) continue;
+        const Vector2d track = velocity.head<2>().normalized();
+        const Vector3d moved = 0.5 * to_s * (epochs[k].velocity_m_s + velocity);
+        const Vector2d apart = (epochs[k].position_m + moved - at.position_m).head<2>();
+        along.push_back(apart.dot(track));
+        across.push_back(apart.dot(Vector2d(-track.y(), track.x())));
+    }
+    if (along.empty()) return Vector2d::Zero();
+    const Vector2d baseline(median(std::move(along)), median(std::move(across)));
+    return baseline.norm() <= longest_baseline_m ? baseline : Vector2d::Zero();
+}
+
+}  // namespace
+
+template <int Axes>
+std::optional<ReceiverWitness<Axes>> receiver_witness(const Track& other, const Track& own) {
+    if (!other.first_epoch || !own.first_epoch ||
+        other.origin.has_value() != own.origin.has_value())
+        return std::nullopt;
+    const std::vector<TrackEpoch> epochs = epochs_of(other, own, Axes == 1);
+    if (epochs.empty()) return std::nullopt;
+    const Vector2d baseline = baseline_of(epochs, 0.5 * other.nominal_interval_s, own);
+    std::vector<OtherReceiverEpoch<Axes>> samples;
+    samples.reserve(epochs.size());
+    for (const TrackEpoch& epoch : epochs) {
+        OtherReceiverEpoch<Axes>& sample = samples.emplace_back();
+        sample.time_s = epoch.time_s;
+        sample.stretch = epoch.stretch;
+        if constexpr (Axes == 1) {
+            sample.position_m = epoch.position_m.tail<1>();
+            sample.velocity_m_s = epoch.velocity_m_s.tail<1>();
+            sample.covariance_m2 = epoch.variance_m2.tail<1>();
+        } else {
+            const Vector2d velocity = epoch.velocity_m_s.head<2>();
+            const bool moves = velocity.norm() >= slowest_m_s;
+            Matrix2d craft = Matrix2d::Identity();
+            if (moves)
+                craft << velocity.normalized(), Vector2d(-velocity.y(), velocity.x()).normalized();
+            const double angle = moves ? sigma_heading : 1.0;
+            sample.position_m = epoch.position_m.head<2>() - craft * baseline;
+            sample.velocity_m_s = velocity;
+            sample.acceleration_m_s2 = epoch.acceleration_m_s2.head<2>();
+            sample.covariance_m2 = Matrix2d(epoch.variance_m2.head<2>().asDiagonal()) +
+                                   angle * angle * baseline.squaredNorm() * Matrix2d::Identity();
+        }
+    }
+    constexpr double longest_step = 1.5;
+    return ReceiverWitness<Axes>(std::move(samples), longest_step * other.nominal_interval_s);
+}
+
+template std::optional<ReceiverWitness<1>> receiver_witness<1>(const Track&, const Track&);
+template std::optional<ReceiverWitness<2>> receiver_witness<2>(const Track&, const Track&);
 
 }  // namespace runcert

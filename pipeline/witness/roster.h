@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,9 +11,11 @@
 #include "estimation/speed_mixture.h"
 #include "files/measured_series.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/screened/screened.h"
 #include "witness/copies.h"
-#include "witness/heard_witness.h"
+#include "witness/phase_motion.h"
 #include "witness/track.h"
+#include "witness/witness.h"
 
 // Every kind of witness that there is. A kind is a word of `WitnessKind` (schemas/screened/v1.yaml:
 // its name and its origin) and a file in kinds/ that makes its entry here, of the same name. One
@@ -20,6 +23,22 @@
 // which stages hear it.
 
 namespace runcert {
+
+/// A witness of a recording's positions, and which one it is.
+template <int Axes>
+struct HeardWitness {
+    WitnessKind kind = WitnessKind::velocities;
+    std::string receiver = {};  ///< id, where it is another receiver
+    std::shared_ptr<const Witness<Axes>> motion;
+    std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same, where it is that
+    std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
+    /// It was made from the positions or from another witness, and says nothing of any window.
+    bool is_copy = false;
+    bool confirms = true;  ///< false: only a contradiction by it counts
+};
+
+template <int Axes>
+using HeardWitnesses = std::vector<HeardWitness<Axes>>;
 
 /// What was handed in beside a receiver's recording.
 struct HandedIn {

@@ -1,11 +1,10 @@
-#include "witness/velocity_delay_along.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "core/statistics.h"
 #include "core/uncertainty.h"
+#include "witness/velocity_delay.h"
 
 namespace runcert::velocities {
 namespace {

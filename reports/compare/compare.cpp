@@ -7,8 +7,8 @@
 
 #include "core/failure.h"
 #include "core/statistics.h"
+#include "witness/arcs.h"
 #include "witness/certifiable.h"
-#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

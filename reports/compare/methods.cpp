@@ -10,7 +10,6 @@
 #include "reports/compare/recorded_velocity.h"
 #include "schemas/enu/measured_position.h"
 #include "witness/arcs.h"
-#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 

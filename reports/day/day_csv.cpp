@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/csv_cell.h"
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/day/day.h"

@@ -1,4 +1,4 @@
-#include "core/csv_cell.h"
+#include "core/text.h"
 #include "files/ecsv.h"
 #include "reports/export/export.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/rounding.h"
 
 namespace runcert {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/tangent_plane.h"
+#include "core/geodesy.h"
 
 namespace runcert {
 namespace {

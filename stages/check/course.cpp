@@ -9,8 +9,8 @@
 
 #include "core/angle.h"
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "core/statistics.h"
-#include "core/tangent_plane.h"
 #include "core/uncertainty.h"
 
 namespace runcert {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 

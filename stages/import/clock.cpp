@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 

@@ -8,7 +8,6 @@
 #include "core/statistics.h"
 #include "stages/import/row_summary.h"
 #include "witness/velocity_delay.h"
-#include "witness/velocity_delay_along.h"
 
 namespace runcert {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "estimation/kalman.h"
-#include "stages/screen/section_tests.h"
-#include "witness/screening_noise.h"
+#include "stages/screen/stretch_tests.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

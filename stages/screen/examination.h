@@ -5,7 +5,7 @@
 #include "estimation/epoch_motion.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/noise.h"
-#include "witness/screening_noise.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 

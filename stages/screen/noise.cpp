@@ -7,7 +7,6 @@
 #include "core/statistics.h"
 #include "estimation/noise_fit.h"
 #include "witness/arcs.h"
-#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

@@ -16,9 +16,9 @@
 #include "stages/screen/time_check.h"
 #include "stages/screen/velocity_check.h"
 #include "stages/screen/witness_check.h"
-#include "witness/other_receiver.h"
+#include "witness/arcs.h"
+#include "witness/receiver_witness.h"
 #include "witness/recorded_velocities.h"
-#include "witness/screening_noise.h"
 
 namespace runcert {
 namespace {

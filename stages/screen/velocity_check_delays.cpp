@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "witness/velocity_delay_along.h"
+#include "witness/velocity_delay.h"
 
 namespace runcert {
 namespace {

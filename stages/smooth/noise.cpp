@@ -5,7 +5,7 @@
 
 #include "core/rounding.h"
 #include "estimation/local_motion.h"
-#include "witness/noise_models.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

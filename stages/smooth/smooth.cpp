@@ -13,7 +13,6 @@
 #include "stages/smooth/noise.h"
 #include "stages/smooth/trajectory_rows.h"
 #include "witness/arcs.h"
-#include "witness/noise_models.h"
 
 namespace runcert {
 namespace {

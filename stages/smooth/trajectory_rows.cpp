@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/eigenvalues.h"
+#include "core/uncertainty.h"
 #include "estimation/motion_smoother.h"
 #include "estimation/speed.h"
 #include "stages/smooth/dhd22.h"

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "core/failure.h"
-#include "stages/window/best_window_candidates.h"
+#include "stages/window/best_window_sums.h"
 
 namespace runcert {
 namespace {

@@ -1,11 +1,11 @@
-#include "stages/window/best_window_candidates.h"
+#include "stages/window/best_window_sums.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <numbers>
 
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 namespace {

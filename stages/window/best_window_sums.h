@@ -52,4 +52,13 @@ std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInst
 std::optional<FoundWindow> window_between(const SummedSeries& series, std::size_t first,
                                           std::size_t last, SpeedDefinition definition);
 
+/// All allowed windows of a series by a rule of time, distance or alpha, in order of
+/// start.
+WindowSearch windows_in(const SummedSeries& series, const WindowCriteria& rule);
+
+/// The windows at any instant that begin at the end of a window of this series, and end at its
+/// start: with those that begin or end at a sample, the fastest beside it is among them.
+WindowSearch windows_beside(const SummedSeries& series, const WindowCriteria& rule,
+                            const FoundWindow& found);
+
 }  // namespace runcert

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "core/geodesy.h"
-#include "core/tangent_plane.h"
 #include "reports/words/screening.h"
 #include "stages/window/reliability.h"
 

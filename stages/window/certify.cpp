@@ -7,18 +7,17 @@
 #include <numbers>
 
 #include "core/failure.h"
-#include "core/tangent_plane.h"
+#include "core/geodesy.h"
 #include "estimation/speed.h"
 #include "stages/window/budget.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
-#include "stages/window/robust.h"
 #include "stages/window/selection.h"
 #include "stages/window/shares.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnesses.h"
-#include "witness/noise_models.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

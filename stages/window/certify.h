@@ -8,7 +8,6 @@
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"
-#include "witness/noise_models.h"
 
 namespace runcert {
 

@@ -8,7 +8,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/best_window.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 // Positions and witnesses by one rule: an error that nothing found counts by its probability, and
 // the speeds of all are weighed by one covariance.

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "stages/window/best_window.h"
-#include "stages/window/crossings.h"
+#include "stages/window/course_windows.h"
 #include "witness/arcs.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "stages/window/crossings.h"
+#include "stages/window/course_windows.h"
 
 namespace runcert {
 namespace {

@@ -7,7 +7,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/speed_by_definition.h"
-#include "witness/noise_models.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 

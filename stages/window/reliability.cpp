@@ -7,7 +7,7 @@
 
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
-#include "witness/screening_noise.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/tangent_plane.h"
+#include "core/geodesy.h"
 #include "stages/window/velocity_moment.h"
 #include "witness/going_on.h"
 #include "witness/recorded_velocities.h"

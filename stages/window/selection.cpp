@@ -6,7 +6,6 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "core/turnstile.h"
 #include "stages/window/selection_cluster.h"
 
 namespace runcert {

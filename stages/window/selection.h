@@ -5,7 +5,7 @@
 
 #include "schemas/windows/windows.h"
 #include "witness/arcs.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -7,7 +7,7 @@
 #include "estimation/speed.h"
 #include "schemas/profile/declared.h"
 #include "witness/arcs.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 

@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "core/failure.h"
+#include "core/uncertainty.h"
+#include "estimation/speed.h"
 
 namespace runcert {
+
 namespace {
 
 /// Where the trajectory is not the part smoothed.
@@ -65,5 +70,81 @@ CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const Fou
 
 template CheckedPart<1> checked_estimate<1>(const AxesEstimate<1>&, const FoundWindow&);
 template CheckedPart<2> checked_estimate<2>(const AxesEstimate<2>&, const FoundWindow&);
+
+template <int Axes>
+ArcPart<Axes> part_around(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
+                          EpochPair window, double margin_s) {
+    const auto& epochs = arc.epochs;
+    const double from_s = epochs[window.first].time_s - margin_s;
+    const double to_s = epochs[window.last].time_s + margin_s;
+    std::size_t first = window.first;
+    while (first > 0 && epochs[first - 1].time_s >= from_s)
+        --first;
+    while (!epochs[first].measurement)
+        ++first;
+    std::size_t end = window.last + 1;
+    while (end < epochs.size() && epochs[end].time_s <= to_s)
+        ++end;
+    const auto cut = [&](const auto& all) {
+        return std::remove_cvref_t<decltype(all)>(all.begin() + static_cast<std::ptrdiff_t>(first),
+                                                  all.begin() + static_cast<std::ptrdiff_t>(end));
+    };
+    return {.arc = {.number = arc.number, .rows = cut(arc.rows), .epochs = cut(epochs)},
+            .times = cut(times),
+            .window = {window.first - first, window.last - first},
+            .whole = first == 0 && end == epochs.size()};
+}
+
+template ArcPart<1> part_around<1>(const Arc<1>&, const std::vector<ElapsedTime>&, EpochPair,
+                                   double);
+template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>&, EpochPair,
+                                   double);
+
+namespace {
+
+/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
+/// is that of the screened solution.
+std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
+                                                   const ArcPart<2>& part,
+                                                   const SmoothedArc<2>& smoothed) {
+    const EpochPair& window = part.window;
+    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+        return trajectory.rows[part.arc.rows[k]];
+    };
+    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
+    const auto difference = [&](std::size_t first, std::size_t last) {
+        return Eigen::Vector2d(
+            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
+            row(last).robust_north_m.value() - row(first).robust_north_m.value());
+    };
+    Eigen::Vector2d moved = difference(window.first, window.last);
+    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
+        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
+                 difference(step.epoch - 1, step.epoch);
+    return moved;
+}
+
+}  // namespace
+
+std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
+                                        const SmoothedArc<2>& smoothed, double model_m_s) {
+    const Arc<2>& arc = part.arc;
+    const EpochPair& window = part.window;
+    const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
+    const SpeedEstimate screened =
+        displacement_speed(smoothed, window.first, window.last, duration_s);
+    const auto displacement = robust_displacement(trajectory, part, smoothed);
+    if (!displacement) return std::nullopt;
+    RobustSpeed robust;
+    robust.speed_m_s = std::hypot(displacement->x(), displacement->y()) / duration_s;
+    robust.difference_m_s = robust.speed_m_s - screened.speed_m_s;
+    robust.limit_m_s = usual_coverage_factor * (screened.standard_uncertainty_m_s + model_m_s);
+    robust.agrees = std::abs(robust.difference_m_s) <= robust.limit_m_s;
+    for (std::size_t k = window.first; k <= window.last; ++k) {
+        const auto& weight = trajectory.rows[arc.rows[k]].robust_weight;
+        if (weight && *weight < 0.5) ++robust.downweighted;
+    }
+    return robust;
+}
 
 }  // namespace runcert

@@ -8,7 +8,6 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "core/turnstile.h"
 
 namespace runcert {
 namespace {

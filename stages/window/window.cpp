@@ -13,13 +13,13 @@
 #include "core/parallel.h"
 #include "reports/words/figures.h"
 #include "stages/window/allowance.h"
-#include "stages/window/arc_part.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/instants.h"
 #include "stages/window/opposite_runs.h"
 #include "stages/window/sample_series.h"
+#include "stages/window/trajectory_part.h"
 
 namespace runcert {
 namespace {

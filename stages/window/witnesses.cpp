@@ -11,7 +11,7 @@
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/shares.h"
-#include "witness/other_receiver.h"
+#include "witness/receiver_witness.h"
 #include "witness/screened_phases.h"
 #include "witness/velocity_witness.h"
 #include "witness/witnessed_spans.h"

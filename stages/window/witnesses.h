@@ -8,7 +8,6 @@
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
 #include "stages/window/speed_by_definition.h"
-#include "witness/heard_witness.h"
 #include "witness/phase_motion.h"
 #include "witness/recorded_velocities.h"
 #include "witness/roster.h"

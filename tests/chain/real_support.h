@@ -11,7 +11,7 @@
 #include "core/text.h"
 #include "schemas/trajectory/trajectory.h"
 #include "witness/arcs.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 // Real recordings, certified, and the reference that one of them has. They lie in the folder
 // RUNCERT_DATA.

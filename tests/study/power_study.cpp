@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "stages/screen/adaptation.h"
-#include "witness/screening_noise.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

@@ -9,7 +9,7 @@
 #include "stages/smooth/smooth.h"
 #include "stages/window/position_noise.h"
 #include "supposed_errors.h"
-#include "witness/noise_models.h"
+#include "witness/arcs.h"
 
 namespace runcert {
 namespace {

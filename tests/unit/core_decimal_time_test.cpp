@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/random.h"
 
 namespace runcert::RUNCERT_FILE {

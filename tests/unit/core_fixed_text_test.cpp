@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/decimal_time.h"
-#include "core/fixed_text.h"
+#include "core/decimal.h"
 #include "core/random.h"
 #include "core/text.h"
 

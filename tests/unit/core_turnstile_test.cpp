@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "core/turnstile.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

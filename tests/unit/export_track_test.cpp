@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
-#include "core/csv_cell.h"
 #include "core/failure.h"
 #include "core/geodesy.h"
 #include "core/plain_text.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "reports/export/export.h"

@@ -19,7 +19,6 @@
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
-#include "witness/noise_models.h"
 #include "witness/screened_phases.h"
 
 namespace runcert::import_test {

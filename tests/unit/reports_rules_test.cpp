@@ -53,7 +53,7 @@ TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
     EXPECT_EQ(rule_words(rule),
               "Vertical speed over 3 s, by the definition: Displacement over time. A window's ends "
               "are measured epochs exactly that far apart.");
-    rule = {};
+    rule = Profile();
     rule.duration_s = 10.0;
     rule.definition = SpeedDefinition::mean_n_plus_1;
     rule.speed_source = SpeedSource::velocity;
@@ -62,7 +62,7 @@ TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
               "Speed over 10 s, the mean of the 5 fastest windows that do not overlap, by the "
               "definition: Mean of the speeds, both ends included, from the velocities that the "
               "recording states.");
-    rule = {};
+    rule = Profile();
     rule.window_kind = WindowKind::course;
     rule.distance_m = 500.0;
     rule.definition = SpeedDefinition::elapsed_time;
@@ -70,7 +70,7 @@ TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
     EXPECT_EQ(rule_words(rule),
               "Speed over a course of 500 m, by the definition: Surveyed length over the time "
               "between the lines. The current's component along the course is subtracted.");
-    rule = {};
+    rule = Profile();
     rule.window_kind = WindowKind::distance;
     rule.distance_m = 1852.0;
     rule.definition = SpeedDefinition::path_length;

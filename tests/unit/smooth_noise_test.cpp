@@ -10,7 +10,7 @@
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
 #include "stages/smooth/smooth.h"
-#include "witness/noise_models.h"
+#include "witness/arcs.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

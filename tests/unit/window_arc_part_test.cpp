@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "estimation/smoother.h"
-#include "stages/window/arc_part.h"
+#include "stages/window/trajectory_part.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "estimation_test_support.h"
-#include "stages/window/arc_part.h"
 #include "stages/window/instants.h"
+#include "stages/window/trajectory_part.h"
 #include "window_test_support.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -6,7 +6,7 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "stages/window/crossings.h"
+#include "stages/window/course_windows.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

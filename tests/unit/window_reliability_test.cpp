@@ -7,7 +7,7 @@
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
-#include "witness/screening_noise.h"
+#include "witness/arcs.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

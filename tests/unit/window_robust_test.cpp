@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "stages/window/course_windows.h"
-#include "stages/window/robust.h"
 #include "stages/window/sample_series.h"
+#include "stages/window/trajectory_part.h"
 #include "window_test_support.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -12,7 +12,6 @@
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/window.h"
 #include "witness/arcs.h"
-#include "witness/noise_models.h"
 
 namespace runcert::test {
 

@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "stages/window/course_windows.h"
 #include "window_test_support.h"
-#include "witness/window_ends.h"
+#include "witness/certifiable.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

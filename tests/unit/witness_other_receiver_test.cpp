@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "witness/other_receiver.h"
+#include "witness/receiver_witness.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "late_speeds.h"
-#include "witness/velocity_delay_along.h"
+#include "witness/velocity_delay.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -11,9 +11,8 @@ namespace runcert {
 namespace {
 
 constexpr double farthest_s = 0.25;
-/// Of the speed by the positions beside a gate, and of what changes the acceleration from there.
+/// Of the speed by the positions beside a gate.
 constexpr double sigma_speed_m_s = 0.1;
-constexpr double sigma_jerk_m_s3 = 4.0;
 /// Across the course nothing is known.
 constexpr double sigma_across_m = 100.0;
 

@@ -35,6 +35,9 @@ std::optional<GatePassage> passage_at(const Track& track, double time_s);
 /// The ways between neighbouring passages of one stretch.
 std::vector<Way> ways_between(const std::vector<GatePassage>& passages);
 
+/// Of what changes the acceleration between two measurements (standard deviation).
+inline constexpr double sigma_jerk_m_s3 = 4.0;
+
 struct GateErrors {
     double sigma_distance_m = 0.0;  ///< of the distance between two gates
     double sigma_time_s = 0.0;      ///< of one passage

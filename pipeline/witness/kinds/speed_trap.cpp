@@ -12,7 +12,6 @@ namespace {
 
 /// Between two measurements no further apart (s) the speed goes linearly.
 constexpr double longest_gap_s = 1.0;
-constexpr double sigma_jerk_m_s3 = 4.0;
 
 /// Where the stretches of the measurements begin and end, as gates are passed. Their errors last:
 /// what aims at the craft from the side, or is set up wrong, is wrong by the same all the time.

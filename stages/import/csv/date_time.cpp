@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/day_clock.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/decimal_time.h"
+#include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/earth.h"

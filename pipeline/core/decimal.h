@@ -8,6 +8,15 @@
 
 namespace runcert {
 
+/// Seconds written as a decimal number ("12.3", "-0.05", "7"), as an exact count of nanoseconds.
+///
+/// Digits after the ninth decimal must be zero. Nothing if the text is anything else (blanks, an
+/// exponent, a value beyond the 64-bit count: 292 years).
+std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text);
+
+/// The same, the plain way for every text: parse_decimal_nanoseconds has a quicker one for most.
+std::optional<std::int64_t> parse_any_decimal_nanoseconds(std::string_view text);
+
 /// A decimal number as tables and recordings write nearly all of theirs: `digits` times ten to the
 /// power of minus `decimals`.
 struct PlainDecimal {
@@ -45,5 +54,22 @@ inline std::optional<PlainDecimal> read_plain_decimal(std::string_view text) {
     if (at != end || count == 0 || count > 18) return std::nullopt;
     return number;
 }
+
+/// The room, in bytes, that the functions below may write to, beyond what they return.
+inline constexpr std::size_t fixed_text_room = 48;
+
+/// Below this a count has at most 16 digits.
+inline constexpr std::uint64_t fixed_text_limit = 10'000'000'000'000'000;
+
+/// Writes `count` times ten to the power of minus `decimals`: "-1.250" for 1250, 3 and `negative`.
+/// `count` is below fixed_text_limit, `decimals` 0 to 12; neither is checked. Exact. Returns the
+/// end of the text, which no zero byte follows.
+char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative);
+
+/// Writes a number as format_fixed (core/text.h) does, or returns null where this quick way cannot
+/// be sure of the last digit: where the number lies too near the middle between two neighbours, is
+/// large (2^52 or more in units of the last decimal) or not finite, or where `decimals` is not 0 to
+/// 12. What rounds to zero has no minus sign. Returns the end of the text.
+char* write_fixed_quickly(char* to, double value, int decimals);
 
 }  // namespace runcert

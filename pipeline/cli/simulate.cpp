@@ -34,12 +34,11 @@ Json plane_columns(const SimulationSpec& spec) {
     return columns;
 }
 
-Json receiver_of(const SimulationDocument& simulation) {
-    const SimulationSpec& spec = simulation.spec;
+Json receiver_of(const SimulationSpec& spec) {
     Json receiver = {{"id", "primary"}, {"recording", recording_name(spec)}};
     if (spec.place) {
         receiver["format"] = "rtklib-pos";
-        if (simulation.raw) {
+        if (spec.raw) {
             receiver["phase"] = raw_name;
             receiver["navigation"] = navigation_name;
         }
@@ -52,14 +51,13 @@ Json receiver_of(const SimulationDocument& simulation) {
     receiver["accuracy"] = {{"horizontal_m", spec.recording.accuracy.horizontal_m}};
     if (spec.recording.with_up)
         receiver["accuracy"]["vertical_m"] = spec.recording.accuracy.vertical_m;
-    if (spec.start) receiver["start_gps"] = to_iso(*spec.start, 3);
+    if (spec.start_gps) receiver["start_gps"] = to_iso(*spec.start_gps, 3);
     return receiver;
 }
 
 /// The attempt that certifies the recording as it stands. What an attempt's field table refuses of
 /// the spec's own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
-    const SimulationSpec& spec = simulation.spec;
     Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
@@ -67,10 +65,10 @@ std::string attempt_text(const SimulationDocument& simulation) {
     };
     take({"id", "craft", "place", "date", "officials"});
     attempt["receivers"] = Json::array({receiver_of(simulation)});
-    if (spec.place)
-        attempt["origin"] = {{"latitude_deg", spec.place->latitude.degrees()},
-                             {"longitude_deg", spec.place->longitude.degrees()},
-                             {"height_m", spec.place->height_m}};
+    if (simulation.place)
+        attempt["origin"] = {{"latitude_deg", simulation.place->latitude.degrees()},
+                             {"longitude_deg", simulation.place->longitude.degrees()},
+                             {"height_m", simulation.place->height_m}};
     take({"record", "profiles", "parameters"});
     std::string text =
         "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);
@@ -101,19 +99,19 @@ void write_new_files(const fs::path& folder, const std::vector<NewFile>& files) 
 
 int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
     const SimulationDocument simulation = read_simulation(read_handwritten(spec_file), spec_file);
-    const SimulationSpec& spec = simulation.spec;
-    const std::vector<SimulatedEpoch> epochs = simulate(spec);
-    std::vector<NewFile> files{{recording_name(spec), spec.place ? rtklib_pos_text(spec, epochs)
-                                                                 : plane_csv_text(spec, epochs)},
-                               {"truth.csv", truth_csv_text(epochs)},
-                               {"attempt.yaml", attempt_text(simulation)}};
+    const std::vector<SimulatedEpoch> epochs = simulate(simulation);
+    std::vector<NewFile> files{
+        {recording_name(simulation), simulation.place ? rtklib_pos_text(simulation, epochs)
+                                                      : plane_csv_text(simulation, epochs)},
+        {"truth.csv", truth_csv_text(epochs)},
+        {"attempt.yaml", attempt_text(simulation)}};
     if (simulation.raw) {
-        const fs::path navigation = fs::path(spec_file).parent_path() / simulation.navigation;
+        const fs::path navigation = fs::path(spec_file).parent_path() / simulation.raw->navigation;
         const std::string broadcast = read_file(navigation);
         const auto orbits =
             rinex::read_navigation({.name = navigation.string(), .bytes = broadcast});
-        files.push_back(
-            {raw_name, rinex_observations_text(spec, *simulation.raw, epochs, orbits.ephemerides)});
+        files.push_back({raw_name, rinex_observations_text(simulation, *simulation.raw, epochs,
+                                                           orbits.ephemerides)});
         files.push_back({navigation_name, broadcast});
     }
     write_new_files(folder, files);
@@ -122,7 +120,7 @@ int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
         "truth      {}\n"
         "attempt    {}\n"
         "next       runcert certify {}\n",
-        (folder / recording_name(spec)).string(), (folder / "truth.csv").string(),
+        (folder / recording_name(simulation)).string(), (folder / "truth.csv").string(),
         (folder / "attempt.yaml").string(), (folder / "attempt.yaml").string());
     return 0;
 }

@@ -7,7 +7,9 @@
 #include <map>
 #include <set>
 
+#include "core/angle.h"
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "core/random.h"
 #include "satellites/line_of_sight.h"
 #include "satellites/troposphere.h"
@@ -28,7 +30,7 @@ struct RawBand {
 std::vector<RawBand> bands_of(const RawSpec& raw) {
     std::vector<RawBand> bands{{SatelliteSystem::gps, {1, 'C'}},
                                {SatelliteSystem::galileo, {1, 'C'}}};
-    if (raw.two_bands) {
+    if (raw.bands == 2) {
         bands.push_back({SatelliteSystem::gps, {2, 'W'}});
         bands.push_back({SatelliteSystem::galileo, {5, 'Q'}});
     }
@@ -55,10 +57,10 @@ std::string header_text(const RawSpec& raw, GpsTime first, const Eigen::Vector3d
     text += line(fmt::format("{:14.4f}{:14.4f}{:14.4f}", place_m.x(), place_m.y(), place_m.z()),
                  "APPROX POSITION XYZ");
     text +=
-        line(raw.two_bands ? "G    8 C1C L1C D1C S1C C2W L2W D2W S2W" : "G    4 C1C L1C D1C S1C",
+        line(raw.bands == 2 ? "G    8 C1C L1C D1C S1C C2W L2W D2W S2W" : "G    4 C1C L1C D1C S1C",
              "SYS / # / OBS TYPES");
     text +=
-        line(raw.two_bands ? "E    8 C1C L1C D1C S1C C5Q L5Q D5Q S5Q" : "E    4 C1C L1C D1C S1C",
+        line(raw.bands == 2 ? "E    8 C1C L1C D1C S1C C5Q L5Q D5Q S5Q" : "E    4 C1C L1C D1C S1C",
              "SYS / # / OBS TYPES");
     const CalendarTime time = first.calendar();
     text += line(fmt::format("  {:04}    {:02}    {:02}    {:02}    {:02}   {:010.7f}     GPS",
@@ -74,6 +76,7 @@ class RawSimulation {
                   const std::vector<Ephemeris>& ephemerides)
         : spec_(spec),
           raw_(raw),
+          interval_s_(static_cast<double>(interval_ms(spec.run)) * 1e-3),
           rotation_(rotation_enu_from_ecef(spec.place->latitude, spec.place->longitude)),
           origin_m_(ecef_from_geodetic(*spec.place).m),
           ephemerides_(ephemerides),
@@ -98,7 +101,7 @@ class RawSimulation {
 
   private:
     GpsTime tag_of(const SimulatedEpoch& epoch) const {
-        return spec_.start->plus_nanoseconds(epoch.time_ms * 1'000'000);
+        return spec_.start_gps->plus_nanoseconds(epoch.time_ms * 1'000'000);
     }
 
     void follow_clock(double tag_s) {
@@ -113,10 +116,9 @@ class RawSimulation {
 
     /// Where the receiver is so long after the epoch's nominal time.
     Eigen::Vector3d position_m(const SimulatedEpoch& epoch, double after_s) const {
-        const Eigen::Vector3d travel(std::sin(spec_.bearing.radians()),
-                                     std::cos(spec_.bearing.radians()), 0.0);
         const double way_m = epoch.truth.speed_m_s * after_s;
-        return origin_m_ + rotation_.transpose() * (epoch.true_enu_m + way_m * travel);
+        return origin_m_ +
+               rotation_.transpose() * (epoch.true_enu_m + way_m * direction_of(spec_.run));
     }
 
     /// Range and satellite's clock of what is received so long after the nominal time.
@@ -140,10 +142,10 @@ class RawSimulation {
         return result;
     }
 
-    bool is_in(const std::vector<SatelliteStretch>& stretches, Satellite satellite,
-               double time_s) const {
-        return std::ranges::any_of(stretches, [&](const SatelliteStretch& each) {
-            return each.satellite == satellite && each.stretch.contains(time_s);
+    template <class Stretch>
+    static bool is_in(const std::vector<Stretch>& stretches, Satellite satellite, double time_s) {
+        return std::ranges::any_of(stretches, [&](const Stretch& each) {
+            return each.satellite == satellite && contains(each, time_s);
         });
     }
 
@@ -191,7 +193,7 @@ class RawSimulation {
         const auto key = std::pair(satellite, code);
         const auto found = states_.find(key);
         if (found != states_.end()) return found->second;
-        const auto seed = spec_.seed * 1'000'003 +
+        const auto seed = static_cast<std::uint64_t>(spec_.seed) * 1'000'003 +
                           static_cast<std::uint64_t>(satellite.system) * 100'000 +
                           satellite.number * std::uint64_t{100} + code.band;
         BandState& made = states_.emplace(key, BandState{RandomGenerator(seed)}).first->second;
@@ -205,7 +207,7 @@ class RawSimulation {
         const double wavelength_m =
             speed_of_light_m_s / *carrier_frequency_hz(satellite.system, code.band);
         const double low = std::sqrt(0.5 * (1.0 + 1.0 / (path.sine * path.sine)));
-        const double steps = static_cast<double>(spec_.interval_ms) * 1e-3 / raw_.multipath_time_s;
+        const double steps = interval_s_ / raw_.multipath_time_s;
         const double fresh = state.random.normal();
         state.multipath = state.is_new ? fresh
                                        : std::exp(-steps) * state.multipath +
@@ -224,9 +226,7 @@ class RawSimulation {
             if (slip.satellite != satellite || slip.band != code.band || tag_s < slip.time_s)
                 continue;
             lost_cycles += slip.cycles;
-            if (slip.is_flagged &&
-                tag_s - slip.time_s < static_cast<double>(spec_.interval_ms) * 1e-3)
-                mark |= 1;
+            if (slip.is_flagged && tag_s - slip.time_s < interval_s_) mark |= 1;
         }
         if (mark & 2) lost_cycles += 0.5;
         state.is_new = false;
@@ -238,6 +238,7 @@ class RawSimulation {
 
     const SimulationSpec& spec_;
     const RawSpec& raw_;
+    double interval_s_;
     Eigen::Matrix3d rotation_;
     Eigen::Vector3d origin_m_;
     Ephemerides ephemerides_;
@@ -253,7 +254,7 @@ class RawSimulation {
 std::string rinex_observations_text(const SimulationSpec& spec, const RawSpec& raw,
                                     std::span<const SimulatedEpoch> epochs,
                                     const std::vector<Ephemeris>& ephemerides) {
-    if (!spec.place || !spec.start)
+    if (!spec.place || !spec.start_gps)
         throw Failure("simulation", "raw measurements need a place and a time, and one is missing",
                       "Give place and start_gps");
     return RawSimulation(spec, raw, ephemerides).text(epochs);

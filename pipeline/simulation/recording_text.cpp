@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -34,7 +35,7 @@ std::string rtklib_time(GpsTime time) {
 }
 
 std::string rtklib_header(const RecordingStyle& style) {
-    const auto width = static_cast<std::size_t>(style.decimals_deg) + 5;
+    const std::int64_t width = style.decimals_deg + 5;
     return fmt::format(
         "% program   : runcert simulate (no receiver: this recording is simulated)\n"
         "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp,"
@@ -47,7 +48,7 @@ std::string rtklib_header(const RecordingStyle& style) {
 }  // namespace
 
 std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const SimulatedEpoch> epochs) {
-    if (!spec.place || !spec.start)
+    if (!spec.place || !spec.start_gps)
         throw Failure(
             "simulation",
             "a .pos holds geodetic coordinates and GPS time, and place or start_gps is missing",
@@ -56,16 +57,18 @@ std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const Simulate
     const RecordingStyle& style = spec.recording;
     const std::string sigma_horizontal = format_fixed(style.accuracy.horizontal_m, 4);
     const std::string sigma_up = format_fixed(style.accuracy.vertical_m, 4);
+    const auto decimals_m = static_cast<int>(style.decimals_m);
+    const auto decimals_deg = static_cast<int>(style.decimals_deg);
     std::string text = rtklib_header(style);
     for (const SimulatedEpoch& epoch : epochs) {
         if (!epoch.recorded) continue;
         const Geodetic position = frame.geodetic_from_enu({epoch.measured_enu_m});
         text += fmt::format(
             "{} {:>{}} {:>{}} {:>10} {:>3} {:>3} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>6} {:>6}\n",
-            rtklib_time(spec.start->plus_nanoseconds(epoch.time_ms * 1'000'000)),
-            format_fixed(position.latitude.degrees(), style.decimals_deg), style.decimals_deg + 5,
-            format_fixed(position.longitude.degrees(), style.decimals_deg), style.decimals_deg + 5,
-            format_fixed(position.height_m, style.decimals_m), epoch.fixed ? 1 : 2, satellites,
+            rtklib_time(spec.start_gps->plus_nanoseconds(epoch.time_ms * 1'000'000)),
+            format_fixed(position.latitude.degrees(), decimals_deg), decimals_deg + 5,
+            format_fixed(position.longitude.degrees(), decimals_deg), decimals_deg + 5,
+            format_fixed(position.height_m, decimals_m), epoch.fixed ? 1 : 2, satellites,
             sigma_horizontal, sigma_horizontal, sigma_up, "0.0000", "0.0000", "0.0000", "0.00",
             format_fixed(epoch.fixed ? ratio_fixed : ratio_float, 1));
     }
@@ -74,7 +77,7 @@ std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const Simulate
 
 std::string plane_csv_text(const SimulationSpec& spec, std::span<const SimulatedEpoch> epochs) {
     const bool with_fix = !spec.faults.float_fixes.empty();
-    const int decimals = spec.recording.decimals_m;
+    const auto decimals = static_cast<int>(spec.recording.decimals_m);
     std::string text = simulated_comment;
     text += "epoch,time_s,east_m,north_m";
     if (spec.recording.with_up) text += ",up_m";

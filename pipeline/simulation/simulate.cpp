@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/angle.h"
 #include "core/failure.h"
 #include "core/random.h"
 
@@ -11,14 +12,16 @@ namespace {
 
 void require_valid(const SimulationSpec& spec) {
     require_valid(spec.run);
-    if (spec.duration_ms <= 0 || spec.interval_ms <= 0)
+    if (spec.run.rate_hz <= 0 || interval_ms(spec.run) <= 0 || duration_ms(spec.run) <= 0)
         throw Failure("simulation", "the duration or the interval of the epochs is not positive",
                       "Give both in whole milliseconds");
-    for (const ErrorSigmas& sigmas : {spec.white, spec.correlated})
-        if (!(sigmas.horizontal_m >= 0.0 && sigmas.vertical_m >= 0.0))
+    for (const double sigma_m :
+         {spec.white_noise.horizontal_m, spec.white_noise.vertical_m,
+          spec.correlated_error.horizontal_m, spec.correlated_error.vertical_m})
+        if (!(sigma_m >= 0.0))
             throw Failure("simulation", "a standard deviation is negative or no number",
                           "Give standard deviations of 0 or more");
-    if (!(spec.correlation_time_s > 0.0))
+    if (!(spec.correlated_error.correlation_time_s > 0.0))
         throw Failure("simulation", "the correlation time is not positive",
                       "Give the time in which the correlation falls by e");
 }
@@ -27,10 +30,12 @@ void require_valid(const SimulationSpec& spec) {
 class ErrorSequence {
   public:
     explicit ErrorSequence(const SimulationSpec& spec)
-        : random_(spec.seed), white_(axes(spec.white)), correlated_(axes(spec.correlated)) {
+        : random_(static_cast<std::uint64_t>(spec.seed)),
+          white_(axes(spec.white_noise)),
+          correlated_(axes(spec.correlated_error)) {
         // [YSM22], first-order Gauss-Markov: phi = exp(-dt / tau), q = sigma^2 (1 - phi^2).
-        const double steps =
-            static_cast<double>(spec.interval_ms) / 1000.0 / spec.correlation_time_s;
+        const double steps = static_cast<double>(interval_ms(spec.run)) / 1000.0 /
+                             spec.correlated_error.correlation_time_s;
         phi_ = std::exp(-steps);
         root_q_over_sigma_ = std::sqrt(-std::expm1(-2.0 * steps));
     }
@@ -45,7 +50,8 @@ class ErrorSequence {
     }
 
   private:
-    static Eigen::Vector3d axes(const ErrorSigmas& sigmas) {
+    template <class Error>
+    static Eigen::Vector3d axes(const Error& sigmas) {
         return {sigmas.horizontal_m, sigmas.horizontal_m, sigmas.vertical_m};
     }
     Eigen::Vector3d draw() {
@@ -64,37 +70,69 @@ class ErrorSequence {
     bool first_ = true;
 };
 
-bool any_contains(const std::vector<TimeStretch>& stretches, double time_s) {
-    return std::any_of(stretches.begin(), stretches.end(),
-                       [&](const TimeStretch& stretch) { return stretch.contains(time_s); });
+template <class Stretch>
+bool any_contains(const std::vector<Stretch>& stretches, double time_s) {
+    return std::ranges::any_of(stretches,
+                               [&](const Stretch& stretch) { return contains(stretch, time_s); });
+}
+
+template <class Offset>
+Eigen::Vector3d enu_m(const Offset& offset) {
+    return {offset.east_m, offset.north_m, offset.up_m};
 }
 
 Eigen::Vector3d displacement_by(const Faults& faults, const SimulatedEpoch& epoch) {
-    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d sum_m = Eigen::Vector3d::Zero();
     for (const OutlierFault& outlier : faults.outliers)
-        if (outlier.epoch == epoch.epoch) enu_m += outlier.enu_m;
+        if (outlier.epoch == epoch.epoch) sum_m += enu_m(outlier);
     for (const StepFault& step : faults.steps)
-        if (epoch.time_s() >= step.time_s) enu_m += step.enu_m;
+        if (epoch.time_s() >= step.time_s) sum_m += enu_m(step);
     for (const RampFault& ramp : faults.ramps)
-        enu_m +=
-            std::clamp(epoch.time_s() - ramp.from_s, 0.0, ramp.to_s - ramp.from_s) * ramp.enu_m_s;
-    return enu_m;
+        sum_m += std::clamp(epoch.time_s() - ramp.from_s, 0.0, ramp.to_s - ramp.from_s) *
+                 Eigen::Vector3d(ramp.east_m_s, ramp.north_m_s, ramp.up_m_s);
+    return sum_m;
 }
 
 }  // namespace
 
+RunState logistic_run(const LogisticRun& run, double time_s) {
+    require_valid(run);
+    const double A = run.top_speed_m_s;
+    const double t0 = run.half_speed_time_s;
+    const double c = A / run.start_speed_m_s - 1.0;  // exp(r t0), as r = ln(A / v0 - 1) / t0
+    const double r = std::log(c) / t0;
+    const double u = r * (time_s - t0);
+    // [DHD22] writes acceleration and jerk with cosh u and sinh u, which overflow far from t0.
+    // With e = exp(-|u|): 1 + cosh u = (1 + e)^2 / (2 e), and sinh u / (1 + cosh u) =
+    // +-(1 - e) / (1 + e).
+    const double e = std::exp(-std::abs(u));
+    const double one_over_1_plus_cosh = 2.0 * e / ((1.0 + e) * (1.0 + e));
+    const double sinh_over_1_plus_cosh = std::copysign((1.0 - e) / (1.0 + e), u);
+    return {
+        .distance_m = A * (time_s + std::log((1.0 + c * std::exp(-r * time_s)) / (1.0 + c)) / r),
+        .speed_m_s = A / (1.0 + std::exp(-u)),
+        .acceleration_m_s2 = A * r / 2.0 * one_over_1_plus_cosh,
+        .jerk_m_s3 = -A * r * r / 2.0 * sinh_over_1_plus_cosh * one_over_1_plus_cosh};
+}
+
+Eigen::Vector3d direction_of(const LogisticRun& run) {
+    const double bearing = Angle::from_degrees(run.bearing_deg).radians();
+    return {std::sin(bearing), std::cos(bearing), 0.0};
+}
+
 std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec) {
     require_valid(spec);
-    const Eigen::Vector3d travel(std::sin(spec.bearing.radians()), std::cos(spec.bearing.radians()),
-                                 0.0);
+    const Eigen::Vector3d travel = direction_of(spec.run);
+    const Eigen::Vector3d start_m = enu_m(spec.run.start);
+    const std::int64_t last_ms = duration_ms(spec.run), step_ms = interval_ms(spec.run);
     ErrorSequence errors(spec);
     std::vector<SimulatedEpoch> epochs;
-    epochs.reserve(static_cast<std::size_t>(spec.duration_ms / spec.interval_ms) + 1);
-    for (std::int64_t time_ms = 0; time_ms <= spec.duration_ms; time_ms += spec.interval_ms) {
+    epochs.reserve(static_cast<std::size_t>(last_ms / step_ms) + 1);
+    for (std::int64_t time_ms = 0; time_ms <= last_ms; time_ms += step_ms) {
         SimulatedEpoch epoch{.epoch = static_cast<std::int64_t>(epochs.size()) + 1,
                              .time_ms = time_ms};
         epoch.truth = logistic_run(spec.run, epoch.time_s());
-        epoch.true_enu_m = spec.start_enu_m + epoch.truth.distance_m * travel;
+        epoch.true_enu_m = start_m + epoch.truth.distance_m * travel;
         epoch.measured_enu_m =
             epoch.true_enu_m + errors.next() + displacement_by(spec.faults, epoch);
         epoch.fixed = !any_contains(spec.faults.float_fixes, epoch.time_s());

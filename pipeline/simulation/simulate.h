@@ -2,87 +2,34 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
-#include "core/angle.h"
-#include "core/geodesy.h"
-#include "core/gps_time.h"
-#include "simulation/logistic_run.h"
+#include "schemas/simulation/simulation.h"
 
 namespace runcert {
 
-/// Standard deviation of an error: of east and of north, each, and of up (m).
-struct ErrorSigmas {
-    double horizontal_m = 0.0;
-    double vertical_m = 0.0;
+/// The run at one time.
+struct RunState {
+    double distance_m = 0.0;  ///< from where the craft was at time 0
+    double speed_m_s = 0.0;
+    double acceleration_m_s2 = 0.0;
+    double jerk_m_s3 = 0.0;
 };
 
-/// One position that is off, the ones around it are not: a multipath spike.
-struct OutlierFault {
-    std::int64_t epoch = 1;  ///< from 1
-    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
-};
+/// The run of [DHD22], section "Simulated run", `time_s` after its beginning; before it (negative
+/// times) too: v(t) = A / (1 + exp(-r (t - t0))), r = ln(A / v0 - 1) / t0. Failure as
+/// `require_valid`. Rounding only: a distance to a few times 1e-16 of A (|t| + t0). Reproduces
+/// table 2 of [DHD22] to its printed digits.
+///
+/// It takes exp and log from the C library, whose last bits differ between processor models. What
+/// is written from it is rounded to 1e-6 m at the finest, a million times more.
+RunState logistic_run(const LogisticRun& run, double time_s);
 
-/// Every position from a time on is off by the same: an ambiguity fixed to a wrong integer.
-struct StepFault {
-    double time_s = 0.0;
-    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
-};
-
-/// Every position drifts away from a time on, and stays where it is at another: ambiguities that a
-/// solver has not yet found, or loses.
-struct RampFault {
-    double from_s = 0.0;
-    double to_s = 0.0;
-    Eigen::Vector3d enu_m_s = Eigen::Vector3d::Zero();
-};
-
-/// A stretch of time: `from_s` belongs to it, `to_s` does not.
-struct TimeStretch {
-    double from_s = 0.0;
-    double to_s = 0.0;
-
-    bool contains(double time_s) const { return from_s <= time_s && time_s < to_s; }
-};
-
-struct Faults {
-    std::vector<OutlierFault> outliers;
-    std::vector<StepFault> steps;
-    std::vector<RampFault> ramps;
-    std::vector<TimeStretch> gaps;         ///< nothing is recorded
-    std::vector<TimeStretch> float_fixes;  ///< recorded with float ambiguities, not fixed ones
-};
-
-/// How the receiver writes down what it measured.
-struct RecordingStyle {
-    int decimals_m = 5;     ///< of metres; 0 to 5
-    int decimals_deg = 11;  ///< of degrees; 5 to 11 (1e-11 degrees are a micrometre)
-    bool with_up = true;    ///< in an engineering CRS, whether heights are recorded
-    ErrorSigmas accuracy{.horizontal_m = 0.010, .vertical_m = 0.020};  ///< that it claims
-};
-
-/// Everything a simulated recording follows from.
-struct SimulationSpec {
-    LogisticRun run{};
-    std::int64_t duration_ms = 45'000;
-    std::int64_t interval_ms = 100;
-    Angle bearing = Angle::from_degrees(45.0);  ///< of travel, clockwise from north
-    Eigen::Vector3d start_enu_m = Eigen::Vector3d::Zero();
-
-    /// Origin of the east, north, up that the run is in; without it they are engineering
-    /// coordinates. The run stays in the plane (up is constant), so that the speed in this frame is
-    /// the logistic.
-    std::optional<Geodetic> place;
-    std::optional<GpsTime> start;  ///< GPS time of time 0; whole milliseconds
-
-    ErrorSigmas white{};              ///< independent from epoch to epoch
-    ErrorSigmas correlated{};         ///< first-order Gauss-Markov, [YSM22]
-    double correlation_time_s = 1.0;  ///< of that, tau
-    std::uint64_t seed = 1;
-    Faults faults{};
-    RecordingStyle recording{};
-};
+/// Whether a stretch holds that time: `from_s` belongs to it, `to_s` does not.
+template <class Stretch>
+bool contains(const Stretch& stretch, double time_s) {
+    return stretch.from_s <= time_s && time_s < stretch.to_s;
+}
 
 struct SimulatedEpoch {
     std::int64_t epoch = 0;    ///< from 1; gaps leave their numbers out of the recording
@@ -96,11 +43,16 @@ struct SimulatedEpoch {
     double time_s() const { return static_cast<double>(time_ms) / 1000.0; }
 };
 
+/// Where the run goes: a unit vector in east, north, up.
+Eigen::Vector3d direction_of(const LogisticRun& run);
+
 /// Simulates a recording: every epoch from 0 to the duration, both included, those inside gaps
-/// too. The same spec gives the same epochs. Each error is drawn at its place in one sequence
-/// whether used or not, so that to change a sigma, a fault or the duration leaves the other draws
-/// as they were. Failure as `require_valid(LogisticRun)`, and (at "simulation") where duration or
-/// interval is not positive, a sigma is negative, or the correlation time is not positive.
+/// too. The run stays in the plane of its origin (up is constant), so that its speed in east,
+/// north, up is the logistic. The same spec gives the same epochs. Each error is drawn at its place
+/// in one sequence whether used or not, so that to change a sigma, a fault or the duration leaves
+/// the other draws as they were. Failure as `require_valid(LogisticRun)`, and (at "simulation")
+/// where duration or rate is not positive, a sigma is negative, or the correlation time is not
+/// positive.
 std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec);
 
 }  // namespace runcert

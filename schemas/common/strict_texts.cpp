@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/failure.h"
+#include "core/satellite.h"
 #include "core/text.h"
 #include "schemas/common/codec.h"
 
@@ -64,6 +65,15 @@ std::vector<std::string> read_files(const YamlValue& value) {
         add(value);
     if (files.empty()) value.fail("names no file", remedy);
     return files;
+}
+
+template <>
+Satellite read_members(const YamlValue& value) {
+    Satellite satellite;
+    if (!from_text(value.text(), satellite))
+        value.fail(fmt::format("\"{}\" is no satellite", escape_for_message(value.text())),
+                   "Name it as RINEX does: G02, E11");
+    return satellite;
 }
 
 template <>

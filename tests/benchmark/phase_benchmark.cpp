@@ -25,11 +25,11 @@ const std::string& raw_text() {
     static const std::string text = [] {
         SimulationSpec spec;
         spec.run = {.top_speed_m_s = 60.0, .start_speed_m_s = 1.0, .half_speed_time_s = 20.0};
-        spec.duration_ms = static_cast<std::int64_t>(seconds * 1000.0) - 100;
+        spec.run.duration_s = seconds - 0.1;
         spec.place = Geodetic{.latitude = Angle::from_degrees(-31.6),
                               .longitude = Angle::from_degrees(136.0),
                               .height_m = 110.0};
-        spec.start = parse_gps_iso("2026-03-14T03:20:18.000");
+        spec.start_gps = parse_gps_iso("2026-03-14T03:20:18.000");
         RawSpec raw;
         raw.mask_deg = 15.0;
         return rinex_observations_text(

@@ -23,26 +23,25 @@ inline SimulationSpec random_run(std::uint64_t seed, int epochs) {
         return low + (high - low) * random.uniform();
     };
     SimulationSpec spec;
-    spec.duration_ms = (epochs - 1) * spec.interval_ms;
     const double top_m_s = between(45.0, 65.0);
     // However long the recording, the run is one of its last half minute, so that the tangent plane
     // that it is made in stays level.
-    const double duration_s = static_cast<double>(spec.duration_ms) / 1000.0;
+    const double duration_s = (epochs - 1) / 10.0;
     const double half_time_s = std::max(0.4 * duration_s, duration_s - 25.0);
     // The logistic's largest acceleration is A r / 4.
     const double rate_per_s = 4.0 * between(3.0, 6.0) / top_m_s;
     spec.run = {.top_speed_m_s = top_m_s,
                 .start_speed_m_s = top_m_s / (1.0 + std::exp(rate_per_s * half_time_s)),
-                .half_speed_time_s = half_time_s};
-    spec.bearing = Angle::from_degrees(between(0.0, 360.0));
+                .half_speed_time_s = half_time_s,
+                .duration_s = duration_s};
+    spec.run.bearing_deg = between(0.0, 360.0);
     spec.place = Geodetic{.latitude = Angle::from_degrees(-31.6),
                           .longitude = Angle::from_degrees(136.0),
                           .height_m = 110.0};
-    spec.start = parse_gps_iso("2026-03-14T03:20:18.000");
-    spec.white = {.horizontal_m = 0.003, .vertical_m = 0.006};
-    spec.correlated = {.horizontal_m = 0.006, .vertical_m = 0.012};
-    spec.correlation_time_s = 1.5;
-    spec.seed = seed;
+    spec.start_gps = parse_gps_iso("2026-03-14T03:20:18.000");
+    spec.white_noise = {.horizontal_m = 0.003, .vertical_m = 0.006};
+    spec.correlated_error = {.horizontal_m = 0.006, .vertical_m = 0.012, .correlation_time_s = 1.5};
+    spec.seed = static_cast<std::int64_t>(seed);
     spec.recording = {.decimals_m = 4,
                       .decimals_deg = 9,
                       .accuracy = {.horizontal_m = 0.0067, .vertical_m = 0.0134}};

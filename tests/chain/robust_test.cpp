@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "simulation/logistic_run.h"
+#include "simulation/simulate.h"
 #include "stages/check/check.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"

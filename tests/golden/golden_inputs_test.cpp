@@ -232,9 +232,9 @@ TEST(GoldenProfile, Signatures) {
 
 TEST(GoldenSimulation, Spec) {
     const SimulationDocument simulation = read_simulation(text_of("v1.0/simulation.yaml"), "f");
-    EXPECT_EQ(simulation.spec.run.top_speed_m_s, 60.0);
-    EXPECT_EQ(simulation.spec.duration_ms, 45'000);
-    EXPECT_EQ(simulation.spec.interval_ms, 100);
+    EXPECT_EQ(simulation.run.top_speed_m_s, 60.0);
+    EXPECT_EQ(duration_ms(simulation.run), 45'000);
+    EXPECT_EQ(interval_ms(simulation.run), 100);
     EXPECT_EQ(simulation.attempt.at("id"), "simulated");
 }
 

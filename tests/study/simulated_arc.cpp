@@ -6,7 +6,7 @@
 
 #include "core/random.h"
 #include "estimation/motion_model.h"
-#include "simulation/logistic_run.h"
+#include "simulation/simulate.h"
 
 namespace runcert {
 namespace {

@@ -41,11 +41,11 @@ StudyPhases study_phases(std::span<const SimulatedEpoch> epochs, double phase_no
         rinex::read_navigation({.name = "broadcast.nav", .bytes = broadcast()}).ephemerides;
     SimulationSpec spec;
     spec.place = study_origin().position;
-    spec.start = study_start();
-    spec.seed = seed;
-    if (epochs.size() > 1) spec.interval_ms = epochs[1].time_ms - epochs[0].time_ms;
+    spec.start_gps = study_start();
+    spec.seed = static_cast<std::int64_t>(seed);
+    if (epochs.size() > 1) spec.run.rate_hz = 1000 / (epochs[1].time_ms - epochs[0].time_ms);
     RawSpec raw;
-    raw.two_bands = false;
+    raw.bands = 1;
     raw.phase_noise_m = phase_noise_m;
     raw.phase_multipath_m = phase_multipath_m;
     raw.doppler_noise_hz = 100.0;

@@ -292,7 +292,7 @@ TEST(DayExample, IsFourAttemptsOfSimulatedRecordings) {
     for (const DayAttempt& attempt : day.attempts) {
         const fs::path recording = recordings_of(attempt).at(0);
         const fs::path spec_file = folder / "specs" / recording.stem().concat(".yaml");
-        const SimulationSpec spec = read_simulation(test::slurp(spec_file), "spec").spec;
+        const SimulationDocument spec = read_simulation(test::slurp(spec_file), "spec");
         EXPECT_TRUE(rtklib_pos_text(spec, simulate(spec)) == test::slurp(folder / recording));
         EXPECT_LT(fs::file_size(folder / recording), 60'000U);
     }

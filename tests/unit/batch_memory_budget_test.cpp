@@ -144,10 +144,10 @@ TEST(AvailableMemory, IsPartOfWhatTheComputerHas) {
 
 SimulationSpec simulation() {
     SimulationSpec spec;
-    spec.duration_ms = 29'900;  // 300 epochs
+    spec.run.duration_s = 29.9;  // 300 epochs
     spec.place =
         Geodetic{.latitude = Angle::from_degrees(-31.6), .longitude = Angle::from_degrees(136.0)};
-    spec.start = parse_gps_iso("2026-03-14T03:20:18.000");
+    spec.start_gps = parse_gps_iso("2026-03-14T03:20:18.000");
     return spec;
 }
 

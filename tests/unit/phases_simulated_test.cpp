@@ -18,12 +18,12 @@ std::string broadcast() {
 SimulationSpec run_of(double duration_s, std::uint64_t seed) {
     SimulationSpec spec;
     spec.run = {.top_speed_m_s = 60.0, .start_speed_m_s = 29.0, .half_speed_time_s = 0.2};
-    spec.duration_ms = std::llround(duration_s * 1000.0);
+    spec.run.duration_s = duration_s;
     spec.place = Geodetic{.latitude = Angle::from_degrees(-31.6),
                           .longitude = Angle::from_degrees(136.0),
                           .height_m = 110.0};
-    spec.start = parse_gps_iso("2026-03-14T03:20:18.000");
-    spec.seed = seed;
+    spec.start_gps = parse_gps_iso("2026-03-14T03:20:18.000");
+    spec.seed = static_cast<std::int64_t>(seed);
     return spec;
 }
 
@@ -46,7 +46,7 @@ class SimulatedSlips : public testing::TestWithParam<bool> {};
 TEST_P(SimulatedSlips, AreFoundAt60MetresASecond) {
     const bool two_bands = GetParam();
     RawSpec raw;
-    raw.two_bands = two_bands;
+    raw.bands = two_bands ? 2 : 1;
     raw.phase_noise_m = 0.0012;
     raw.clock_drift = 3e-7;
     // 10,000 epochs in all.
@@ -124,8 +124,8 @@ TEST(SimulatedPhases, ShowTheTrueMotionAndTheClocksJumps) {
 TEST(SimulatedPhases, OfOpenHalfCyclesAndOutagesAreNotUsed) {
     RawSpec raw;
     const Satellite satellite{SatelliteSystem::gps, 22};
-    raw.half_cycles = {{.stretch = {.from_s = 5.0, .to_s = 8.0}, .satellite = satellite}};
-    raw.outages = {{.stretch = {.from_s = 12.0, .to_s = 13.0}, .satellite = satellite}};
+    raw.half_cycles = {{.from_s = 5.0, .to_s = 8.0, .satellite = satellite}};
+    raw.outages = {{.from_s = 12.0, .to_s = 13.0, .satellite = satellite}};
     raw.slips = {
         {.time_s = 20.0, .satellite = satellite, .band = 1, .cycles = 2.0, .is_flagged = true}};
     const PhaseRecord record = simulated(run_of(25.0, 4), raw);

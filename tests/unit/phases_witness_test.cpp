@@ -45,13 +45,13 @@ struct RawRun {
 
     RawRun(double duration_s, const RawSpec& raw, double sigma_m, std::uint64_t seed = 1) {
         spec.run = {.top_speed_m_s = 64.5, .start_speed_m_s = 32.0, .half_speed_time_s = 0.2};
-        spec.duration_ms = std::llround(duration_s * 1000.0);
+        spec.run.duration_s = duration_s;
         spec.place = Geodetic{.latitude = Angle::from_degrees(-31.6),
                               .longitude = Angle::from_degrees(136.0),
                               .height_m = 110.0};
-        spec.start = parse_gps_iso("2026-03-14T03:20:18.000");
-        spec.white = {.horizontal_m = sigma_m, .vertical_m = 2.0 * sigma_m};
-        spec.seed = seed;
+        spec.start_gps = parse_gps_iso("2026-03-14T03:20:18.000");
+        spec.white_noise = {.horizontal_m = sigma_m, .vertical_m = 2.0 * sigma_m};
+        spec.seed = static_cast<std::int64_t>(seed);
         epochs = simulate(spec);
         fill_table(sigma_m);
         measure(raw);
@@ -71,7 +71,7 @@ struct RawRun {
         table.facts.receiver = "primary";
         table.facts.georeferenced = true;
         table.facts.vertical_measured = false;
-        table.facts.first_epoch = spec.start;
+        table.facts.first_epoch = spec.start_gps;
         table.facts.nominal_interval_s = 0.1;
         table.origin.emplace();
         table.origin->position = *spec.place;
@@ -101,7 +101,7 @@ struct RawRun {
 
 RawSpec quiet() {
     RawSpec raw;
-    raw.two_bands = false;
+    raw.bands = 1;
     raw.phase_noise_m = 0.0012;
     raw.clock_drift = 3e-7;
     return raw;
@@ -196,7 +196,8 @@ TEST(PhaseWitness, SaysNothingWhereTheClockJumpsOrTooFewAreLeft) {
     for (std::uint8_t number = 1; number <= 36; ++number)
         for (const SatelliteSystem system : {SatelliteSystem::gps, SatelliteSystem::galileo})
             if (number % 3 != 0)
-                outages.outages.push_back({.stretch = {9.0, 15.5}, .satellite = {system, number}});
+                outages.outages.push_back(
+                    {.from_s = 9.0, .to_s = 15.5, .satellite = {system, number}});
     const RawRun few(20.0, outages, 0.010);
     EXPECT_TRUE(few.witness()->between(5.0, 8.0));
     EXPECT_FALSE(few.witness()->between(8.0, 11.0));

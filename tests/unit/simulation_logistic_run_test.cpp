@@ -9,7 +9,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "simulation/logistic_run.h"
 #include "simulation/simulate.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -38,7 +37,7 @@ TEST(LogisticRun, ReproducesTable2OfThePaperToItsPrintedDigits) {
     ASSERT_EQ(line,
               "epoch,time_s,distance_m,velocity_m_s,acceleration_m_s2,jerk_m_s3,east_m,north_m");
     SimulationSpec spec;  // the paper's run is the default
-    spec.start_enu_m = {1000.0, 1000.0, 0.0};
+    spec.run.start = {1000.0, 1000.0, 0.0};
     const auto epochs = simulate(spec);
     ASSERT_EQ(epochs.size(), 451U);
     int rows = 0;
@@ -99,10 +98,10 @@ TEST(LogisticRun, StaysFiniteFarFromTheTimeOfHalfSpeed) {
 
 TEST(LogisticRun, IsRefusedWhereItIsNone) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const LogisticRun run : {LogisticRun{60.0, 30.0, 15.0}, LogisticRun{60.0, 0.0, 15.0},
-                                  LogisticRun{60.0, -1.0, 15.0}, LogisticRun{60.0, 0.01, 0.0},
-                                  LogisticRun{60.0, 0.01, nan}, LogisticRun{nan, 0.01, 15.0},
-                                  LogisticRun{60.0, nan, 15.0}, LogisticRun{HUGE_VAL, 1.0, 15.0}})
+    for (const LogisticRun& run : {LogisticRun{60.0, 30.0, 15.0}, LogisticRun{60.0, 0.0, 15.0},
+                                   LogisticRun{60.0, -1.0, 15.0}, LogisticRun{60.0, 0.01, 0.0},
+                                   LogisticRun{60.0, 0.01, nan}, LogisticRun{nan, 0.01, 15.0},
+                                   LogisticRun{60.0, nan, 15.0}, LogisticRun{HUGE_VAL, 1.0, 15.0}})
         EXPECT_THROW((void)logistic_run(run, 1.0), Failure);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "simulation/recording_text.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -22,9 +23,9 @@ std::vector<std::string> lines_of(const std::string& text) {
 SimulationSpec place_spec() {
     SimulationSpec spec;
     spec.place = Geodetic{Angle::from_degrees(-31.6), Angle::from_degrees(136.0), 110.0};
-    spec.start = parse_gps_iso("2026-12-31T23:59:30.000");
-    spec.bearing = Angle::from_degrees(160.0);
-    spec.white = {.horizontal_m = 0.003, .vertical_m = 0.006};
+    spec.start_gps = parse_gps_iso("2026-12-31T23:59:30.000");
+    spec.run.bearing_deg = 160.0;
+    spec.white_noise = {.horizontal_m = 0.003, .vertical_m = 0.006};
     return spec;
 }
 
@@ -81,7 +82,7 @@ TEST(RtklibPos, RoundsAsAsked) {
     spec.recording.decimals_deg = 9;
     spec.recording.decimals_m = 4;
     spec.recording.accuracy = {.horizontal_m = 0.003, .vertical_m = 0.0061};
-    spec.white = {};
+    spec.white_noise = {};
     EXPECT_EQ(lines_of(pos_of(spec)).at(3),
               "2026/12/31 23:59:30.000  -31.600000000  136.000000000   110.0000   1  20   0.0030   "
               "0.0030   0.0061   0.0000   0.0000   0.0000   0.00   50.0");
@@ -109,7 +110,7 @@ TEST(RtklibPos, IsTheSameForTheSameSeedOnly) {
 
 TEST(RtklibPos, NeedsAPlaceAndATime) {
     SimulationSpec spec = place_spec();
-    spec.start.reset();
+    spec.start_gps.reset();
     EXPECT_THROW((void)pos_of(spec), Failure);
     spec = place_spec();
     spec.place.reset();
@@ -118,7 +119,7 @@ TEST(RtklibPos, NeedsAPlaceAndATime) {
 
 TEST(PlaneCsv, HasTheColumnsThatTheSpecAsksFor) {
     SimulationSpec spec;
-    spec.start_enu_m = {1000.0, 1000.0, 2.0};
+    spec.run.start = {1000.0, 1000.0, 2.0};
     spec.recording.decimals_m = 3;
     auto lines = lines_of(plane_csv_text(spec, simulate(spec)));
     EXPECT_EQ(lines.size(), 453U);
@@ -139,8 +140,8 @@ TEST(PlaneCsv, HasTheColumnsThatTheSpecAsksFor) {
 
 TEST(TruthCsv, HasEveryEpochOfTheTrueRun) {
     SimulationSpec spec;
-    spec.start_enu_m = {1000.0, 1000.0, 0.0};
-    spec.white = {.horizontal_m = 0.010, .vertical_m = 0.020};
+    spec.run.start = {1000.0, 1000.0, 0.0};
+    spec.white_noise = {.horizontal_m = 0.010, .vertical_m = 0.020};
     spec.faults.gaps.push_back({.from_s = 14.0, .to_s = 16.0});
     const auto lines = lines_of(truth_csv_text(simulate(spec)));
     ASSERT_EQ(lines.size(), 453U);

@@ -13,7 +13,7 @@ namespace {
 /// A long recording with errors, to take statistics from.
 SimulationSpec long_spec() {
     SimulationSpec spec;
-    spec.duration_ms = 10'000'000;  // 100 001 epochs
+    spec.run.duration_s = 10'000.0;  // 100 001 epochs
     return spec;
 }
 
@@ -44,18 +44,18 @@ TEST(Simulate, WithoutErrorIsTheTruth) {
 
 TEST(Simulate, RunsAlongTheBearing) {
     SimulationSpec spec;
-    spec.bearing = Angle::from_degrees(160.0);
-    spec.start_enu_m = {3.0, -2.0, 1.5};
+    spec.run.bearing_deg = 160.0;
+    spec.run.start = {3.0, -2.0, 1.5};
     const SimulatedEpoch last = simulate(spec).back();
-    const Eigen::Vector3d way = last.true_enu_m - spec.start_enu_m;
+    const Eigen::Vector3d way = last.true_enu_m - Eigen::Vector3d(3.0, -2.0, 1.5);
     EXPECT_NEAR(way.norm(), last.truth.distance_m, 1e-9);
     EXPECT_EQ(way.z(), 0.0);
-    EXPECT_NEAR(std::atan2(way.x(), way.y()), spec.bearing.radians(), 1e-12);
+    EXPECT_NEAR(std::atan2(way.x(), way.y()), Angle::from_degrees(160.0).radians(), 1e-12);
 }
 
 TEST(Simulate, WhiteNoiseHasTheMomentsAskedFor) {
     SimulationSpec spec = long_spec();
-    spec.white = {.horizontal_m = 0.010, .vertical_m = 0.020};
+    spec.white_noise = {.horizontal_m = 0.010, .vertical_m = 0.020};
     const auto epochs = simulate(spec);
     const double n = static_cast<double>(epochs.size());
     for (const int axis : {0, 1, 2}) {
@@ -70,8 +70,7 @@ TEST(Simulate, WhiteNoiseHasTheMomentsAskedFor) {
 
 TEST(Simulate, GaussMarkovErrorFadesWithItsCorrelationTime) {
     SimulationSpec spec = long_spec();
-    spec.correlated = {.horizontal_m = 0.008, .vertical_m = 0.016};
-    spec.correlation_time_s = 2.0;
+    spec.correlated_error = {.horizontal_m = 0.008, .vertical_m = 0.016, .correlation_time_s = 2.0};
     const auto epochs = simulate(spec);
     // One independent value each 2 tau: 2500 of them in 10 000 s.
     const double n = 2500.0;
@@ -90,9 +89,8 @@ TEST(Simulate, GaussMarkovErrorFadesWithItsCorrelationTime) {
 
 TEST(Simulate, GaussMarkovErrorIsSteadyFromTheFirstEpoch) {
     SimulationSpec spec;
-    spec.duration_ms = 100;
-    spec.correlated = {.horizontal_m = 1.0, .vertical_m = 1.0};
-    spec.correlation_time_s = 1000.0;
+    spec.run.duration_s = 0.1;
+    spec.correlated_error = {.horizontal_m = 1.0, .vertical_m = 1.0, .correlation_time_s = 1000.0};
     std::vector<double> first;
     for (spec.seed = 1; spec.seed <= 2000; ++spec.seed)
         first.push_back(errors_of(simulate(spec), 0).front());
@@ -101,11 +99,11 @@ TEST(Simulate, GaussMarkovErrorIsSteadyFromTheFirstEpoch) {
 
 TEST(Simulate, DrawsEachErrorAtItsPlaceInTheSequence) {
     SimulationSpec spec;
-    spec.white = {.horizontal_m = 0.010, .vertical_m = 0.020};
+    spec.white_noise = {.horizontal_m = 0.010, .vertical_m = 0.020};
     const auto reference = simulate(spec);
     SimulationSpec other = spec;
-    other.duration_ms = 10'000;
-    other.white.vertical_m = 0.0;
+    other.run.duration_s = 10.0;
+    other.white_noise.vertical_m = 0.0;
     other.faults.gaps.push_back({.from_s = 1.0, .to_s = 2.0});
     const auto epochs = simulate(other);
     for (std::size_t i = 0; i < epochs.size(); ++i)
@@ -116,16 +114,14 @@ TEST(Simulate, DrawsEachErrorAtItsPlaceInTheSequence) {
 
 TEST(Simulate, FaultsLandAtTheirEpochs) {
     SimulationSpec spec;
-    const Eigen::Vector3d spike(0.3, -0.2, 0.1);
-    const Eigen::Vector3d step(0.5, 0.0, 0.0);
-    spec.faults.outliers.push_back({.epoch = 101, .enu_m = spike});
-    spec.faults.steps.push_back({.time_s = 12.3, .enu_m = step});
+    spec.faults.outliers.push_back({.epoch = 101, .east_m = 0.3, .north_m = -0.2, .up_m = 0.1});
+    spec.faults.steps.push_back({.time_s = 12.3, .east_m = 0.5});
     spec.faults.gaps.push_back({.from_s = 5.0, .to_s = 5.3});
     spec.faults.float_fixes.push_back({.from_s = 20.0, .to_s = 20.2});
     for (const SimulatedEpoch& epoch : simulate(spec)) {
         Eigen::Vector3d expected = epoch.true_enu_m;
-        if (epoch.epoch == 101) expected += spike;
-        if (epoch.time_ms >= 12'300) expected += step;
+        if (epoch.epoch == 101) expected += Eigen::Vector3d(0.3, -0.2, 0.1);
+        if (epoch.time_ms >= 12'300) expected += Eigen::Vector3d(0.5, 0.0, 0.0);
         EXPECT_EQ(epoch.measured_enu_m, expected) << epoch.epoch;
         EXPECT_EQ(epoch.recorded, epoch.epoch < 51 || epoch.epoch > 53) << epoch.epoch;
         EXPECT_EQ(epoch.fixed, epoch.epoch != 201 && epoch.epoch != 202) << epoch.epoch;
@@ -138,11 +134,11 @@ TEST(Simulate, RefusesWhatIsNoSimulation) {
         change(spec);
         EXPECT_THROW((void)simulate(spec), Failure);
     };
-    refused([](SimulationSpec& spec) { spec.interval_ms = 0; });
-    refused([](SimulationSpec& spec) { spec.duration_ms = 0; });
-    refused([](SimulationSpec& spec) { spec.white.horizontal_m = -0.001; });
-    refused([](SimulationSpec& spec) { spec.correlated.vertical_m = std::nan(""); });
-    refused([](SimulationSpec& spec) { spec.correlation_time_s = 0.0; });
+    refused([](SimulationSpec& spec) { spec.run.rate_hz = 0; });
+    refused([](SimulationSpec& spec) { spec.run.duration_s = 0.0; });
+    refused([](SimulationSpec& spec) { spec.white_noise.horizontal_m = -0.001; });
+    refused([](SimulationSpec& spec) { spec.correlated_error.vertical_m = std::nan(""); });
+    refused([](SimulationSpec& spec) { spec.correlated_error.correlation_time_s = 0.0; });
     refused([](SimulationSpec& spec) { spec.run.start_speed_m_s = 30.0; });
 }
 

@@ -12,7 +12,7 @@
 #include "schemas/simulation/simulation.h"
 #include "simulation/raw_measurements.h"
 #include "simulation/recording_text.h"
-#include "stages/import/rinex/ephemerides.h"
+#include "stages/import/rinex/rinex.h"
 
 namespace runcert {
 namespace {

@@ -30,4 +30,19 @@ constexpr Integer big_endian(std::string_view bytes, std::size_t at) {
     return std::bit_cast<Integer>(value);
 }
 
+/// A number of a record: where its bytes begin, and what one of it stands for.
+template <std::integral Integer, std::endian order = std::endian::little>
+struct NumberField {
+    std::size_t at = 0;
+    double unit = 1.0;
+
+    constexpr Integer whole(std::string_view record) const {
+        return order == std::endian::little ? little_endian<Integer>(record, at)
+                                            : big_endian<Integer>(record, at);
+    }
+    constexpr double real(std::string_view record) const {
+        return static_cast<double>(whole(record)) * unit;
+    }
+};
+
 }  // namespace runcert

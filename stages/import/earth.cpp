@@ -6,7 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/row_summary.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert {
 namespace {
@@ -64,6 +64,11 @@ Geodetic require_near_surface(const Eigen::Vector3d& position_m, const std::stri
 }
 
 }  // namespace
+
+FixType fix_of_ublox(unsigned type) {
+    if (type == 1 || type == 4) return FixType::dead_reckoning;
+    return type == 2 || type == 3 ? FixType::single : FixType::none;
+}
 
 Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
                           const Cell& height) {

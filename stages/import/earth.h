@@ -9,6 +9,11 @@
 
 namespace runcert {
 
+/// The fix type of u-blox' numbers of solutions (fixType of NAV-PVT): 2 and 3, in the plane and in
+/// space, are `single`; 1 and 4, in which dead reckoning takes part, `dead_reckoning`; others
+/// `none`.
+FixType fix_of_ublox(unsigned type);
+
 // Positions and accuracies as recordings give them, turned into those of an observation. A
 // position that cannot be one of a craft (a latitude of 95 degrees, 100 km above or below the
 // ellipsoid, an Earth-centred radius outside 6300 to 6600 km) fails at its cell.

@@ -1,8 +1,7 @@
-#include "stages/import/encoding.h"
-
 #include <fmt/format.h>
 
 #include "core/failure.h"
+#include "stages/import/recording.h"
 
 namespace runcert {
 namespace {

@@ -6,10 +6,8 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/csv/csv.h"
-#include "stages/import/encoding.h"
 #include "stages/import/format.h"
-#include "stages/import/join.h"
-#include "stages/import/not_read.h"
+#include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
 
 namespace runcert {
@@ -119,14 +117,33 @@ std::optional<StreamedRecording> import_streamed(const Receiver& receiver,
     return format->read_streamed(receiver, recording);
 }
 
-Observations import_recordings(const Receiver& receiver,
-                               const std::vector<RecordingBytes>& recordings,
-                               const std::function<ReadRecording>& read_one) {
-    require_joinable(recordings);
-    std::vector<Observations> parts;
-    for (const RecordingBytes& recording : recordings)
-        parts.push_back(read_one(receiver, recording));
-    return join(std::move(parts), recordings);
+void note_origins_of_head(const Receiver& receiver, Observations& head) {
+    const Format* format = find_format(head.format);
+    head.time_origin = format ? format->time_origin : "";
+    head.facts.time_source = format && format->of_satellites        ? "satellites"
+                             : receiver.time_source == "satellites" ? "attempt"
+                                                                    : "unknown";
+    head.solution_source = SolutionSource::recording;
+}
+
+void note_origins(const Receiver& receiver, Observations& observations) {
+    note_origins_of_head(receiver, observations);
+    FixType claimed = FixType::unknown;
+    from_text(receiver.solution, claimed);
+    bool stated = false;
+    bool missing = false;
+    for (Observation& row : observations.rows) {
+        if (row.fix != FixType::unknown) {
+            stated = true;
+            continue;
+        }
+        missing = true;
+        row.fix = claimed;
+    }
+    if (missing)
+        observations.solution_source = claimed != FixType::unknown ? SolutionSource::attempt
+                                       : stated                    ? SolutionSource::partly
+                                                                   : SolutionSource::unknown;
 }
 
 }  // namespace runcert

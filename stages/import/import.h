@@ -38,4 +38,23 @@ Observations import_recordings(const Receiver& receiver,
                                const std::vector<RecordingBytes>& recordings,
                                const std::function<ReadRecording>& read_one = import_recording);
 
+/// Says where times and fix types come from: by the format, and where that leaves it open,
+/// by what the attempt states (`receivers[].time_source`, `receivers[].solution`), which is a claim
+/// that somebody must answer for. Rows whose fix type the recording does not say get the
+/// stated one.
+void note_origins(const Receiver& receiver, Observations& observations);
+
+/// The same of a table whose rows say their fix type themselves.
+void note_origins_of_head(const Receiver& receiver, Observations& head);
+
+/// Adds to `written_by` what a file says of the programs that made, converted, edited or simulated
+/// it, and sets `simulated` where it says that. Looked for are, in text of any format and in what a
+/// binary one holds of it, names of such programs and words as "created by" or "simulated", in any
+/// case and several languages; in NMEA also the quality and mode of simulators. The lines around
+/// them are taken, shortened, eight of a file at most, after `observations.device`, which the
+/// format itself knows. `named`: behind the file's name.
+///
+/// A file that says nothing of the kind, or of which it was taken out, shows nothing.
+void note_written_by(const RecordingBytes& file, bool named, Observations& observations);
+
 }  // namespace runcert

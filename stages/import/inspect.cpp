@@ -7,8 +7,7 @@
 
 #include "core/geodesy.h"
 #include "core/statistics.h"
-#include "stages/import/inspect_velocity.h"
-#include "stages/import/row_summary.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert {
 namespace {

@@ -8,9 +8,35 @@
 #include <vector>
 
 #include "schemas/observations/observations.h"
-#include "stages/import/inspect_velocity.h"
+#include "stages/import/phase_table.h"
+#include "stages/import/recording.h"
+#include "witness/velocity_origin.h"
 
 namespace runcert {
+
+/// The delay of the recorded velocity behind the positions (s), by `velocities::estimate_delay`
+/// against the motion that a parabola through the positions within 0.4 s of each epoch shows (two
+/// epochs on either side at least). Nothing where the recording does not tell it.
+std::optional<double> raw_velocity_delay_s(const Observations& observations);
+
+/// What screening takes off of a delay where the attempt says nothing else (s).
+inline constexpr double longest_velocity_delay_s = 1.0;
+
+/// A delay of the recorded speeds behind the positions over a part of a recording; times from its
+/// first epoch (s).
+struct RawDelay {
+    double from_s = 0.0, to_s = 0.0;
+    double delay_s = 0.0, sigma_s = 0.0;
+    bool beyond = false;  ///< more than `longest_velocity_delay_s`
+};
+
+/// Delays along the recording by the lengths of the speeds, with a course or without, by
+/// `velocities::delays_along` against the same motion.
+std::vector<RawDelay> raw_velocity_delays(const Observations& observations);
+
+/// Whether the recorded velocities and speeds were computed from the positions, by
+/// `velocities::origin_of_speeds`.
+velocities::Origin raw_velocity_origin(const Observations& observations);
 
 /// A fastest stretch, unscreened.
 struct RawBest {
@@ -83,5 +109,14 @@ Inspection inspect(const Observations& observations);
 /// cannot be; empty where that is not asked.
 std::string inspection_text(const Inspection& inspection, const std::string& file_name,
                             const std::optional<GpsTime>& now = std::nullopt);
+
+/// Of a table that no format recognises: the lines of an attempt that would describe it, what they
+/// leave unsure, and what `inspect` says of the recording so described. Nothing for a text that is
+/// no table.
+std::optional<std::string> table_text(const RecordingBytes& recording);
+
+/// What raw measurements hold, in a few lines: satellites, signals, gaps, slips, whether the
+/// receiver moved, and its fastest 3 s by carrier phase alone.
+std::string phase_inspection_text(const StreamedPhases& phases, const std::string& path);
 
 }  // namespace runcert

@@ -1,5 +1,3 @@
-#include "stages/import/inspect_phases.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 #include "core/prose.h"
 #include "core/statistics.h"
 #include "core/text.h"
+#include "stages/import/inspect.h"
 #include "witness/phase_rows.h"
 #include "witness/phase_witness.h"
 

@@ -7,7 +7,7 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
-#include "stages/import/day_clock.h"
+#include "stages/import/clock.h"
 #include "stages/import/inspect.h"
 
 namespace runcert {

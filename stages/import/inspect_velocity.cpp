@@ -1,12 +1,11 @@
-#include "stages/import/inspect_velocity.h"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/geodesy.h"
 #include "core/statistics.h"
-#include "stages/import/row_summary.h"
+#include "stages/import/inspect.h"
+#include "stages/import/row_collector.h"
 #include "witness/velocity_delay.h"
 
 namespace runcert {
@@ -109,11 +108,6 @@ bool changes(const std::vector<velocities::Comparison>& comparisons) {
 }
 
 }  // namespace
-
-std::optional<double> horizontal_speed(const RecordedVelocity& row) {
-    if (!has_velocity(row)) return row.recorded_speed_m_s;
-    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
-}
 
 velocities::Origin raw_velocity_origin(const Observations& observations) {
     std::vector<velocities::SpeedBesidePosition> rows;

@@ -1,5 +1,3 @@
-#include "stages/import/join.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
+#include "stages/import/import.h"
 #include "stages/import/row_collector.h"
 
 namespace runcert {
@@ -101,8 +100,8 @@ void append(Observations& all, const Observations& part, std::int8_t file) {
         all.notes.push_back(fmt::format("File {}: {}", file, note));
 }
 
-}  // namespace
-
+/// Failure where a recording cannot be of these files, whatever they hold: more than 127, or one
+/// that is given twice. For before they are read.
 void require_joinable(const std::vector<RecordingBytes>& recordings) {
     if (recordings.size() > std::numeric_limits<std::int8_t>::max())
         throw Failure(recordings.front().name,
@@ -111,6 +110,8 @@ void require_joinable(const std::vector<RecordingBytes>& recordings) {
     require_different(recordings);
 }
 
+/// The parts of a recording, read from files that follow one another, as one. `parts` and
+/// `recordings` go together, at least one; a single part is returned as it is.
 Observations join(std::vector<Observations> parts, const std::vector<RecordingBytes>& recordings) {
     if (parts.size() == 1) return std::move(parts.front());
     for (std::size_t i = 0; i < parts.size(); ++i)
@@ -160,6 +161,18 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
     }
     all.facts.nominal_interval_s = median_step_s(all.rows);
     return all;
+}
+
+}  // namespace
+
+Observations import_recordings(const Receiver& receiver,
+                               const std::vector<RecordingBytes>& recordings,
+                               const std::function<ReadRecording>& read_one) {
+    require_joinable(recordings);
+    std::vector<Observations> parts;
+    for (const RecordingBytes& recording : recordings)
+        parts.push_back(read_one(receiver, recording));
+    return join(std::move(parts), recordings);
 }
 
 }  // namespace runcert

@@ -9,18 +9,12 @@
 #include "files/atomic_file.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
-#include "stages/import/claims.h"
-#include "stages/import/encoding.h"
-#include "stages/import/gpsbabel/convert.h"
+#include "stages/import/gpsbabel/gpsbabel.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
-#include "stages/import/inspect_phases.h"
-#include "stages/import/inspect_table.h"
-#include "stages/import/not_read.h"
 #include "stages/import/phase_table.h"
+#include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
-#include "stages/import/rinex/solve.h"
-#include "stages/import/written_by.h"
 
 using namespace runcert;
 

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geodesy.h"
@@ -40,7 +42,14 @@ struct MeasuredEpoch {
 
 /// Puts the measurements in their order, by satellite and signal. Null, or one of a signal that
 /// there is twice.
-const SignalMeasurement* order_measurements(MeasuredEpoch& epoch);
+inline const SignalMeasurement* order_measurements(MeasuredEpoch& epoch) {
+    const auto key = [](const SignalMeasurement& each) {
+        return std::pair(each.satellite, each.signal);
+    };
+    std::ranges::sort(epoch.measurements, {}, key);
+    const auto same = std::ranges::adjacent_find(epoch.measurements, {}, key);
+    return same == epoch.measurements.end() ? nullptr : &*same;
+}
 
 /// May take from the epoch what it wants.
 using TakeMeasurements = std::function<void(MeasuredEpoch&)>;

@@ -16,11 +16,8 @@
 #include "satellites/point_solution.h"
 #include "stages/import/cell.h"
 #include "stages/import/measured_epoch.h"
-#include "stages/import/rinex/ephemerides.h"
-#include "stages/import/rinex/measurements.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/ubx/raw.h"
-#include "stages/import/ubx/ubx.h"
 
 namespace runcert {
 namespace {

@@ -3,9 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "core/failure.h"
-#include "stages/import/not_read.h"
+#include "stages/import/cell.h"
 
 namespace runcert {
 namespace {
@@ -29,6 +30,84 @@ void refuse_nul(const RecordingBytes& recording, std::size_t at) {
         fmt::format("byte {} is NUL: the file is binary, or damaged", at),
         "Export the recording as text, or hand in the logger's own file: after a crash its "
         "program can save what is whole");
+}
+
+using namespace std::string_view_literals;
+
+constexpr std::int64_t lines_looked_at = 30;
+
+constexpr std::string_view unpack = "Unpack it, and name the recording inside it";
+constexpr std::string_view save_as_utf8 =
+    "Save as UTF-8, in the program that wrote it or an editor";
+constexpr std::string_view save_as_csv =
+    "Save the sheet as CSV in the program that wrote it, and describe its columns";
+constexpr std::string_view no_recording = "Give the recording as the receiver or logger wrote it";
+constexpr NotRead kinds[] = {
+    {"UTF-32 text", "\xff\xfe\0\0"sv, save_as_utf8, true},
+    {"UTF-32 text", "\0\0\xfe\xff"sv, save_as_utf8, true},
+    {"an Excel workbook", "PK\x03\x04\x14\0\x06\0\x08\0\0\0!\0"sv, save_as_csv, true},
+    {"an OpenDocument sheet", "mimetypeapplication/vnd.oasis.opendocument.spreadsheet"sv,
+     save_as_csv, true, 30},
+    {"an old Excel workbook", "\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"sv, save_as_csv, true},
+    {"a ZIP archive, a folder packed into a file", "PK\x03\x04"sv, unpack, true},
+    {"a gzip archive", "\x1f\x8b"sv, unpack, true},
+    {"a 7z archive", "7z\xbc\xaf\x27\x1c"sv, unpack, true},
+    {"a bzip2 archive", "BZh"sv, unpack, true},
+    {"an xz archive",
+     "\xfd"
+     "7zXZ"sv,
+     unpack, true},
+    {"a RAR archive", "Rar!\x1a\x07"sv, unpack, true},
+    {"a tar archive, a folder packed into a file", "ustar"sv, unpack, true, 257},
+    {"an MP4 or MOV film", "ftyp"sv,
+     "Take the camera's positions out of it: exiftool -ee -p gpx.fmt FILM > run.gpx", true, 4},
+    {"an SQLite database", "SQLite format 3\0"sv,
+     "Export the recording from the program that keeps it, as GPX, CSV or FIT", true},
+    {"a PDF document", "%PDF-"sv, no_recording, true},
+    {"a PNG picture", "\x89PNG\r\n"sv, no_recording, true},
+    {"a JPEG picture", "\xff\xd8\xff"sv, no_recording, true},
+    {"compact RINEX (Hatanaka)", "COMPACT RINEX FORMAT"sv,
+     "Expand it with CRX2RNX (Y. Hatanaka's RNXCMP), and give the RINEX file that it writes", true,
+     20},
+    {"SkyTraq binary", "\xa0\xa1\0"sv,
+     "Record NMEA instead, or convert its raw signals to RINEX (RTKLIB: convbin -r stq)"},
+    {"SiRF binary without geodetic positions", "\xa0\xa2"sv,
+     "Record with message 41 (geodetic navigation data), or as NMEA"},
+    {"JAVAD or Topcon GREIS", "JP055"sv,
+     "Convert it to RINEX (RTKLIB: convbin -r javad), and give base and navigation"},
+    {"JAVAD or Topcon GREIS", "RE00"sv,
+     "Convert it to RINEX (RTKLIB: convbin -r javad), and give base and navigation"},
+    {"Septentrio SBF", "$@"sv,
+     "Convert it: sbf2asc -g for its solution as text, or sbf2rin for RINEX"},
+    {"NovAtel binary", "\xaa\x44\x12"sv,
+     "Convert it to ASCII logs (BESTPOSA, BESTVELA) with NovAtel Convert, or to RINEX"},
+    {"NovAtel binary", "\xaa\x44\x13"sv,
+     "Convert it to ASCII logs (BESTPOSA, BESTVELA) with NovAtel Convert, or to RINEX"},
+    {"RTCM 3, corrections or raw signals", "\xd3\0"sv,
+     "Convert it to RINEX, and give base and navigation; or export its solution as NMEA"},
+    {"a telephone's raw log (GnssLogger)", "# Raw,"sv,
+     "It holds raw signals: convert it to RINEX, and give base and navigation; or give its "
+     "NMEA file",
+     false, 0, true},
+    {"a telephone's raw log (GnssLogger)", "Raw,"sv,
+     "It holds raw signals: convert it to RINEX, and give base and navigation; or give its "
+     "NMEA file",
+     false, 0, true},
+    {"a web page", "<html"sv, no_recording, false, 0, true},
+    {"a web page", "<!DOCTYPE html"sv, no_recording, false, 0, true},
+    {"XML of another kind than GPX", "<?xml"sv,
+     "Export the recording as GPX, in the program that wrote it", false, 0, true}};
+
+bool has_line(std::string_view bytes, std::string_view beginning) {
+    LineReader lines(bytes);
+    for (auto line = lines.next(); line && line->number <= lines_looked_at; line = lines.next())
+        if (line->text.starts_with(beginning)) return true;
+    return false;
+}
+
+bool is_of(std::string_view head, const NotRead& kind) {
+    if (kind.is_line) return has_line(head, kind.bytes);
+    return head.size() >= kind.offset && head.substr(kind.offset).starts_with(kind.bytes);
 }
 
 }  // namespace
@@ -89,6 +168,19 @@ void require_text(const RecordingBytes& recording) {
     if (const std::size_t nul = recording.bytes.substr(0, recognised_by).find('\0');
         nul != std::string_view::npos)
         refuse_nul(recording, nul);
+}
+
+std::span<const NotRead> kinds_not_read() {
+    return kinds;
+}
+
+void refuse_not_read(const RecordingBytes& recording, bool only_never_read) {
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    for (const NotRead& kind : kinds)
+        if ((kind.never_read || !only_never_read) && is_of(head, kind))
+            throw Failure(place_in(recording, 1, 1),
+                          fmt::format("the file is {}, which is not read", kind.name),
+                          std::string(kind.remedy));
 }
 
 }  // namespace runcert

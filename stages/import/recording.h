@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -73,11 +74,39 @@ class LineReader {
 };
 
 /// Failure, in words of its own, for a recording that is empty, or of a kind that no format begins
-/// as (an archive, a film, UTF-32 text: see not_read.h): none is even tried on these. It looks at
+/// as (an archive, a film, UTF-32 text: see NotRead): none is even tried on these. It looks at
 /// the beginning alone.
 void require_readable(const RecordingBytes& recording);
 
 /// The same, and Failure where the beginning holds NUL bytes: no text.
 void require_text(const RecordingBytes& recording);
+
+/// A kind of file that is recognised and not read, and what its owner can do.
+struct NotRead {
+    std::string_view name;  ///< "a ZIP archive"
+    /// How it is recognised: these bytes at that offset, or anywhere in the beginning of a file of
+    /// the kind above; or, of texts, the beginning of one of the first lines.
+    std::string_view bytes;
+    std::string_view remedy;
+    /// Whether it is refused whatever the attempt says: no format that is read begins so.
+    bool never_read = false;
+    std::size_t offset = 0;
+    bool is_line = false;
+};
+
+/// All kinds; of those that begin alike the more special first.
+std::span<const NotRead> kinds_not_read();
+
+/// Failure for a recording of a kind that is recognised and not read; of all of them, or of those
+/// that no format begins as.
+void refuse_not_read(const RecordingBytes& recording, bool only_never_read);
+
+/// Whether the bytes begin as UTF-16 text: with its byte order mark, or with every second byte NUL
+/// as of letters that ASCII has, too.
+bool is_utf16(std::string_view bytes);
+
+/// A UTF-16 recording as UTF-8 (Unicode 15, section 3.9), without its byte order mark. Failure,
+/// with the byte, for a surrogate that stands alone and for half a code unit at the end.
+std::string utf8_of_utf16(const RecordingBytes& recording);
 
 }  // namespace runcert

@@ -3,17 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
-#include "stages/import/unfilled.h"
 
 namespace runcert {
 namespace {
+
+/// Each time there are so many more bad records, reading may stop.
+constexpr std::int64_t bad_to_give_up = 50'000;
+
+/// The column that a Failure at "file:line:column" names.
+OptionalInteger column_of(const Failure& why, const RecordPlace& place) {
+    const std::size_t colon = why.where().rfind(':');
+    if (!place.line || colon == std::string::npos) return std::nullopt;
+    if (!why.where().substr(0, colon).ends_with(fmt::format(":{}", *place.line)))
+        return std::nullopt;
+    return parse_integer(std::string_view(why.where()).substr(colon + 1));
+}
 
 /// After so many rows the room for all of them is estimated, so that growing never copies them.
 constexpr std::size_t rows_to_estimate = 1024;
@@ -25,92 +38,116 @@ void note_leap_seconds(Observations& observations, GpsTime last) {
             "program: its GPS time may be off by a whole second or more.");
 }
 
-/// The height at which to put the positions of a recording that has none.
-std::optional<double> set_heights(Observations& observations, const RowSummary& rows,
-                                  const Receiver& receiver) {
-    if (!rows.first_latitude_deg || rows.any_height) return std::nullopt;
-    observations.facts.vertical_measured = false;
-    if (!receiver.height_m)
-        observations.notes.push_back(
-            "Heights are not recorded: write height_m in the receiver, the course's height above "
-            "the ellipsoid in metres; without it no position can be used.");
-    else
-        observations.notes.push_back(
-            fmt::format("Heights are not recorded; every position is put at the attempt's {} m.",
-                        *receiver.height_m));
-    return receiver.height_m;
-}
-
-/// Says where the accuracy comes from, and where the recording states none, takes the attempt's.
-void set_accuracy(Observations& observations, const RowSummary& rows, const Receiver& receiver,
-                  RowChanges& changes) {
-    observations.accuracy_source = rows.any_horizontal ? "recording" : "none";
-    const auto& stated = receiver.accuracy;
-    if (!rows.any_horizontal && stated && stated->horizontal_m) {
-        observations.accuracy_source = "attempt";
-        observations.notes.push_back(fmt::format(
-            "The recording states no accuracy; the attempt's is used: {} m for each horizontal "
-            "coordinate.",
-            *stated->horizontal_m));
-        changes.sigma_horizontal_m = stated->horizontal_m;
-    }
-    if (!rows.any_vertical && observations.facts.vertical_measured && stated &&
-        stated->vertical_m) {
-        observations.notes.push_back(
-            fmt::format("The recording states no accuracy of height; the attempt's is used: {} m.",
-                        *stated->vertical_m));
-        changes.sigma_up_m = stated->vertical_m;
-    }
-    if (rows.any_horizontal && rows.without_horizontal > 0)
-        observations.notes.push_back(
-            fmt::format("{} of {} epochs state no usable horizontal accuracy.",
-                        rows.without_horizontal, rows.rows));
-    if (rows.any_horizontal && stated && stated->horizontal_m)
-        observations.notes.push_back(
-            "The recording states its own accuracy, which is used; the attempt's is not, where the "
-            "recording has one.");
-}
-
-void note_speeds_alone(Observations& observations, const RowSummary& rows) {
-    if (rows.speeds_alone > 0)
-        observations.notes.push_back(
-            fmt::format("{} of {} recorded velocities come without a course, and are used as "
-                        "speeds.",
-                        rows.speeds_alone, rows.with_velocity));
-}
-
-/// Says how accurate the recorded velocities are by the attempt's word.
-void set_velocity_accuracy(Observations& observations, const RowSummary& rows,
-                           const Receiver& receiver, RowChanges& changes) {
-    if (!receiver.accuracy || !receiver.accuracy->velocity_m_s) return;
-    if (rows.with_velocity == 0)
-        observations.notes.push_back(
-            "The attempt's accuracy of velocities is not used: no velocities are recorded.");
-    else if (rows.velocity_unstated == 0)
-        observations.notes.push_back(
-            "The recording states how accurate its velocities are, which is used; the attempt's "
-            "accuracy of velocities is not.");
-    else
-        observations.notes.push_back(fmt::format(
-            "{} of {} recorded velocities state no accuracy; the attempt's is used: {} m/s.",
-            rows.velocity_unstated, rows.with_velocity, *receiver.accuracy->velocity_m_s));
-    changes.sigma_velocity_m_s = receiver.accuracy->velocity_m_s;
-}
-
 }  // namespace
 
-void RowChanges::apply(Observation& row) const {
-    if (height_m && row.latitude_deg) row.height_m = *height_m;
-    if (sigma_velocity_m_s) set_component_accuracy(row, *sigma_velocity_m_s);
-    if (!has_position(row)) return;
-    if (sigma_horizontal_m) {
-        row.sigma_east_m = row.sigma_north_m = *sigma_horizontal_m;
-        // Of which no correlation is known.
-        row.correlation_east_north.reset();
-        row.correlation_east_up.reset();
-        row.correlation_north_up.reset();
+bool has_horizontal_accuracy(const Observation& row) {
+    return row.sigma_east_m && row.sigma_north_m;
+}
+
+bool has_position(const Observation& row) {
+    return row.latitude_deg || row.plane_east_m;
+}
+
+bool has_velocity(const RecordedVelocity& row) {
+    return row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s;
+}
+
+std::optional<double> horizontal_speed(const RecordedVelocity& row) {
+    if (!has_velocity(row)) return row.recorded_speed_m_s;
+    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
+}
+
+bool has_velocity_accuracy(const RecordedVelocity& row) {
+    if (!has_velocity(row)) return row.recorded_speed_m_s && row.sigma_recorded_speed_m_s;
+    return row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s;
+}
+
+void StepCount::add(std::int64_t step_ns) {
+    ++count_[step_ns];
+    ++steps_;
+}
+
+double StepCount::median_s() const {
+    const auto step_s = [&](std::size_t rank) {
+        auto entry = count_.begin();
+        for (; rank >= entry->second; ++entry)
+            rank -= entry->second;
+        return static_cast<double>(entry->first) / GpsTime::nanoseconds_per_second;
+    };
+    return steps_ == 0 ? 0.0 : 0.5 * step_s((steps_ - 1) / 2) + 0.5 * step_s(steps_ / 2);
+}
+
+void RowSummary::add_time(const Observation& row) {
+    const GpsTime instant = GpsTime::from_nanoseconds(row.time.nanoseconds);
+    if (rows == 0) first = last = before_ = instant;
+    std::int64_t since_first = 0, step = 0;
+    const bool another_age =
+        __builtin_sub_overflow(instant.nanoseconds(), first.nanoseconds(), &since_first) ||
+        __builtin_sub_overflow(instant.nanoseconds(), before_.nanoseconds(), &step);
+    if (another_age && !line_of_another_age) line_of_another_age = row.source_line.value_or(1);
+    if (!another_age && step > 0) steps.add(step);
+    last = std::max(last, instant);
+    before_ = instant;
+}
+
+void RowSummary::add(const Observation& row) {
+    add_time(row);
+    ++rows;
+    if (!first_latitude_deg && row.latitude_deg) first_latitude_deg = *row.latitude_deg;
+    any_height = any_height || row.height_m;
+    const bool horizontal = has_horizontal_accuracy(row);
+    any_horizontal = any_horizontal || horizontal;
+    any_vertical = any_vertical || row.sigma_up_m;
+    without_horizontal += has_position(row) && !horizontal ? 1 : 0;
+    if (!has_velocity(row) && !row.recorded_speed_m_s) return;
+    ++with_velocity;
+    speeds_alone += has_velocity(row) ? 0 : 1;
+    velocity_unstated += has_velocity_accuracy(row) ? 0 : 1;
+}
+
+void RecordLog::require_mostly_good() const {
+    if (2 * records_.bad <= records_.total) return;
+    if (records_.total == 1) throw Failure(*first_bad_);
+    throw Failure(first_bad_->where(),
+                  fmt::format("{} ({} of {} records cannot be read; this is the first)",
+                              first_bad_->problem(), records_.bad, records_.total),
+                  first_bad_->remedy());
+}
+
+void RecordLog::count_bad(const RecordPlace& place, const Failure& why, std::int64_t epoch) {
+    ++records_.total;
+    ++records_.bad;
+    if (!first_bad_) first_bad_ = why;
+    // What is nothing but bad records is not read to its end.
+    if (records_.bad % bad_to_give_up == 0 && 10 * records_.bad > 9 * records_.total)
+        require_mostly_good();
+    if (records_.bad_records.size() >= bad_records_listed_at_most) return;
+    records_.bad_records.push_back({.line = place.line,
+                                    .column = column_of(why, place),
+                                    .byte = place.byte,
+                                    .epoch = epoch,
+                                    .what = why.problem() + ". " + why.remedy()});
+}
+
+RecordCount RecordLog::finish(std::vector<std::string>& notes) && {
+    require_mostly_good();
+    if (records_.bad > 0) {
+        const BadRecord& first = records_.bad_records.front();
+        notes.push_back(fmt::format(
+            "{} of {} records cannot be read; the first, {}{}: {}.", records_.bad, records_.total,
+            first.line ? fmt::format("line {}", *first.line) : fmt::format("byte {}", first.byte),
+            first.column ? fmt::format(", column {}", *first.column) : "", first.what));
     }
-    if (sigma_up_m) row.sigma_up_m = *sigma_up_m;
+    return std::move(records_);
+}
+
+Observations empty_observations(std::string_view format, std::string_view frame,
+                                std::string_view time_scale) {
+    Observations observations;
+    observations.format = format;
+    observations.frame = frame;
+    observations.time_scale = time_scale;
+    return observations;
 }
 
 void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
@@ -172,30 +209,6 @@ double median_step_s(const std::vector<Observation>& rows) {
                 GpsTime::from_nanoseconds(rows[i].time.nanoseconds)
                     .nanoseconds_since(GpsTime::from_nanoseconds(rows[i - 1].time.nanoseconds)));
     return steps.median_s();
-}
-
-RowChanges apply_attempt(Observations& head, const RowSummary& rows, const Receiver& receiver,
-                         bool start_is_used) {
-    head.facts.receiver = receiver.id;
-    RowChanges changes;
-    changes.height_m = set_heights(head, rows, receiver);
-    if (receiver.start_gps && !start_is_used)
-        head.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_accuracy(head, rows, receiver, changes);
-    note_speeds_alone(head, rows);
-    set_velocity_accuracy(head, rows, receiver, changes);
-    return changes;
-}
-
-void apply_attempt(Observations& observations, const Receiver& receiver, bool start_is_used) {
-    drop_unfilled_velocities(observations);
-    RowSummary summary;
-    for (const Observation& row : observations.rows)
-        summary.add(row);
-    const RowChanges changes = apply_attempt(observations, summary, receiver, start_is_used);
-    for (Observation& row : observations.rows)
-        changes.apply(row);
 }
 
 void note_text(Observations& observations, const RecordingBytes& recording) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,12 +12,89 @@
 #include "core/gps_time.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
-#include "stages/import/record_log.h"
 #include "stages/import/recording.h"
 #include "stages/import/resolution.h"
-#include "stages/import/row_summary.h"
 
 namespace runcert {
+
+/// How often each positive step of time (ns) between rows that follow each other occurs: there are
+/// few different ones, and a copy of all would cost much memory.
+class StepCount {
+  public:
+    void add(std::int64_t step_ns);
+    /// Their median (s); 0 where there is none.
+    double median_s() const;
+
+  private:
+    std::map<std::int64_t, std::size_t> count_;
+    std::size_t steps_ = 0;
+};
+
+/// What the rows of a recording show as a whole, gathered one by one, so that nobody needs to hold
+/// them for it.
+class RowSummary {
+  public:
+    /// Takes in a row, whose time still counts from the GPS epoch.
+    void add(const Observation& row);
+
+    std::int64_t rows = 0;
+    GpsTime first;  ///< instant of the first row
+    GpsTime last;   ///< the latest instant
+    StepCount steps;
+    /// The first row more than 292 years from the first or from the one before it, whose difference
+    /// does not fit into the nanoseconds of 64 bits: its line, 1 where it has none.
+    std::optional<std::int64_t> line_of_another_age;
+    std::optional<double> first_latitude_deg;
+    bool any_height = false;
+    bool any_horizontal = false;          ///< accuracy
+    bool any_vertical = false;            ///< accuracy
+    std::int64_t without_horizontal = 0;  ///< rows that have a position, and no accuracy of it
+    std::int64_t with_velocity = 0;       ///< rows with a recorded velocity or speed
+    std::int64_t speeds_alone = 0;        ///< those of them that have no course
+    std::int64_t velocity_unstated = 0;   ///< those of them that state no accuracy of it
+
+  private:
+    void add_time(const Observation& row);
+
+    GpsTime before_;
+};
+
+bool has_horizontal_accuracy(const Observation& row);
+
+bool has_position(const Observation& row);
+
+/// Whether the horizontal components of the recorded velocity are there.
+bool has_velocity(const RecordedVelocity& row);
+
+/// The length of the horizontal recorded velocity, or the recorded speed (m/s).
+std::optional<double> horizontal_speed(const RecordedVelocity& row);
+
+/// Whether the accuracy of the recorded velocity, or speed, is stated.
+bool has_velocity_accuracy(const RecordedVelocity& row);
+
+/// Counts the records of a recording, and lists those that cannot be read.
+class RecordLog {
+  public:
+    void count_good() { ++records_.total; }
+
+    /// Counts a record that could not be read, of the epoch of that number, and lists it among the
+    /// first. Failure, the first one's, where by far most of very many could not be read.
+    void count_bad(const RecordPlace& place, const Failure& why, std::int64_t epoch);
+
+    const RecordCount& records() const { return records_; }
+
+    /// Failure where more than half of the records could not be read: the first one's, with their
+    /// number.
+    void require_mostly_good() const;
+
+    /// The records, at the end; with a note where some could not be read. Failure as of
+    /// `require_mostly_good`.
+    RecordCount finish(std::vector<std::string>& notes) &&;
+
+  private:
+    RecordCount records_;
+    std::optional<Failure> first_bad_;
+};
 
 /// A row in the terms of an observation.
 struct TimedRow {
@@ -24,6 +104,10 @@ struct TimedRow {
     GpsTime instant;
     WrittenCells written;
 };
+
+/// Observations of a format without anything read yet.
+Observations empty_observations(std::string_view format, std::string_view frame,
+                                std::string_view time_scale);
 
 /// Takes rows one by one.
 using TakeRow = std::function<void(Observation& row)>;
@@ -112,7 +196,7 @@ double median_step_s(const std::vector<Observation>& rows);
 /// What the attempt says of a recording that has been read: the receiver's id; heights, where the
 /// recording has none at all (without height_m they stay empty, and its positions cannot be used
 /// until the attempt states it); accuracy, where the recording states none. Velocities that the
-/// device did not fill in are taken out (`drop_unfilled_velocities`). Notes say what was
+/// device did not fill in are taken out. Notes say what was
 /// used, and that start_gps was not, unless `start_is_used`.
 void apply_attempt(Observations& observations, const Receiver& receiver,
                    bool start_is_used = false);

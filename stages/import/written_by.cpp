@@ -1,12 +1,11 @@
-#include "stages/import/written_by.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 
 #include "core/text.h"
-#include "stages/import/encoding.h"
+#include "stages/import/import.h"
+#include "stages/import/recording.h"
 
 namespace runcert {
 namespace {

@@ -5,7 +5,7 @@
 #include "files/sha256.h"
 #include "simulation/raw_measurements.h"
 #include "stages/import/phase_table.h"
-#include "stages/import/rinex/ephemerides.h"
+#include "stages/import/rinex/rinex.h"
 #include "witness/phase_rows.h"
 #include "witness/phase_witness.h"
 

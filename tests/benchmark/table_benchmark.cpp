@@ -10,8 +10,8 @@
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/trajectory/trajectory.h"
+#include "stages/import/format.h"
 #include "stages/import/import.h"
-#include "stages/import/rtklib_pos/rtklib_pos.h"
 
 // How fast tables and recordings become rows and rows become tables, on one core, in MB (10^6
 // bytes) of text for each second of processor time; beside it what the machine does with the same
@@ -128,7 +128,8 @@ void read_pos_streamed(benchmark::State& state) {  // of which a part is reading
     const std::string text = pos_text();
     measure(state, text.size(), [&] {
         std::int64_t rows = 0;
-        rtklib_pos::read_streamed(receiver(), {.name = "f", .bytes = text})
+        find_format("rtklib-pos")
+            ->read_streamed(receiver(), {.name = "f", .bytes = text})
             .give([&rows](const Observation&) { ++rows; });
         return rows;
     });

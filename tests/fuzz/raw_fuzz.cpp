@@ -8,8 +8,8 @@
 #include "fuzz_target.h"
 #include "satellites/ephemeris.h"
 #include "stages/import/phase_table.h"
-#include "stages/import/rinex/ephemerides.h"
-#include "stages/import/ubx/navigation.h"
+#include "stages/import/rinex/rinex.h"
+#include "stages/import/ubx/raw.h"
 #include "witness/phase_rows.h"
 #include "witness/phase_witness.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/failure.h"
 #include "stages/import/phase_table.h"
-#include "stages/import/rinex/ephemerides.h"
+#include "stages/import/rinex/rinex.h"
 #include "stages/screen/phases.h"
 #include "witness/phase_rows.h"
 

@@ -2,7 +2,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/gpsbabel/convert.h"
+#include "stages/import/gpsbabel/gpsbabel.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "files/document_schema.h"
 #include "import_test_support.h"
-#include "stages/import/claims.h"
+#include "stages/import/import.h"
 
 // Who says what the time stamps and the fix types are: the recording, or the attempt.
 

@@ -4,7 +4,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/gpx/gpx.h"
+#include "stages/import/format.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -34,13 +34,14 @@ Observations import_points(const std::string& points) {
 }
 
 TEST(Gpx, IsRecognisedByItsRoot) {
-    EXPECT_TRUE(gpx::recognises(begin));
-    EXPECT_TRUE(gpx::recognises("\xef\xbb\xbf<gpx>"));
-    EXPECT_TRUE(gpx::recognises("<!-- <kml> --><!DOCTYPE gpx [<!ENTITY a \"]>\">]><g:gpx>"));
-    EXPECT_FALSE(gpx::recognises("<kml><gpx>"));
-    EXPECT_FALSE(gpx::recognises("see <gpx>"));
-    EXPECT_FALSE(gpx::recognises("<gpx"));
-    EXPECT_FALSE(gpx::recognises(""));
+    EXPECT_TRUE(find_format("gpx")->recognises(begin));
+    EXPECT_TRUE(find_format("gpx")->recognises("\xef\xbb\xbf<gpx>"));
+    EXPECT_TRUE(
+        find_format("gpx")->recognises("<!-- <kml> --><!DOCTYPE gpx [<!ENTITY a \"]>\">]><g:gpx>"));
+    EXPECT_FALSE(find_format("gpx")->recognises("<kml><gpx>"));
+    EXPECT_FALSE(find_format("gpx")->recognises("see <gpx>"));
+    EXPECT_FALSE(find_format("gpx")->recognises("<gpx"));
+    EXPECT_FALSE(find_format("gpx")->recognises(""));
 }
 
 TEST(Gpx, ReadsEveryField) {

@@ -2,7 +2,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/igc/igc.h"
+#include "stages/import/format.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -28,10 +28,10 @@ Observations import_lines(const std::string& lines) {
 }
 
 TEST(Igc, IsRecognisedByItsRecords) {
-    EXPECT_TRUE(igc::recognises(header));
-    EXPECT_TRUE(igc::recognises("LXSB\n" + fix + "\n"));
-    EXPECT_FALSE(igc::recognises("AXLX123\nB160240\n"));
-    EXPECT_FALSE(igc::recognises(""));
+    EXPECT_TRUE(find_format("igc")->recognises(header));
+    EXPECT_TRUE(find_format("igc")->recognises("LXSB\n" + fix + "\n"));
+    EXPECT_FALSE(find_format("igc")->recognises("AXLX123\nB160240\n"));
+    EXPECT_FALSE(find_format("igc")->recognises(""));
 }
 
 TEST(Igc, ReadsEveryField) {

@@ -5,7 +5,6 @@
 #include "core/random.h"
 #include "import_test_support.h"
 #include "stages/import/inspect.h"
-#include "stages/import/inspect_table.h"
 
 // What inspect says of a table that no format recognises: lines to paste into an attempt.
 

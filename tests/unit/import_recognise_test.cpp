@@ -1,8 +1,8 @@
 #include "core/random.h"
 #include "import_test_support.h"
-#include "stages/import/encoding.h"
+#include "stages/import/recording.h"
 #include "stages/import/format.h"
-#include "stages/import/not_read.h"
+#include "stages/import/recording.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

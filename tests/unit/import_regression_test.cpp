@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "import_test_support.h"
-#include "stages/import/rtklib_pos/rtklib_pos.h"
+#include "stages/import/format.h"
 
 // Faults that fuzzing and hostile recordings have found, each by its name.
 
@@ -22,7 +22,7 @@ std::string failure_of_files(const std::vector<RecordingBytes>& files) {
 // Splitting a line at blanks never came past a NUL, and took memory until there was none.
 TEST(ImportRegression, ANulInTheFirstLineIsNoRowOfAPos) {
     const std::string binary("1\0\0 2 \0\0\0 3\n\0", 14);
-    EXPECT_FALSE(rtklib_pos::recognises(binary));
+    EXPECT_FALSE(find_format("rtklib-pos")->recognises(binary));
     EXPECT_NE(failure_of(pos_receiver(), binary).find("byte 1 is NUL"), std::string::npos);
 }
 

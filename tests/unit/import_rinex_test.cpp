@@ -1,8 +1,7 @@
 #include <cmath>
 
 #include "import_test_support.h"
-#include "stages/import/rinex/ephemerides.h"
-#include "stages/import/rinex/measurements.h"
+#include "stages/import/rinex/rinex.h"
 
 namespace runcert::import_test {
 namespace RUNCERT_FILE {

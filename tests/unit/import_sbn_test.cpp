@@ -3,7 +3,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/sbn/sbn.h"
+#include "stages/import/format.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -90,10 +90,10 @@ std::string log_of(int count, Epoch epoch = {}) {
 }
 
 TEST(Sbn, IsRecognisedByItsFirstMessage) {
-    EXPECT_TRUE(sbn::recognises(log_of(1)));
-    EXPECT_FALSE(sbn::recognises("\x20" + log_of(1)));
-    EXPECT_FALSE(sbn::recognises(log_of(1).substr(0, 20)));
-    EXPECT_FALSE(sbn::recognises(std::string(200, '\xa0')));
+    EXPECT_TRUE(find_format("sbn")->recognises(log_of(1)));
+    EXPECT_FALSE(find_format("sbn")->recognises("\x20" + log_of(1)));
+    EXPECT_FALSE(find_format("sbn")->recognises(log_of(1).substr(0, 20)));
+    EXPECT_FALSE(find_format("sbn")->recognises(std::string(200, '\xa0')));
 }
 
 TEST(Sbn, ReadsEveryField) {

@@ -3,7 +3,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/sbp/sbp.h"
+#include "stages/import/format.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -82,11 +82,11 @@ std::string log_of(int count, int step_ms = 1000, Fix fix = {}) {
 }
 
 TEST(Sbp, IsRecognisedByItsHeader) {
-    EXPECT_TRUE(sbp::recognises(log_of(1)));
-    EXPECT_TRUE(sbp::recognises(header()));
-    EXPECT_FALSE(sbp::recognises(header().substr(0, 63)));
-    EXPECT_FALSE(sbp::recognises(header().substr(2) + log_of(1)));  // that is SBN
-    EXPECT_FALSE(sbp::recognises(std::string(200, '\xa0')));
+    EXPECT_TRUE(find_format("sbp")->recognises(log_of(1)));
+    EXPECT_TRUE(find_format("sbp")->recognises(header()));
+    EXPECT_FALSE(find_format("sbp")->recognises(header().substr(0, 63)));
+    EXPECT_FALSE(find_format("sbp")->recognises(header().substr(2) + log_of(1)));  // that is SBN
+    EXPECT_FALSE(find_format("sbp")->recognises(std::string(200, '\xa0')));
 }
 
 TEST(Sbp, ReadsEveryField) {

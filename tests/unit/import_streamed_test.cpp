@@ -4,7 +4,7 @@
 #include <string>
 
 #include "import_test_support.h"
-#include "stages/import/rtklib_pos/rtklib_pos.h"
+#include "stages/import/format.h"
 
 // A recording whose rows are not held, against the same held.
 
@@ -15,7 +15,7 @@ using namespace import_test;
 
 /// Read without holding its rows, and put together for comparison.
 Observations gathered(const Receiver& receiver, const RecordingBytes& recording) {
-    const StreamedRecording by_row = rtklib_pos::read_streamed(receiver, recording);
+    const StreamedRecording by_row = find_format("rtklib-pos")->read_streamed(receiver, recording);
     Observations all = by_row.head;
     EXPECT_TRUE(all.rows.empty());
     by_row.give([&all](const Observation& row) { all.rows.push_back(row); });
@@ -26,7 +26,7 @@ Observations gathered(const Receiver& receiver, const RecordingBytes& recording)
 void expect_same(const Receiver& receiver, const std::string& text, const std::string& name) {
     const RecordingBytes recording{.name = name, .bytes = text};
     EXPECT_EQ(write_observations(gathered(receiver, recording)),
-              write_observations(rtklib_pos::read(receiver, recording)))
+              write_observations(find_format("rtklib-pos")->read(receiver, recording)))
         << name;
 }
 
@@ -81,9 +81,12 @@ TEST(PosStreamed, FailsAsTheWhole) {
         }
         return "nothing";
     };
-    const std::string whole = said([&] { (void)rtklib_pos::read(pos_receiver(), recording); });
+    const std::string whole =
+        said([&] { (void)find_format("rtklib-pos")->read(pos_receiver(), recording); });
     EXPECT_NE(whole, "nothing");
-    EXPECT_EQ(said([&] { (void)rtklib_pos::read_streamed(pos_receiver(), recording); }), whole);
+    EXPECT_EQ(
+        said([&] { (void)find_format("rtklib-pos")->read_streamed(pos_receiver(), recording); }),
+        whole);
 }
 
 TEST(PosStreamed, ShortRecordingsAreHeld) {

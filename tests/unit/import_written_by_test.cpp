@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "import_test_support.h"
-#include "stages/import/written_by.h"
+#include "stages/import/import.h"
 
 // What a recording says of the programs that made it: marks of simulators above all, in whatever
 // format, case, language and encoding.

@@ -4,7 +4,7 @@
 #include "import_phase_support.h"
 #include "phase_injection.h"
 #include "simulation/raw_measurements.h"
-#include "stages/import/rinex/ephemerides.h"
+#include "stages/import/rinex/rinex.h"
 #include "witness/phase_witness.h"
 
 namespace runcert::import_test {

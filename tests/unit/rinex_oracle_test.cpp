@@ -10,8 +10,7 @@
 #include "files/process.h"
 #include "import_test_support.h"
 #include "satellites/ephemeris.h"
-#include "stages/import/rinex/ephemerides.h"
-#include "stages/import/rinex/measurements.h"
+#include "stages/import/rinex/rinex.h"
 #include "stages/import/ubx/raw.h"
 
 // RTKLIB's programs as oracles: an independent reader, and independent orbits and clocks.

@@ -3,7 +3,6 @@
 
 #include "import_test_support.h"
 #include "stages/import/rinex/rinex.h"
-#include "stages/import/rinex/solve.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

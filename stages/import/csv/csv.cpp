@@ -6,9 +6,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/csv/head.h"
 #include "stages/import/csv/layout.h"
-#include "stages/import/csv/row.h"
-#include "stages/import/csv/split.h"
 #include "stages/import/format.h"
 #include "stages/import/row_collector.h"
 

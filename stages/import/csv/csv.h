@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
@@ -38,5 +40,28 @@ void for_each_row(const Layout& layout, const RecordingBytes& recording, RowColl
 Observations observations_of_table(const Receiver& receiver, const Description& description,
                                    const Layout& layout, RowCollector timed,
                                    const RecordingBytes& recording, std::string_view format);
+
+/// Whether the row holds a new fix; false where the column for that says 0. Failure at any other
+/// text.
+bool is_new_fix(std::span<const Cell> fields, const Layout& layout);
+
+/// Reads the fields of a row, as many as the layout says. A row with an empty coordinate has no
+/// position.
+TimedRow read_row(std::span<const Cell> fields, const Layout& layout,
+                  const Description& description, const Receiver& receiver);
+
+/// A row of a table, and where it stands.
+struct PlacedRow {
+    TimedRow row;
+    RecordPlace place;
+};
+
+/// Takes out the rows that a program put between fixes, on the straight line between them in
+/// latitude, longitude, height and speed, to the last decimal that is written: they were not
+/// measured. A row that lies so by chance and whole intervals of the fixes from the one before
+/// stays. The rows' order is that of the recording.
+///
+/// Returns how many were taken out.
+std::size_t take_out_interpolated(std::vector<PlacedRow>& rows);
 
 }  // namespace runcert::csv

@@ -1,16 +1,20 @@
 #include "stages/import/csv/date_time.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <set>
 #include <string>
+#include <vector>
 
 #include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/day_clock.h"
+#include "stages/import/clock.h"
+#include "stages/import/csv/layout.h"
 
 namespace runcert::csv {
 namespace {
@@ -62,6 +66,59 @@ std::optional<std::int64_t> day_of(const Parts& parts, DateOrder order) {
     return day_number(year.size() == 2 ? 2000 + *y : *y, *m, *d);
 }
 
+/// The days (since 1980-01-06) that a date is in each order; nothing where it is none.
+std::array<std::optional<std::int64_t>, 3> days_of(std::string_view date) {
+    std::array<std::optional<std::int64_t>, 3> days;
+    const auto with_marks = parted(date);
+    for (std::size_t i = 0; i < orders.size(); ++i) {
+        const auto parts = with_marks ? with_marks : unparted(date, orders[i]);
+        const bool by_points = with_marks && date.find('.') != std::string_view::npos;
+        if (parts && !(by_points && orders[i] == DateOrder::month_first))
+            days[i] = day_of(*parts, orders[i]);
+    }
+    return days;
+}
+
+/// Finds the order in which a table writes its dates.
+class DateOrders {
+  public:
+    void see(std::string_view date) {
+        const auto days = days_of(date);
+        std::optional<std::int64_t> any;
+        for (std::size_t i = 0; i < days.size(); ++i) {
+            if (!days[i]) continue;
+            ++count_[i];
+            if (!first_[i]) first_[i] = days[i];
+            differ_ = differ_ || (any && *any != *days[i]);
+            any = days[i];
+        }
+    }
+
+    /// The order that most of the dates can have; of several, that in which the first date is
+    /// within a day of `expected`, or any where all dates are the same days. Nothing where that
+    /// leaves several, or there was no date.
+    std::optional<DateOrder> order(std::optional<std::int64_t> expected) const {
+        const std::size_t most = *std::max_element(count_.begin(), count_.end());
+        if (most == 0) return std::nullopt;
+        std::optional<DateOrder> found;
+        std::size_t left = 0;
+        const bool several = std::count(count_.begin(), count_.end(), most) > 1 && differ_;
+        for (std::size_t i = 0; i < orders.size(); ++i) {
+            const bool is_it = count_[i] == most &&
+                               (!several || (expected && std::abs(*first_[i] - *expected) <= 1));
+            if (!is_it) continue;
+            if (!found) found = orders[i];
+            ++left;
+        }
+        return several && left != 1 ? std::nullopt : found;
+    }
+
+  private:
+    std::array<std::size_t, 3> count_{};
+    std::array<std::optional<std::int64_t>, 3> first_;
+    bool differ_ = false;  ///< some date is another day in another order
+};
+
 enum class HalfDay { none, morning, afternoon };
 
 /// Takes AM or PM, also "p.m.", off the end.
@@ -111,46 +168,72 @@ bool set_time_of_day(std::string_view text, CalendarTime& calendar) {
     return true;
 }
 
+std::string date_text(std::int64_t day) {
+    return to_iso(GpsTime::from_nanoseconds(day * GpsTime::nanoseconds_per_day)).substr(0, 10);
+}
+
+[[noreturn]] void refuse_order(const Cell& date) {
+    std::set<std::string> dates;
+    for (const auto& day : days_of(date.text))
+        if (day) dates.insert(date_text(*day));
+    date.fail(fmt::format("the date \"{}\" may be {}, and no row shows which",
+                          escape_for_message(date.text), fmt::join(dates, " or ")),
+              "Write start_date in the receiver, the UTC date of the first epoch");
+}
+
+/// Date and time of day in a row; the date is empty where it has none.
+std::array<Cell, 2> date_and_time(std::span<const Cell> cells, const Layout& layout,
+                                  TimeFormat format) {
+    const std::size_t time = *layout[Column::time];
+    const std::size_t date = layout[Column::date].value_or(time);
+    if (time >= cells.size() || date >= cells.size()) return {};
+    if (format == TimeFormat::iso) return split_date_time(cells[time]);
+    return {cells[date], cells[time]};
+}
+
+void settle_dates(Layout& layout, Description& description, const Receiver& receiver,
+                  const RecordingBytes& recording) {
+    std::optional<Cell> first;
+    DateOrders seen;
+    bool iso = false;
+    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+        const auto [date, time] = date_and_time(cells, layout, description.time_format);
+        if (date.text.empty() || time.text.empty()) return false;
+        if (!first) iso = is_iso(date.text, time.text);
+        if (!first) first = date;
+        seen.see(date.text);
+        return iso;
+    });
+    if (iso || !first) return;
+    if (description.date_order) return;
+    description.date_order = seen.order(attempted_day(receiver));
+    if (!description.date_order && is_date(first->text)) refuse_order(*first);
+    if (description.date_order && *description.date_order != DateOrder::year_first)
+        layout.notes.push_back(
+            fmt::format("Dates were read with the {} first, as {} shows.",
+                        *description.date_order == DateOrder::month_first ? "month" : "day",
+                        seen.order(std::nullopt) ? "the table" : "the attempt's start_date"));
+}
+
+void settle_unix(Layout& layout, Description& description, const RecordingBytes& recording) {
+    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+        const std::size_t column = *layout[Column::time];
+        const auto shift = column < cells.size() ? unix_shift(cells[column].text) : std::nullopt;
+        description.time_shift = shift.value_or(0);
+        return shift.has_value();
+    });
+    if (description.time_shift == 0) return;
+    layout.notes.push_back(fmt::format("Times are counts of {} since 1970, as their size shows.",
+                                       description.time_shift == 3   ? "milliseconds"
+                                       : description.time_shift == 6 ? "microseconds"
+                                                                     : "nanoseconds"));
+}
+
 }  // namespace
 
-std::array<std::optional<std::int64_t>, 3> days_of(std::string_view date) {
-    std::array<std::optional<std::int64_t>, 3> days;
-    const auto with_marks = parted(date);
-    for (std::size_t i = 0; i < orders.size(); ++i) {
-        const auto parts = with_marks ? with_marks : unparted(date, orders[i]);
-        const bool by_points = with_marks && date.find('.') != std::string_view::npos;
-        if (parts && !(by_points && orders[i] == DateOrder::month_first))
-            days[i] = day_of(*parts, orders[i]);
-    }
-    return days;
-}
-
-void DateOrders::see(std::string_view date) {
-    const auto days = days_of(date);
-    std::optional<std::int64_t> any;
-    for (std::size_t i = 0; i < days.size(); ++i) {
-        if (!days[i]) continue;
-        ++count_[i];
-        if (!first_[i]) first_[i] = days[i];
-        differ_ = differ_ || (any && *any != *days[i]);
-        any = days[i];
-    }
-}
-
-std::optional<DateOrder> DateOrders::order(std::optional<std::int64_t> expected) const {
-    const std::size_t most = *std::max_element(count_.begin(), count_.end());
-    if (most == 0) return std::nullopt;
-    std::optional<DateOrder> found;
-    std::size_t left = 0;
-    const bool several = std::count(count_.begin(), count_.end(), most) > 1 && differ_;
-    for (std::size_t i = 0; i < orders.size(); ++i) {
-        const bool is_it =
-            count_[i] == most && (!several || (expected && std::abs(*first_[i] - *expected) <= 1));
-        if (!is_it) continue;
-        if (!found) found = orders[i];
-        ++left;
-    }
-    return several && left != 1 ? std::nullopt : found;
+bool is_date(std::string_view text) {
+    const auto days = days_of(text);
+    return days[0] || days[1] || days[2];
 }
 
 std::array<Cell, 2> split_date_time(const Cell& cell) {
@@ -208,6 +291,27 @@ std::optional<int> unix_shift(std::string_view text) {
         if (seconds >= least_unix_s && seconds <= most_unix_s) return shift;
     }
     return std::nullopt;
+}
+
+void settle_times(Layout& layout, Description& description, const Receiver& receiver,
+                  const RecordingBytes& recording) {
+    if (!layout[Column::time]) return;
+    switch (description.time_format) {
+        case TimeFormat::unix:
+            return settle_unix(layout, description, recording);
+        case TimeFormat::iso:
+        case TimeFormat::time_of_day:
+            return settle_dates(layout, description, receiver, recording);
+        case TimeFormat::seconds:
+            if (const auto unit = unit_of_column(layout.head, *layout[Column::time]);
+                unit && unit->name == "ms") {
+                description.time_shift = 3;
+                layout.notes.push_back("Times are counts of milliseconds, as the header says.");
+            }
+            break;
+        case TimeFormat::seconds_of_week:
+            break;
+    }
 }
 
 }  // namespace runcert::csv

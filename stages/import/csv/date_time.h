@@ -1,9 +1,7 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
-#include <span>
 #include <string_view>
 
 #include "stages/import/clock.h"
@@ -16,26 +14,10 @@ namespace runcert::csv {
 /// The order of a date's parts.
 enum class DateOrder { year_first, month_first, day_first };
 
-/// The days (since 1980-01-06) that a date is in each order; nothing where it is none. Parts are
-/// parted by /, - or points, or stand in six or eight digits; points part no month from a day
-/// behind it, and years of two digits are from 2000 on.
-std::array<std::optional<std::int64_t>, 3> days_of(std::string_view date);
-
-/// Finds the order in which a table writes its dates.
-class DateOrders {
-  public:
-    void see(std::string_view date);
-
-    /// The order that most of the dates can have; of several, that in which the first date is
-    /// within a day of `expected`, or any where all dates are the same days. Nothing where that
-    /// leaves several, or there was no date.
-    std::optional<DateOrder> order(std::optional<std::int64_t> expected) const;
-
-  private:
-    std::array<std::size_t, 3> count_{};
-    std::array<std::optional<std::int64_t>, 3> first_;
-    bool differ_ = false;  ///< some date is another day in another order
-};
+/// Whether a text is a date in any order. Parts are parted by /, - or points, or stand in six or
+/// eight digits; points part no month from a day behind it, and years of two digits are from 2000
+/// on.
+bool is_date(std::string_view text);
 
 /// Date and time of day of one cell, which a blank or T parts; the second is empty where nothing
 /// does.

@@ -1,44 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/enum_text.h"
+#include "stages/import/csv/head.h"
 #include "stages/import/csv/layout.h"
-#include "stages/import/csv/split.h"
 
 namespace runcert::csv {
 namespace {
-
-constexpr EnumWords<Column, static_cast<std::size_t>(Column::count)> column_words{
-    {{Column::time, "time"},
-     {Column::week, "week"},
-     {Column::date, "date"},
-     {Column::east, "east"},
-     {Column::north, "north"},
-     {Column::up, "up"},
-     {Column::latitude, "latitude"},
-     {Column::longitude, "longitude"},
-     {Column::height, "height"},
-     {Column::x, "x"},
-     {Column::y, "y"},
-     {Column::z, "z"},
-     {Column::sigma_east, "sigma_east"},
-     {Column::sigma_north, "sigma_north"},
-     {Column::sigma_up, "sigma_up"},
-     {Column::quality_2d, "quality_2d"},
-     {Column::quality_height, "quality_height"},
-     {Column::velocity_east, "velocity_east"},
-     {Column::velocity_north, "velocity_north"},
-     {Column::velocity_up, "velocity_up"},
-     {Column::speed, "speed"},
-     {Column::course, "course"},
-     {Column::sigma_speed, "sigma_speed"},
-     {Column::fix, "fix"},
-     {Column::satellites, "satellites"},
-     {Column::new_fix, "new_fix"}}};
 
 constexpr EnumWords<TimeFormat, 5> time_format_words{
     {{TimeFormat::seconds, "seconds"},
@@ -65,30 +38,11 @@ void require_column(const Receiver& receiver, Column column, std::string_view re
                          name_of(column)));
 }
 
-/// The columns only one frame or time format has, and how it is called.
-struct Use {
-    std::string_view of;
-    std::span<const Column> columns;
-};
-
 constexpr Column grid_columns[] = {Column::east, Column::north, Column::up};
 constexpr Column geodetic_columns[] = {Column::latitude, Column::longitude, Column::height};
 constexpr Column ecef_columns[] = {Column::x, Column::y, Column::z};
 constexpr Column week_columns[] = {Column::week};
 constexpr Column date_columns[] = {Column::date};
-
-std::span<const Column> position_columns(CoordinateFrame frame) {
-    switch (frame) {
-        case CoordinateFrame::geodetic:
-            return geodetic_columns;
-        case CoordinateFrame::ecef:
-            return ecef_columns;
-        case CoordinateFrame::utm:
-        case CoordinateFrame::local_plane:
-            break;
-    }
-    return grid_columns;
-}
 
 void refuse_useless(const Receiver& receiver, std::span<const Column> useful,
                     std::span<const Column> others, std::string_view setting) {
@@ -184,8 +138,9 @@ std::optional<char> read_delimiter(const Receiver& receiver) {
 
 }  // namespace
 
-std::string_view name_of(Column column) {
-    return word_of(column_words, column);
+std::span<const Column> position_columns(CoordinateFrame frame) {
+    if (frame == CoordinateFrame::geodetic) return geodetic_columns;
+    return frame == CoordinateFrame::ecef ? ecef_columns : grid_columns;
 }
 
 Description describe(const Receiver& receiver) {
@@ -194,7 +149,7 @@ Description describe(const Receiver& receiver) {
         fail(receiver, "the recording is a table, and no columns are named",
              "Write columns: {time: ..., latitude: ..., ...}, names of the header line or numbers");
     for (const auto& [name, source] : receiver.columns)
-        if (Column column{}; !value_of(column_words, name, column))
+        if (std::ranges::find(column_kinds, name, &ColumnKind::name) == column_kinds.end())
             fail(receiver, fmt::format("columns has no member \"{}\"", escape_for_message(name)),
                  "See schemas/attempt/v1.yaml for the columns that are read");
     if (!receiver.frame)

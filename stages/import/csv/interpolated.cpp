@@ -1,12 +1,11 @@
-#include "stages/import/csv/interpolated.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 
 #include "core/statistics.h"
-#include "stages/import/inspect_velocity.h"
+#include "stages/import/csv/csv.h"
+#include "stages/import/inspect.h"
 
 namespace runcert::csv {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/csv/split.h"
+#include "stages/import/csv/head.h"
 
 namespace runcert::csv {
 namespace {
@@ -136,122 +136,7 @@ std::size_t find_column(const std::string& source, std::string_view meaning,
     return static_cast<std::size_t>(*number - 1);
 }
 
-/// Whether the numbers of a column have a unit, and which.
-std::optional<Quantity> quantity_of(Column column) {
-    switch (column) {
-        case Column::velocity_east:
-        case Column::velocity_north:
-        case Column::velocity_up:
-        case Column::speed:
-        case Column::sigma_speed:
-            return Quantity::speed;
-        case Column::east:
-        case Column::north:
-        case Column::up:
-        case Column::x:
-        case Column::y:
-        case Column::z:
-        case Column::height:
-        case Column::sigma_east:
-        case Column::sigma_north:
-        case Column::sigma_up:
-        case Column::quality_2d:
-        case Column::quality_height:
-            return Quantity::length;
-        case Column::latitude:
-        case Column::longitude:
-        case Column::course:
-            return Quantity::angle;
-        case Column::time:
-            return Quantity::time;
-        case Column::week:
-        case Column::date:
-        case Column::fix:
-        case Column::satellites:
-        case Column::new_fix:
-        case Column::count:
-            break;
-    }
-    return std::nullopt;
-}
-
-/// Coordinates and times keep the decimals they are written with, and so their unit.
-bool keeps_its_unit(Column column) {
-    switch (column) {
-        case Column::time:
-        case Column::east:
-        case Column::north:
-        case Column::latitude:
-        case Column::longitude:
-        case Column::x:
-        case Column::y:
-        case Column::z:
-            return true;
-        default:
-            return false;
-    }
-}
-
-std::string_view word_of(Quantity quantity) {
-    switch (quantity) {
-        case Quantity::speed:
-            return "m/s";
-        case Quantity::length:
-            return "metres";
-        case Quantity::angle:
-            return "degrees";
-        case Quantity::time:
-            break;
-    }
-    return "seconds";
-}
-
 }  // namespace
-
-std::optional<Unit> unit_of_column(const Head& head, std::size_t column) {
-    if (auto unit = unit_in_name(head.names[column].text)) return unit;
-    for (const std::vector<Cell>& line : head.under)
-        if (column < line.size())
-            if (auto unit = find_unit(line[column].text)) return unit;
-    return std::nullopt;
-}
-
-void set_units(Layout& layout, const Description& description, const Receiver& receiver) {
-    for (std::size_t i = 0; i < layout.place.size(); ++i) {
-        const auto column = static_cast<Column>(i);
-        const auto quantity = quantity_of(column);
-        if (!layout.place[i] || !quantity) continue;
-        // Dates and times of day have no unit, whatever a name says; that of counts is settled
-        // later.
-        if (column == Column::time && description.time_format != TimeFormat::seconds_of_week &&
-            description.time_format != TimeFormat::seconds)
-            continue;
-        const Cell& name = layout.head.names[*layout.place[i]];
-        std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i]);
-        if (unit && unit->quantity != *quantity) unit.reset();
-        if (unit && unit->name == "ms" && description.time_format == TimeFormat::seconds) continue;
-        if (unit && keeps_its_unit(column) && unit->factor != 1.0)
-            name.fail(
-                fmt::format("the {} \"{}\" is in {}",
-                            column == Column::time ? "time" : "coordinate",
-                            escape_for_message(name.text), unit->name),
-                fmt::format("Give the recording with {} in {}",
-                            column == Column::time ? "times" : "coordinates", word_of(*quantity)));
-        if (*quantity == Quantity::speed && description.speed_unit) {
-            if (unit && unit->name != description.speed_unit->name)
-                name.fail(fmt::format("the header says {}, and the attempt's speed_unit {}",
-                                      unit->name, receiver.speed_unit),
-                          "Remove speed_unit from the receiver, or write that unit");
-            unit = description.speed_unit;
-        }
-        if (!unit) continue;
-        layout.factor[i] = unit->factor;
-        if (unit->factor != 1.0)
-            layout.notes.push_back(fmt::format("The column \"{}\" is in {}, and was turned to {}.",
-                                               escape_for_message(name.text), unit->name,
-                                               word_of(*quantity)));
-    }
-}
 
 void note_head(Layout& layout) {
     const auto lines = [](std::size_t count) {

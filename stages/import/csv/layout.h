@@ -3,18 +3,42 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
+#include "stages/import/cell.h"
 #include "stages/import/clock.h"
 #include "stages/import/csv/date_time.h"
 #include "stages/import/csv/head.h"
-#include "stages/import/csv/unit.h"
-#include "stages/import/fields.h"
 
 namespace runcert::csv {
+
+enum class Quantity { speed, length, angle, time };
+
+/// A unit as the headers of tables write it ("Km/h", "mph", "ft"), in metres a second, metres,
+/// degrees or seconds.
+struct Unit {
+    std::string_view name;  ///< "km/h", "ft", as the attempt writes it
+    Quantity quantity = Quantity::speed;
+    double factor = 1.0;
+};
+
+/// By any of its spellings, in any case; nothing for a text that is none.
+std::optional<Unit> find_unit(std::string_view text);
+
+/// What a header's name says of its unit: "Speed (km/h)", "Altitude [m]", or a name that is a unit
+/// itself ("KPH").
+std::optional<Unit> unit_in_name(std::string_view name);
+
+/// The name without a unit in brackets at its end: "Speed" of "Speed (km/h)".
+std::string_view without_unit(std::string_view name);
+
+/// The unit of speeds that a speed in metres a second, times `ratio`, would have: what fits within
+/// a tenth.
+std::optional<Unit> speed_unit_of_ratio(double ratio);
 
 /// What a column may hold: the keys of `columns` in an attempt.
 enum class Column : std::size_t {
@@ -47,8 +71,48 @@ enum class Column : std::size_t {
     count
 };
 
-/// The key of a column in an attempt ("sigma_east").
-std::string_view name_of(Column column);
+/// What there is to say of a column.
+struct ColumnKind {
+    std::string_view name;                            ///< its key in an attempt ("sigma_east")
+    std::optional<Quantity> quantity = std::nullopt;  ///< of its numbers, where they have a unit
+    bool keeps_unit = false;  ///< coordinates and times keep the decimals they are written with
+};
+
+/// In the order of Column.
+inline constexpr std::array<ColumnKind, static_cast<std::size_t>(Column::count)> column_kinds{
+    {{"time", Quantity::time, true},
+     {"week"},
+     {"date"},
+     {"east", Quantity::length, true},
+     {"north", Quantity::length, true},
+     {"up", Quantity::length},
+     {"latitude", Quantity::angle, true},
+     {"longitude", Quantity::angle, true},
+     {"height", Quantity::length},
+     {"x", Quantity::length, true},
+     {"y", Quantity::length, true},
+     {"z", Quantity::length, true},
+     {"sigma_east", Quantity::length},
+     {"sigma_north", Quantity::length},
+     {"sigma_up", Quantity::length},
+     {"quality_2d", Quantity::length},
+     {"quality_height", Quantity::length},
+     {"velocity_east", Quantity::speed},
+     {"velocity_north", Quantity::speed},
+     {"velocity_up", Quantity::speed},
+     {"speed", Quantity::speed},
+     {"course", Quantity::angle},
+     {"sigma_speed", Quantity::speed},
+     {"fix"},
+     {"satellites"},
+     {"new_fix"}}};
+
+constexpr std::string_view name_of(Column column) {
+    return column_kinds[static_cast<std::size_t>(column)].name;
+}
+
+/// The three columns of a position in a frame, the one of heights last.
+std::span<const Column> position_columns(CoordinateFrame frame);
 
 enum class TimeFormat { seconds, seconds_of_week, unix, iso, time_of_day };
 

@@ -12,9 +12,7 @@
 #include "core/geodesy.h"
 #include "core/text.h"
 #include "stages/import/csv/csv.h"
-#include "stages/import/csv/interpolated.h"
-#include "stages/import/csv/row.h"
-#include "stages/import/inspect_velocity.h"
+#include "stages/import/inspect.h"
 #include "stages/import/row_collector.h"
 
 namespace runcert::csv {

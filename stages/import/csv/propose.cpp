@@ -1,17 +1,45 @@
-#include "stages/import/csv/propose.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
+#include "schemas/attempt/attempt.h"
 #include "stages/import/csv/csv.h"
 #include "stages/import/csv/layout.h"
+#include "stages/import/import.h"
+#include "stages/import/inspect.h"
+#include "stages/import/recording.h"
 
 namespace runcert::csv {
 namespace {
+
+/// What an attempt could say of a table that no format recognises.
+struct Proposal {
+    Receiver receiver;                 ///< reads the table, as far as `missing` is empty
+    std::string columns;               ///< "time: t, latitude: lat", as YAML has them
+    std::string first_row;             ///< "lat 52.1, lon 5.1"
+    std::vector<std::string> missing;  ///< keys of columns that no name shows
+    std::vector<std::string> unsure;   ///< sentences
+    bool speed_unit_unknown = false;
+
+    /// What to write into the attempt's receiver.
+    std::string yaml() const {
+        std::string text =
+            fmt::format("format: csv\ncolumns: {{{}}}\nframe: geodetic\ntime_format: {}\n", columns,
+                        receiver.time_format);
+        if (!receiver.time_scale.empty()) text += "time_scale: " + receiver.time_scale + "\n";
+        if (!receiver.speed_unit.empty()) text += "speed_unit: " + receiver.speed_unit + "\n";
+        if (receiver.height_m) text += "height_m: 0\n";
+        return text;
+    }
+};
 
 constexpr std::size_t lines_proposed_from = 100;
 constexpr std::size_t lines_between = 4;  ///< of units, between header and first row
@@ -119,11 +147,6 @@ Layout find_columns(const Table& table) {
 std::string_view cell_of(const Table& table, const Layout& layout, Column column) {
     const auto& place = layout[column];
     return place && *place < table.row.size() ? table.row[*place].text : std::string_view();
-}
-
-bool is_date(std::string_view text) {
-    const auto days = days_of(text);
-    return days[0] || days[1] || days[2];
 }
 
 void set_time(const Table& table, Layout& layout, Proposal& proposal) {
@@ -239,18 +262,7 @@ std::string first_row_of(const Table& table) {
     return text;
 }
 
-}  // namespace
-
-std::string Proposal::yaml() const {
-    std::string text =
-        fmt::format("format: csv\ncolumns: {{{}}}\nframe: geodetic\ntime_format: {}\n", columns,
-                    receiver.time_format);
-    if (!receiver.time_scale.empty()) text += "time_scale: " + receiver.time_scale + "\n";
-    if (!receiver.speed_unit.empty()) text += "speed_unit: " + receiver.speed_unit + "\n";
-    if (receiver.height_m) text += "height_m: 0\n";
-    return text;
-}
-
+/// By the names of the header line and the first row. Nothing for a text that is no table.
 std::optional<Proposal> propose(const RecordingBytes& recording) {
     const auto table = find_table(recording);
     if (!table) return std::nullopt;
@@ -270,4 +282,69 @@ std::optional<Proposal> propose(const RecordingBytes& recording) {
     return proposal;
 }
 
+/// Reads the recording as it is proposed. A speed unit that nobody names is the one by which the
+/// fastest speed recorded is that of the positions.
+Inspection read_as(Proposal& proposal, const RecordingBytes& recording) {
+    const auto read = [&] {
+        Observations observations = import_recording(proposal.receiver, recording);
+        note_written_by(recording, false, observations);
+        return inspect(observations);
+    };
+    const Inspection first = read();
+    if (!proposal.speed_unit_unknown || !first.best_by_position || !first.best_by_velocity)
+        return first;
+    const auto unit =
+        speed_unit_of_ratio(first.best_by_velocity->speed_m_s / first.best_by_position->speed_m_s);
+    if (!unit) {
+        proposal.unsure.emplace_back(
+            "The unit of speeds is not named, and none fits the positions: write speed_unit.");
+        return first;
+    }
+    proposal.receiver.speed_unit = unit->name;
+    proposal.unsure.push_back(
+        fmt::format("The unit of speeds is not named: {} fits the positions.", unit->name));
+    return read();
+}
+
+std::string read_text(Proposal& proposal, const RecordingBytes& recording) {
+    for (const std::string& key : proposal.missing)
+        proposal.unsure.push_back(
+            fmt::format("No column's name says which holds the {}: write it in place of ...", key));
+    if (!proposal.missing.empty()) return {};
+    try {
+        return "\nSo described:\n" + inspection_text(read_as(proposal, recording), recording.name);
+    } catch (const Failure& failure) {
+        proposal.unsure.push_back(fmt::format("So described, it cannot be read. {}: {}. {}",
+                                              failure.where(), failure.problem(),
+                                              failure.remedy()));
+        return {};
+    }
+}
+
+}  // namespace
 }  // namespace runcert::csv
+
+namespace runcert {
+
+std::optional<std::string> table_text(const RecordingBytes& recording) {
+    auto proposal = csv::propose(recording);
+    if (!proposal) return std::nullopt;
+    proposal->receiver.id = "inspected";
+    proposal->receiver.place = recording.name;
+    const std::string read = csv::read_text(*proposal, recording);
+    std::string text =
+        fmt::format("{}: a table that no format recognises. An attempt's receiver may say:\n\n",
+                    plain_text(recording.name));
+    const std::string lines = proposal->yaml();
+    for (std::size_t at = 0; at < lines.size();) {
+        const std::size_t end = lines.find('\n', at);
+        text += "    " + lines.substr(at, end + 1 - at);
+        at = end + 1;
+    }
+    text += fmt::format("\n  {:<10}{}\n", "First row", plain_text(proposal->first_row));
+    for (const std::string& unsure : proposal->unsure)
+        text += "  - " + plain_text(unsure) + "\n";
+    return text + read;
+}
+
+}  // namespace runcert

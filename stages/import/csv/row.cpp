@@ -1,20 +1,76 @@
-#include "stages/import/csv/row.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "core/failure.h"
 #include "core/geodesy.h"
 #include "core/text.h"
+#include "stages/import/cell.h"
 #include "stages/import/clock.h"
-#include "stages/import/csv/coordinate.h"
+#include "stages/import/csv/csv.h"
 #include "stages/import/earth.h"
-#include "stages/import/fix.h"
 
 namespace runcert::csv {
 namespace {
+
+/// The halves of a cell that holds two values, which blanks or one , ; or / parts; the second is
+/// empty where nothing does.
+std::array<Cell, 2> halves_of(const Cell& cell) {
+    Cell first = cell, second = cell;
+    const std::size_t end = std::min(cell.text.find_first_of(" \t,;/"), cell.text.size());
+    const std::size_t begin =
+        std::min(cell.text.find_first_not_of(" \t,;/", end), cell.text.size());
+    first.text = cell.text.substr(0, end);
+    second.text = cell.text.substr(begin);
+    second.column += begin;
+    return {first, second};
+}
+
+/// A latitude or longitude as written: with a sign, or with the letter of its hemisphere.
+struct Coordinate {
+    Cell number;
+    std::string_view meaning;
+    char letter = '\0';  ///< lower case
+
+    /// In degrees, south and west negative. Failure where it is no number, or two.
+    double value() const {
+        const bool has_point = number.text.find('.') != std::string_view::npos;  // "1,5" is one
+        if (has_point && parse_double(halves_of(number)[0].text) &&
+            parse_double(halves_of(number)[1].text))
+            number.fail(
+                fmt::format("the {} \"{}\" is two numbers, both coordinates in one cell", meaning,
+                            escape_for_message(number.text)),
+                "Name this column for latitude and for longitude: it is read in that order");
+        const double degrees = read_real(number, meaning);
+        if (letter != '\0' && degrees < 0.0)
+            number.fail(fmt::format("the {} has a sign, and the letter of a hemisphere", meaning),
+                        "Hand in the table as the logger wrote it, or another export");
+        return letter == 's' || letter == 'w' ? -degrees : degrees;
+    }
+};
+
+/// The coordinate in a cell; `letters` are those of its two hemispheres, in lower case ("ns").
+Coordinate coordinate_in(const Cell& cell, std::string_view meaning, std::string_view letters) {
+    Coordinate coordinate{.number = cell, .meaning = meaning};
+    std::string_view& text = coordinate.number.text;
+    if (text.empty()) return coordinate;
+    const auto lower = [](char c) { return static_cast<char>(c | 0x20); };
+    if (letters.find(lower(text.back())) != std::string_view::npos) {
+        coordinate.letter = lower(text.back());
+        text.remove_suffix(1);
+    } else if (letters.find(lower(text.front())) != std::string_view::npos) {
+        coordinate.letter = lower(text.front());
+        text.remove_prefix(1);
+        ++coordinate.number.column;
+    }
+    constexpr std::string_view degree_sign = "\xc2\xb0";
+    if (text.ends_with(degree_sign)) text.remove_suffix(degree_sign.size());
+    text = trim(text);
+    return coordinate;
+}
 
 /// The fields of one row, by column.
 class Fields : public RowCells<Column> {
@@ -76,9 +132,7 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver, int shift) {
 /// Failure for a time that shows itself to be of another format than the attempt says.
 void require_described(const Cell& time, TimeFormat described) {
     const std::string_view date = split_date_time(time)[0].text;
-    const auto days = days_of(date);
-    const bool has_date =
-        date.find_first_of("/-.") != std::string_view::npos && (days[0] || days[1] || days[2]);
+    const bool has_date = date.find_first_of("/-.") != std::string_view::npos && is_date(date);
     const bool has_colon = time.text.find(':') != std::string_view::npos;
     if (has_date && described != TimeFormat::iso)
         time.fail(fmt::format("\"{}\" is a date and time, and the attempt describes another format",
@@ -154,18 +208,9 @@ Geodetic read_place(const Fields& fields, const Description& description,
 }
 
 bool has_position(const Fields& fields, const Description& description) {
-    switch (description.frame) {
-        case CoordinateFrame::geodetic:
-            return fields.has(Column::latitude) && fields.has(Column::longitude) &&
-                   (!description.has_up || fields.has(Column::height));
-        case CoordinateFrame::ecef:
-            return fields.has(Column::x) && fields.has(Column::y) && fields.has(Column::z);
-        case CoordinateFrame::utm:
-        case CoordinateFrame::local_plane:
-            break;
-    }
-    return fields.has(Column::east) && fields.has(Column::north) &&
-           (!description.has_up || fields.has(Column::up));
+    const std::span<const Column> columns = position_columns(description.frame);
+    return fields.has(columns[0]) && fields.has(columns[1]) &&
+           (!description.has_up || fields.has(columns[2]));
 }
 
 /// Deviations along the axes of a UTM grid, in its metres, as those towards true east and north
@@ -202,26 +247,22 @@ StatedAccuracy read_accuracy(const Fields& fields, const Description& descriptio
     accuracy.sigma_east_m = fields.deviation(Column::sigma_east);
     accuracy.sigma_north_m = fields.deviation(Column::sigma_north);
     if (description.frame != CoordinateFrame::utm) return accuracy;
-    return accuracy_from_grid(accuracy, utm_geometry(*receiver.frame->utm_zone, fields.real(Column::east),
-                                                     fields.real(Column::north)));
+    return accuracy_from_grid(accuracy,
+                              utm_geometry(*receiver.frame->utm_zone, fields.real(Column::east),
+                                           fields.real(Column::north)));
 }
 
 void set_written_coordinates(WrittenCells& written, const Fields& fields, CoordinateFrame frame) {
-    const auto text = [&](Column column) { return fields.cell(column).text; };
-    switch (frame) {
-        case CoordinateFrame::geodetic:
-            written.unit = CoordinateUnit::degree;
-            written.coordinates = {fields.coordinate(Column::latitude).number.text,
-                                   fields.coordinate(Column::longitude).number.text};
-            break;
-        case CoordinateFrame::ecef:
-            written.coordinates = {text(Column::x), text(Column::y), text(Column::z)};
-            break;
-        case CoordinateFrame::utm:
-        case CoordinateFrame::local_plane:
-            written.coordinates = {text(Column::east), text(Column::north)};
-            break;
+    const std::span<const Column> columns = position_columns(frame);
+    if (frame == CoordinateFrame::geodetic) {
+        written.unit = CoordinateUnit::degree;
+        written.coordinates = {fields.coordinate(columns[0]).number.text,
+                               fields.coordinate(columns[1]).number.text};
+        return;
     }
+    const std::size_t count = frame == CoordinateFrame::ecef ? 3 : 2;
+    for (std::size_t i = 0; i < count; ++i)
+        written.coordinates[i] = fields.cell(columns[i]).text;
 }
 
 /// What of a time shows its decimals.

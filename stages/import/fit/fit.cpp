@@ -176,10 +176,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
                                                     metadata ? 1e-3 : 1.0));
     for (const Message& message : metadata ? contents.metadata : contents.records)
         timed.add_record(RecordPlace(message.byte), [&] { return read_row(message, recording); });
-    Observations observations;
-    observations.format = "fit";
-    observations.frame = "geodetic";
-    observations.time_scale = "utc";
+    Observations observations = empty_observations("fit", "geodetic", "utc");
     if (contents.manufacturer)
         observations.device = fmt::format("manufacturer {}, product {} by FIT's numbers",
                                           *contents.manufacturer, contents.product.value_or(0));

@@ -1,19 +1,184 @@
-#include "stages/import/flysight/flysight.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <vector>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
-#include "stages/import/flysight/row.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
+#include "stages/import/cell.h"
+#include "stages/import/cell.h"
 #include "stages/import/format.h"
-#include "stages/import/row_collector.h"
 
+/// FlySight 1 and 2 track files (CSV). Layouts: "File format" of the FlySight wiki for the first,
+/// the files' own $COL and $UNIT lines for the second.
 namespace runcert::flysight {
 namespace {
+
+/// The columns that are read. All but gpsFix are in every file.
+enum class Column {
+    time,
+    latitude,
+    longitude,
+    height,
+    velocity_north,
+    velocity_east,
+    velocity_down,
+    horizontal_accuracy,
+    vertical_accuracy,
+    speed_accuracy,
+    satellites,
+    fix,
+    count
+};
+
+using Layout = ColumnPlaces<Column>;
+
+constexpr auto column_count = static_cast<std::size_t>(Column::count);
+
+/// In the order of Column; so the units.
+constexpr std::array<std::string_view, column_count> column_names{
+    "time", "lat",  "lon",  "hMSL", "velN",  "velE",
+    "velD", "hAcc", "vAcc", "sAcc", "numSV", "gpsFix"};
+constexpr std::array<std::string_view, column_count> column_units{
+    "", "deg", "deg", "m", "m/s", "m/s", "m/s", "m", "m", "m/s", "", ""};
+
+/// What a receiver writes where it has no idea: the largest count of millimetres.
+constexpr double saturated = 4'294'967.0;
+constexpr const char* as_written = "Take the recording as the FlySight wrote it";
+
+/// How loggers that write FlySight's columns (Deep and Steep Insight) label a speed's accuracy.
+bool is_speed_in_metres(std::size_t column, std::string_view unit) {
+    return static_cast<Column>(column) == Column::speed_accuracy && unit == "m";
+}
+
+/// The instant of a FlySight 2's time "2026-03-06T00:49:20.-002Z": so many milliseconds before the
+/// whole second, as the firmware prints them ("-02" and "-002" are two). Nothing for another time.
+std::optional<GpsTime> read_signed_time(const Cell& time) {
+    const std::size_t point = time.text.find(".-");
+    if (point == std::string_view::npos || !time.text.ends_with('Z')) return std::nullopt;
+    const std::string_view digits = time.text.substr(point + 2, time.text.size() - point - 3);
+    const auto count = digits_at(digits, 0, digits.size());
+    if (digits.empty() || digits.size() > 3 || !count) return std::nullopt;
+    Cell second = time;
+    second.text = time.text.substr(0, point);
+    return read_iso(second, Clock::utc).plus_nanoseconds(std::int64_t{-1'000'000} * *count);
+}
+
+std::string_view name_of(Column column) {
+    return column_names[static_cast<std::size_t>(column)];
+}
+
+/// Which of the columns has a name; column_count for none.
+std::size_t find_column(std::string_view name) {
+    return static_cast<std::size_t>(std::ranges::find(column_names, name) - column_names.begin());
+}
+
+void require_all(const Layout& layout, const SourceLine& line, const RecordingBytes& recording) {
+    for (std::size_t i = 0; i < column_count; ++i) {
+        if (layout.place[i] || static_cast<Column>(i) == Column::fix) continue;
+        const Cell start{line.text, &recording, line.number, 1};
+        start.fail(fmt::format("the header names no column \"{}\": \"{}\"", column_names[i],
+                               escape_for_message(line.text, 80)),
+                   "A FlySight writes time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,...,numSV; "
+                   "take the recording as it wrote it");
+    }
+}
+
+/// The fields of one row, by column.
+class Row : public RowCells<Column> {
+  public:
+    using RowCells::RowCells;
+
+    double real(Column column) const { return RowCells::real(column, name_of(column)); }
+    /// A standard deviation; 0 where it is unknown.
+    double deviation(Column column) const {
+        const double value = read_deviation(cell(column), name_of(column));
+        return value >= saturated ? 0.0 : value;
+    }
+};
+
+void read_solution(const Row& cells, TimedRow& row) {
+    Observation& observation = row.observation;
+    const Geodetic position{.latitude = Angle::from_degrees(cells.real(Column::latitude)),
+                            .longitude = Angle::from_degrees(cells.real(Column::longitude)),
+                            .height_m = cells.real(Column::height)};
+    set_position(observation,
+                 checked_geodetic(position, cells.cell(Column::latitude),
+                                  cells.cell(Column::longitude), cells.cell(Column::height)));
+    row.written.unit = CoordinateUnit::degree;
+    row.written.coordinates = {cells.cell(Column::latitude).text,
+                               cells.cell(Column::longitude).text};
+    set_velocity(observation, cells.real(Column::velocity_east),
+                 cells.real(Column::velocity_north));
+    observation.recorded_velocity_up_m_s = -cells.real(Column::velocity_down);
+    set_radial_accuracy(observation, cells.deviation(Column::horizontal_accuracy));
+    if (const double sigma_m = cells.deviation(Column::vertical_accuracy); sigma_m > 0.0)
+        observation.sigma_up_m = sigma_m;
+    set_velocity_accuracy(observation, cells.deviation(Column::speed_accuracy), 3);
+}
+
+/// The layout that a header line names, whose first `skipped` fields are no columns ("$COL,GNSS").
+/// `skipped_in_rows` fields stand before the columns in a row. Columns of other names are passed
+/// over. Failure where one that must be there is missing or stands twice.
+Layout read_columns(const SourceLine& line, const RecordingBytes& recording, std::size_t skipped,
+                    std::size_t skipped_in_rows) {
+    Layout layout;
+    const std::vector<Cell> cells = split_at(line, recording, ',');
+    for (std::size_t i = skipped; i < cells.size(); ++i) {
+        const Cell& cell = cells[i];
+        const std::size_t column = find_column(cell.text);
+        layout.fields = i - skipped + skipped_in_rows + 1;
+        if (column == column_count) continue;
+        if (layout.place[column])
+            cell.fail(fmt::format("the column \"{}\" stands twice", cell.text), as_written);
+        layout.place[column] = layout.fields - 1;
+    }
+    require_all(layout, line, recording);
+    return layout;
+}
+
+/// Failure where the line of units, its first `skipped` fields left out, gives a column another
+/// unit than FlySight does.
+void require_units(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
+                   std::size_t skipped, std::size_t skipped_in_rows) {
+    const std::vector<Cell> cells = split_at(line, recording, ',');
+    for (std::size_t i = skipped; i < cells.size(); ++i) {
+        const Cell& cell = cells[i];
+        std::string_view unit = cell.text;
+        if (unit.starts_with('(') && unit.ends_with(')')) unit = unit.substr(1, unit.size() - 2);
+        for (std::size_t column = 0; column < column_count; ++column)
+            if (layout.place[column] == i - skipped + skipped_in_rows &&
+                unit != column_units[column] && !is_speed_in_metres(column, unit))
+                cell.fail(fmt::format("the column \"{}\" is in \"{}\"; FlySight has it in \"{}\"",
+                                      column_names[column], escape_for_message(unit),
+                                      column_units[column]),
+                          as_written);
+    }
+}
+
+/// The row of a line. Failure at the field that cannot be read. `last`: no line follows.
+TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
+                  bool last) {
+    const std::vector<Cell> fields = split_at(line, recording, ',');
+    require_count(fields.size(), layout.fields, line, recording, last, "its header names",
+                  as_written);
+    const Row cells(fields, layout);
+    TimedRow row;
+    const Cell& time = cells.cell(Column::time);
+    const auto signed_time = read_signed_time(time);
+    row.written.time = signed_time ? "0.000" : time.text;
+    row.instant = signed_time ? *signed_time : read_iso(time, Clock::utc);
+    row.observation.satellites = read_satellites(cells.cell(Column::satellites));
+    if (cells.has(Column::fix))
+        row.observation.fix = fix_of_ublox(
+            static_cast<unsigned>(read_whole(cells.cell(Column::fix), "gpsFix", 0, 5)));
+    else if (*row.observation.satellites == 0)
+        row.observation.fix = FixType::none;
+    if (row.observation.fix != FixType::none) read_solution(cells, row);
+    return row;
+}
 
 constexpr std::string_view first_header = "time,lat,lon";
 constexpr std::string_view first_units = ",(deg),(deg)";
@@ -23,6 +188,8 @@ constexpr std::string_view second_positions = "$COL,GNSS,";
 constexpr std::string_view second_units = "$UNIT,GNSS,";
 constexpr std::string_view second_data = "$DATA";
 constexpr std::string_view second_row = "$GNSS,";
+constexpr std::string_view marks_of_workings[] = {"slots used in $GNSS", "slots used in GNSS",
+                                                  "active mode initialization\""};
 constexpr const char* remedy_for_no_positions =
     "Take TRACK.CSV, which the FlySight writes into the same folder";
 
@@ -41,23 +208,18 @@ bool is_working_line(std::string_view text) {
 }
 
 bool is_log_of_workings(std::string_view bytes) {
-    LineReader lines(bytes);
-    const auto first = lines.next();
-    if (!first || !is_working_line(without_returns(first->text))) return false;
-    return bytes.find("slots used in $GNSS") != std::string_view::npos ||
-           bytes.find("slots used in GNSS") != std::string_view::npos ||
-           bytes.find("active mode initialization\"") != std::string_view::npos;
+    const auto first = LineReader(bytes).next();
+    return first && is_working_line(without_returns(first->text)) &&
+           std::ranges::any_of(marks_of_workings, [&](std::string_view mark) {
+               return bytes.find(mark) != std::string_view::npos;
+           });
 }
 
 /// Reads a recording line by line; either version is known by its header.
 class Reader {
   public:
     explicit Reader(const RecordingBytes& recording)
-        : recording_(recording), lines_(recording), timed_(recording) {
-        observations_.format = "flysight";
-        observations_.frame = "geodetic";
-        observations_.time_scale = "utc";
-    }
+        : recording_(recording), lines_(recording), timed_(recording) {}
 
     Observations read() {
         while (auto line = lines_.next()) {
@@ -128,7 +290,7 @@ class Reader {
                          Failure(place_in(recording_, line),
                                  fmt::format("the line begins \"{}\", which no $COL line names",
                                              escape_for_message(field(line.text, 0))),
-                                 "Take the recording as the FlySight wrote it"));
+                                 as_written));
     }
 
     /// A field of a line, counted from 0; empty where it has fewer.
@@ -163,7 +325,7 @@ class Reader {
                           remedy_for_no_positions);
         throw Failure(where,
                       "no line names the columns (\"time,lat,lon,...\" or \"$COL,GNSS,...\")",
-                      "Take the recording as the FlySight wrote it");
+                      as_written);
     }
 
     const RecordingBytes& recording_;
@@ -174,12 +336,12 @@ class Reader {
     std::vector<std::string_view> sensors_;
     bool doubled_returns_ = false;
     std::string_view firmware_, device_;
-    Observations observations_;
+    Observations observations_ = empty_observations("flysight", "geodetic", "utc");
     RowCollector timed_;
 };
 
-}  // namespace
-
+/// Also those with a damaged header line, and those files of a FlySight 2 that hold no positions,
+/// to say so.
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     for (auto line = lines.next(); line && line->number <= 3; line = lines.next())
@@ -202,6 +364,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "flysight",

@@ -1,5 +1,3 @@
-#include "stages/import/gpsbabel/convert.h"
-
 #include <fmt/format.h>
 
 #include "core/failure.h"
@@ -7,6 +5,7 @@
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "stages/import/cell.h"
+#include "stages/import/gpsbabel/gpsbabel.h"
 
 namespace runcert::gpsbabel {
 namespace {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -11,40 +10,40 @@
 #include "stages/import/fit/decode.h"
 #include "stages/import/format.h"
 #include "stages/import/gpx/gpx.h"
-#include "stages/import/gpx/scan.h"
 
 namespace runcert::gpsbabel {
 namespace {
 
-/// Formats of files with tracks that `gpsbabel -^3` of version 1.8.0 lists as readable.
-constexpr std::array<std::string_view, 55> types{"v900",          "iblue747",
-                                                 "iblue757",      "gpl",
-                                                 "saroute",       "destinator_trl",
-                                                 "energympro",    "f90g",
-                                                 "igc",           "garmin_fit",
-                                                 "garmin_g1000",  "glogbook",
-                                                 "gdb",           "garmin_txt",
-                                                 "gtrnctr",       "ggv_ovl",
-                                                 "ggv_bin",       "ggv_log",
-                                                 "geojson",       "kml",
-                                                 "gnav_trl",      "land_air_sea",
-                                                 "gtm",           "gpx",
-                                                 "hiketech",      "m241-bin",
-                                                 "humminbird_ht", "humminbird",
-                                                 "ignrando",      "igo8",
-                                                 "kompass_tk",    "lowranceusr",
-                                                 "magellanx",     "magellan",
-                                                 "ik3d",          "mainnav",
-                                                 "mapasia_tr7",   "mtk_locus",
-                                                 "mmo",           "garmin_xt",
-                                                 "mtk-bin",       "mynav",
-                                                 "tpo2",          "tpo3",
-                                                 "sbp",           "sbn",
-                                                 "navitel_trk",   "nmea",
-                                                 "ozi",           "qstarz_bl-1000",
-                                                 "ricoh",         "skytraq-bin",
-                                                 "wintec_tes",    "wbt-bin",
-                                                 "itracku-bin"};
+constexpr std::string_view types[] = {
+    // Formats of files with tracks that `gpsbabel -^3` of version 1.8.0 lists as readable.
+    "v900",          "iblue747",
+    "iblue757",      "gpl",
+    "saroute",       "destinator_trl",
+    "energympro",    "f90g",
+    "igc",           "garmin_fit",
+    "garmin_g1000",  "glogbook",
+    "gdb",           "garmin_txt",
+    "gtrnctr",       "ggv_ovl",
+    "ggv_bin",       "ggv_log",
+    "geojson",       "kml",
+    "gnav_trl",      "land_air_sea",
+    "gtm",           "gpx",
+    "hiketech",      "m241-bin",
+    "humminbird_ht", "humminbird",
+    "ignrando",      "igo8",
+    "kompass_tk",    "lowranceusr",
+    "magellanx",     "magellan",
+    "ik3d",          "mainnav",
+    "mapasia_tr7",   "mtk_locus",
+    "mmo",           "garmin_xt",
+    "mtk-bin",       "mynav",
+    "tpo2",          "tpo3",
+    "sbp",           "sbn",
+    "navitel_trk",   "nmea",
+    "ozi",           "qstarz_bl-1000",
+    "ricoh",         "skytraq-bin",
+    "wintec_tes",    "wbt-bin",
+    "itracku-bin"};
 
 /// The name of the outermost element of an XML text; empty where it is none.
 std::string_view root_name(std::string_view bytes) {
@@ -78,7 +77,7 @@ std::string type_of(const Receiver& receiver, const RecordingBytes& recording) {
                       "the recording is to be read through gpsbabel, and its format is not "
                       "recognised",
                       "Write gpsbabel_type in the receiver, gpsbabel's name of the format");
-    if (std::find(types.begin(), types.end(), type) == types.end())
+    if (std::ranges::find(types, type) == std::end(types))
         throw Failure(receiver.place.empty() ? "receiver " + receiver.id : receiver.place,
                       fmt::format("\"{}\" is not a format of files that gpsbabel reads tracks from",
                                   escape_for_message(type)),

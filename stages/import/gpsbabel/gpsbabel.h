@@ -26,6 +26,13 @@ bool recognises(std::string_view bytes);
 /// with tracks, that gpsbabel 1.8.0 reads: names of devices, and options after a comma, are none.
 std::string type_of(const Receiver& receiver, const RecordingBytes& recording);
 
+/// Has gpsbabel read a recording as its format `type` (checked by type_of) and write GPX 1.0, which
+/// keeps speeds, courses and decimals of seconds. gpsbabel runs for at most two minutes, with 2 GiB
+/// of memory and of output. Failure where it is not installed, and with its own words where it
+/// cannot read the recording. Defined where other programs may be run: link
+/// runcert_import_programs.
+Converted convert(const std::string& type, const RecordingBytes& recording);
+
 /// The recording as observations, out of what gpsbabel made of it; of the header it has the
 /// program. Rows say no line or byte, because those are not of the recording. Failure as of GPX.
 Observations read_converted(const Receiver& receiver, const RecordingBytes& recording,

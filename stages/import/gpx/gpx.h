@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string_view>
 
 #include "schemas/attempt/attempt.h"
@@ -9,12 +11,38 @@
 /// GPX 1.0 and 1.1 tracks (Topografix, "GPX 1.1 Schema Documentation"), with any namespace prefix.
 namespace runcert::gpx {
 
-/// Whether the beginning of a recording (its first 64 KiB at most) is one.
-bool recognises(std::string_view bytes);
+/// A tag of an XML text.
+struct Tag {
+    enum class Kind { start, end, empty, broken };
+    Kind kind = Kind::start;
+    bool closing = false;   ///< whether it begins with "</"
+    std::string_view name;  ///< without its namespace prefix
+    std::size_t begin = 0;  ///< offset of its '<'
+    std::size_t end = 0;    ///< offset behind its '>'; of a broken one, where to read on
+};
 
-/// The whole recording as observations; the header is left for the caller. Each track point is an
-/// epoch. Records that cannot be read are counted and listed. Failure where it holds no track
-/// point, none with a time, or most of them cannot be read.
+/// Finds the tags of an XML text, whatever else is in it: comments, CDATA, processing instructions
+/// and the document type, entities included, are passed over unread. It goes through the text
+/// once and keeps nothing; it does not check that elements are closed.
+class TagScanner {
+  public:
+    explicit TagScanner(std::string_view text) : text_(text) {}
+
+    /// The next tag; nothing at the end.
+    std::optional<Tag> next();
+
+  private:
+    void pass_over_declaration();
+    std::size_t end_of_document_type() const;
+    Tag read_tag() const;
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+};
+
+/// A GPX as observations; the header is left for the caller. Each track point is an epoch. Records
+/// that cannot be read are counted and listed. Failure where it holds no track point, none with a
+/// time, or most of them cannot be read.
 ///
 /// Speed (m/s) and course are those of GPX 1.0, or any extension's elements of these names. A GPX
 /// states no accuracy: hdop is a geometry, not one.

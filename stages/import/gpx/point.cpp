@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
-#include "stages/import/fix.h"
+#include "stages/import/cell.h"
 
 namespace runcert::gpx {
 namespace {

@@ -1,5 +1,3 @@
-#include "stages/import/igc/igc.h"
-
 #include <fmt/format.h>
 
 #include <utility>
@@ -7,12 +5,12 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
-#include "stages/import/day_clock.h"
+#include "stages/import/clock.h"
 #include "stages/import/format.h"
-#include "stages/import/igc/header.h"
-#include "stages/import/igc/row.h"
-#include "stages/import/row_collector.h"
+#include "stages/import/igc/record.h"
 
+/// IGC flight logs: FAI/IGC, Technical Specification for GNSS Flight Recorders, second edition with
+/// amendments, appendix A.
 namespace runcert::igc {
 namespace {
 
@@ -81,9 +79,8 @@ class Reader {
                 // Records C to F and J to Z: task, events, satellites, comments, slower data.
                 if (line.text[0] < 'A' || line.text[0] > 'Z') {
                     if (trim(line.text).empty()) break;
-                    timed_.count_bad(line, Failure(cell.place(), "the line is no IGC record",
-                                                   "Take the recording as the flight recorder "
-                                                   "wrote it"));
+                    timed_.count_bad(
+                        line, Failure(cell.place(), "the line is no IGC record", take_whole));
                 }
         }
     }
@@ -93,7 +90,7 @@ class Reader {
         if (cut_off || !is_fix(cell.text))
             cell.fail(fmt::format("the B record \"{}\" is cut off or garbled",
                                   escape_for_message(cell.text)),
-                      "Take the recording as the flight recorder wrote it");
+                      take_whole);
         if (!clock_)
             cell.fail("no record HFDTE before this one says which day it is",
                       "Write start_date in the receiver, the UTC date of the first record");
@@ -188,8 +185,6 @@ class Reader {
     std::size_t without_height_ = 0;
 };
 
-}  // namespace
-
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     while (const auto line = lines.next()) {
@@ -202,6 +197,11 @@ bool recognises(std::string_view bytes) {
     return false;
 }
 
+/// Each B record is an epoch.
+///
+/// The accuracy is that of the B records' extensions FXA and VXA, which give a probability of
+/// 95.45 % ("2-sigma"): FXA as a radius, of a circular normal error. A recorder that writes one
+/// figure for all fixes in its header (HFFXA) states none of the single fix, and so none here.
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     Observations observations = Reader(receiver, recording).read();
@@ -212,6 +212,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "igc",

@@ -2,15 +2,41 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 
+#include "core/angle.h"
 #include "core/geodesy.h"
-#include "stages/import/nmea/fields.h"
+#include "core/optional_number.h"
+#include "schemas/observations/observations.h"
+#include "stages/import/cell.h"
 #include "stages/import/nmea/sentence.h"
 #include "stages/import/row_collector.h"
 
+/// What the fields of each sentence say. Layouts: NMEA 0183 version 4.11, section 6.3, as u-blox'
+/// "F9 HPG interface description" (UBX-22008968) and the gpsd project's "NMEA Revealed" give them.
+/// All fail at the field that they cannot read.
 namespace runcert::nmea {
+
+/// Nanoseconds since midnight of "hhmmss" or "hhmmss.ss" with up to nine decimals, exact. A second
+/// 60 is one at 23:59 only.
+std::int64_t read_time_of_day(const Cell& cell);
+
+/// The day of separate day, month and full year.
+std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year);
+
+/// A number, and the step of its last decimal: how finely it is written.
+struct WrittenNumber {
+    OptionalReal value;
+    double step = std::numeric_limits<double>::infinity();
+
+    /// The same in another unit.
+    WrittenNumber times(double factor) const;
+};
+
+/// The more finely written of two; the first of equals.
+const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b);
 
 /// A position and what was said of it, of a GGA, GNS or RMC sentence.
 struct Solution {
@@ -95,6 +121,59 @@ class EpochReader {
     std::int64_t time_of_day_ns_ = 0;  ///< of the sentence at hand, where it has a time
     std::optional<Epoch> epoch_;
     Tally tally_;
+};
+
+/// Failure for a sentence with fewer fields than its type must have, and than it has in full where
+/// no checksum shows that it is whole.
+void require_whole(const Sentence& sentence);
+
+/// A position only where the quality says that there is one.
+Solution read_gga(const Sentence& gga);
+
+Solution read_gns(const Sentence& gns);
+
+/// Position (without height), velocity and date of an RMC sentence, all or nothing.
+void take_in_rmc(const Sentence& rmc, Epoch& epoch);
+
+/// Empty where the receiver says that it is not valid.
+GroundVelocity read_vtg(const Sentence& vtg);
+
+ErrorStatistics read_gst(const Sentence& gst);
+
+/// Counts one of an epoch's lists of satellites by its mode.
+void take_in_gsa(const Sentence& gsa, Epoch& epoch);
+
+/// Whether an epoch has a sentence that says where the receiver is, or that it does not know.
+bool says_position(const Epoch& epoch);
+
+/// Whether every sentence that speaks of it says that there is a solution.
+bool has_fix(const Epoch& epoch);
+
+/// Where the row of an epoch comes from: the sentence that gives its position, or could.
+RecordPlace place_of(const Epoch& epoch);
+
+/// What the rows of a recording were made of.
+struct RowTally {
+    std::int64_t above_sea_level = 0;
+    std::int64_t without_height = 0;
+    std::int64_t in_plane = 0;
+    std::int64_t velocities_disagree = 0;
+    std::int64_t ellipses_disagree = 0;
+};
+
+/// Makes rows of epochs, and counts what is worth saying of them.
+class RowMaker {
+  public:
+    /// The row of an epoch that says_position.
+    TimedRow row(const Epoch& epoch, GpsTime instant);
+    const RowTally& tally() const { return tally_; }
+
+  private:
+    void set_solution(TimedRow& row, const Solution& solution);
+    void set_ground_velocity(Observation& row, const Epoch& epoch);
+    void set_errors(Observation& row, const ErrorStatistics& errors);
+
+    RowTally tally_;
 };
 
 }  // namespace runcert::nmea

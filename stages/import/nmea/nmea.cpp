@@ -1,30 +1,73 @@
-#include "stages/import/nmea/nmea.h"
-
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <map>
 
 #include "core/failure.h"
 #include "stages/import/clock.h"
-#include "stages/import/day_clock.h"
+#include "stages/import/clock.h"
 #include "stages/import/format.h"
-#include "stages/import/nmea/date.h"
-#include "stages/import/nmea/row.h"
-#include "stages/import/row_collector.h"
+#include "stages/import/nmea/epoch.h"
 
+/// NMEA 0183 logs: GGA, RMC, VTG, GST, GSA and ZDA sentences of any talker, several of which make
+/// an epoch.
 namespace runcert::nmea {
 namespace {
 
+/// What dates a recording's epochs.
+struct FirstDay {
+    std::int64_t day = 0;  ///< of its first epoch, days since 1980-01-06
+    /// Whether dates of epochs without a fix count: no other epoch has one. A receiver that has no
+    /// fix writes what its own clock has kept.
+    bool without_fix = false;
+};
+
+/// The date of a recording's first epoch, by counting back from the first that is dated: not within
+/// a minute of midnight, where dates come early or late, unless all are, of which most decide.
+/// Nothing where none is dated. Reads no further than it must.
+std::optional<FirstDay> find_first_day(const RecordingBytes& recording) {
+    const auto absent = [&](std::string_view what) {
+        return recording.bytes.find(what) == std::string_view::npos;
+    };
+    if (absent("RMC,") && absent("ZDA,")) return std::nullopt;
+    EpochReader epochs(recording, nullptr);
+    DayCount count;
+    std::optional<FirstDay> without_fix;
+    std::map<std::int64_t, int> first_days;  // by the dated epochs at midnight, which may be wrong
+    while (const auto epoch = epochs.next()) {
+        const std::int64_t days = count.next(epoch->time_of_day_ns);
+        if (!epoch->date) continue;
+        const std::int64_t first = *epoch->date - days;
+        if (!has_fix(*epoch)) {
+            if (!without_fix) without_fix = FirstDay{.day = first, .without_fix = true};
+            continue;
+        }
+        if (!is_near_midnight(epoch->time_of_day_ns)) return FirstDay{.day = first};
+        ++first_days[first];
+    }
+    if (first_days.empty()) return without_fix;
+    return FirstDay{
+        .day = std::max_element(first_days.begin(), first_days.end(),
+                                [](const auto& a, const auto& b) { return a.second < b.second; })
+                   ->first};
+}
+
+/// The day that an epoch says it is on, days since 1980-01-06; nothing where it says none that
+/// counts.
+std::optional<std::int64_t> day_of(const Epoch& epoch, const std::optional<FirstDay>& first) {
+    if (!epoch.date || !first || !(first->without_fix || has_fix(epoch))) return std::nullopt;
+    return *epoch.date;
+}
+
 /// "NMEA 0183 with GGA, RMC, GST".
 std::string variant_of(unsigned sentences) {
-    constexpr std::array<std::string_view, 7> names{"GGA", "GNS", "RMC", "VTG",
-                                                    "GST", "GSA", "ZDA"};
     std::string text = "NMEA 0183 with ";
     std::string_view separator;
-    for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t i = 0; i < sentence_kinds.size(); ++i) {
         if (!((sentences >> i) & 1U)) continue;
         text += separator;
-        text += names[i];
+        text += sentence_kinds[i].word;
         separator = ", ";
     }
     return text;
@@ -114,8 +157,6 @@ void require_position_sentences(const RecordingBytes& recording, const RowCollec
                   "open sky");
 }
 
-}  // namespace
-
 bool recognises(std::string_view bytes) {
     const RecordingBytes nameless{{}, bytes};
     std::int64_t unchecked = 0;
@@ -132,9 +173,7 @@ bool recognises(std::string_view bytes) {
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    Observations observations;
-    observations.format = "nmea";
-    observations.frame = "geodetic";
+    Observations observations = empty_observations("nmea", "geodetic", {});
     const std::optional<FirstDay> first = first_day_of(receiver, recording, observations);
     DayClock clock(first ? std::optional(first->day) : std::nullopt);
     RowCollector timed(recording);
@@ -173,6 +212,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "nmea",

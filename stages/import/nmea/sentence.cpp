@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "core/text.h"
@@ -27,21 +28,9 @@ bool begins_sentence(std::string_view text) {
 /// The type of a sentence that is read, by its text from $ on.
 std::optional<SentenceType> type_of(std::string_view text) {
     if (text.size() < 7 || text[6] != ',') return std::nullopt;
-    struct Name {
-        std::string_view word;
-        SentenceType type;
-    };
-    constexpr std::array<Name, 8> names{{{"GGA", SentenceType::gga},
-                                         {"GNS", SentenceType::gns},
-                                         {"RMC", SentenceType::rmc},
-                                         {"VTG", SentenceType::vtg},
-                                         {"GST", SentenceType::gst},
-                                         {"GSA", SentenceType::gsa},
-                                         {"ZDA", SentenceType::zda},
-                                         {"TXT", SentenceType::txt}}};
-    for (const Name& name : names)
-        if (text.substr(3, 3) == name.word) return name.type;
-    return std::nullopt;
+    const auto kind = std::ranges::find(sentence_kinds, text.substr(3, 3), &SentenceKind::word);
+    if (kind == sentence_kinds.end()) return std::nullopt;
+    return static_cast<SentenceType>(kind - sentence_kinds.begin());
 }
 
 unsigned exclusive_or(std::string_view bytes) {

@@ -15,6 +15,22 @@ namespace runcert::nmea {
 /// The sentences that are read, whatever their talker.
 enum class SentenceType : std::uint8_t { gga, gns, rmc, vtg, gst, gsa, zda, txt };
 
+/// How a type is called, and how many fields, the address included, it must have and has in full.
+struct SentenceKind {
+    std::string_view word;
+    std::size_t least, full;
+};
+
+/// In the order of SentenceType.
+inline constexpr std::array<SentenceKind, 8> sentence_kinds{{{"GGA", 10, 15},
+                                                             {"GNS", 10, 13},
+                                                             {"RMC", 10, 12},
+                                                             {"VTG", 8, 9},
+                                                             {"GST", 9, 9},
+                                                             {"GSA", 3, 18},
+                                                             {"ZDA", 5, 7},
+                                                             {"TXT", 0, 0}}};
+
 /// What is wrong with a sentence as such, before its fields are looked at.
 enum class Damage : std::uint8_t { none, checksum, cut_off };
 

@@ -6,7 +6,7 @@
 #include <charconv>
 
 #include "core/text.h"
-#include "stages/import/fields.h"
+#include "stages/import/cell.h"
 
 namespace runcert::novatel {
 namespace {

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <map>
-#include <optional>
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/cell.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
 #include "stages/import/format.h"
-#include "stages/import/novatel/row.h"
+#include "stages/import/novatel/log.h"
 
 /// NovAtel's ASCII logs, alone or among NMEA sentences (NovAtel, OEM7 Commands and Logs Reference
 /// Manual: ASCII, BESTPOS, BESTVEL, INSPVA, INSPVAX). Positions of one log are read, those of the
@@ -14,6 +17,211 @@
 /// same time.
 namespace runcert::novatel {
 namespace {
+
+/// The logs whose positions are read, the one that is preferred first: those of the satellites
+/// before those that an inertial unit takes part in.
+constexpr std::string_view position_logs[] = {"BESTGNSSPOSA", "BESTPOSA", "RTKPOSA", "PPPPOSA",
+                                              "PSRPOSA",      "INSPVAXA", "INSPVAA", "INSPVASA"};
+
+struct PositionType {
+    std::string_view word;
+    FixType fix;
+};
+
+constexpr PositionType position_types[] = {
+    // Of the table "Position or Velocity Type" (NovAtel, OEM7 Commands and Logs Reference Manual).
+    {"NONE", FixType::none},
+    {"FIXEDPOS", FixType::none},
+    {"FIXEDHEIGHT", FixType::single},
+    {"DOPPLER_VELOCITY", FixType::none},
+    {"SINGLE", FixType::single},
+    {"PSRDIFF", FixType::dgps},
+    {"WAAS", FixType::sbas},
+    {"SBAS", FixType::sbas},
+    {"CDGPS", FixType::dgps},
+    {"OMNISTAR", FixType::dgps},
+    {"PROPAGATED", FixType::dead_reckoning},
+    {"L1_FLOAT", FixType::float_ambiguities},
+    {"IONOFREE_FLOAT", FixType::float_ambiguities},
+    {"NARROW_FLOAT", FixType::float_ambiguities},
+    {"L1_INT", FixType::fixed},
+    {"WIDE_INT", FixType::fixed},
+    {"NARROW_INT", FixType::fixed},
+    {"RTK_DIRECT_INS", FixType::fixed},
+    {"INS_SBAS", FixType::sbas},
+    {"INS_PSRSP", FixType::single},
+    {"INS_PSRDIFF", FixType::dgps},
+    {"INS_RTKFLOAT", FixType::float_ambiguities},
+    {"INS_RTKFIXED", FixType::fixed},
+    {"INS_PPP_CONVERGING", FixType::ppp},
+    {"INS_PPP", FixType::ppp},
+    {"INS_PPP_BASIC_CONVERGING", FixType::ppp},
+    {"INS_PPP_BASIC", FixType::ppp},
+    {"OMNISTAR_HP", FixType::ppp},
+    {"OMNISTAR_XP", FixType::ppp},
+    {"PPP_CONVERGING", FixType::ppp},
+    {"PPP", FixType::ppp},
+    {"PPP_BASIC_CONVERGING", FixType::ppp},
+    {"PPP_BASIC", FixType::ppp}};
+
+FixType read_type(const Cell& cell) {
+    for (const PositionType& type : position_types)
+        if (type.word == cell.text) return type.fix;
+    cell.fail(
+        fmt::format("the kind of position \"{}\" is not known", escape_for_message(cell.text)),
+        "Hand in logs of satellite positions, as the receiver wrote them");
+}
+
+/// Fields of BESTPOS and its like, counted from 0.
+namespace bestpos {
+constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3, height = 4, undulation = 5,
+                      datum = 6, sigma_latitude = 7, sigma_longitude = 8, sigma_height = 9,
+                      age = 11, satellites_used = 14, count = 21;
+}
+
+/// Fields of BESTVEL and its like.
+namespace bestvel {
+constexpr std::size_t status = 0, type = 1, latency = 2, speed = 4, course = 5, vertical = 6,
+                      count = 8;
+}
+
+/// Fields of INSPVAX.
+namespace inspvax {
+constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3, height = 4, undulation = 5,
+                      north = 6, sigma_latitude = 12, sigma_longitude = 13, sigma_height = 14,
+                      sigma_north = 15, count = 23;
+}
+
+/// Fields of INSPVA, whose heights are ellipsoidal.
+namespace inspva {
+constexpr std::size_t week = 0, latitude = 2, longitude = 3, height = 4, north = 5, status = 11,
+                      count = 12;
+}
+
+void require_fields(const Log& log, std::size_t count) {
+    if (log.fields.size() == count) return;
+    log.fields.front().fail(fmt::format("the log has {} fields, not {}", log.fields.size(), count),
+                            "Take the recording as the receiver wrote it");
+}
+
+/// Latitude, longitude and height, with the separation of the geoid where it is there.
+void set_place(TimedRow& row, const Log& log, std::size_t latitude, double undulation_m) {
+    const Cell& lat = log.fields[latitude];
+    const Cell& lon = log.fields[latitude + 1];
+    const Cell& height = log.fields[latitude + 2];
+    set_position(row.observation,
+                 checked_geodetic({.latitude = Angle::from_degrees(read_real(lat, "latitude")),
+                                   .longitude = Angle::from_degrees(read_real(lon, "longitude")),
+                                   .height_m = read_real(height, "height") + undulation_m},
+                                  lat, lon, height));
+    row.written.unit = CoordinateUnit::degree;
+    row.written.coordinates = {lat.text, lon.text};
+}
+
+std::optional<double> deviation(const Cell& cell) {
+    const double value = read_deviation(cell, "standard deviation");
+    return value > 0.0 ? std::optional(value) : std::nullopt;
+}
+
+/// Deviations of latitude, longitude and height, one after the other.
+void set_deviations(Observation& row, const Log& log, std::size_t first) {
+    row.sigma_north_m = deviation(log.fields[first]);
+    row.sigma_east_m = deviation(log.fields[first + 1]);
+    row.sigma_up_m = deviation(log.fields[first + 2]);
+}
+
+/// Velocities towards north, east and up.
+void set_velocity(Observation& row, const Log& log, std::size_t first) {
+    row.recorded_velocity_north_m_s = read_real(log.fields[first], "velocity");
+    row.recorded_velocity_east_m_s = read_real(log.fields[first + 1], "velocity");
+    row.recorded_velocity_up_m_s = read_real(log.fields[first + 2], "velocity");
+}
+
+void read_bestpos(const Log& log, TimedRow& row) {
+    require_fields(log, bestpos::count);
+    Observation& seen = row.observation;
+    seen.fix = read_type(log.fields[bestpos::type]);
+    if (log.fields[bestpos::status].text != "SOL_COMPUTED") seen.fix = FixType::none;
+    if (seen.fix == FixType::none) return;
+    const Cell& datum = log.fields[bestpos::datum];
+    if (datum.text != "WGS84")
+        datum.fail(fmt::format("the datum is \"{}\"", escape_for_message(datum.text)),
+                   "Record with datum WGS84, or export the positions in it");
+    set_place(row, log, bestpos::latitude,
+              read_real(log.fields[bestpos::undulation], "undulation"));
+    set_deviations(seen, log, bestpos::sigma_latitude);
+    seen.satellites = read_satellites(log.fields[bestpos::satellites_used]);
+    seen.age_s = read_real(log.fields[bestpos::age], "age of corrections");
+}
+
+void read_inspvax(const Log& log, TimedRow& row) {
+    require_fields(log, inspvax::count);
+    Observation& seen = row.observation;
+    seen.fix = read_type(log.fields[inspvax::type]);
+    if (log.fields[inspvax::status].text != "INS_SOLUTION_GOOD") seen.fix = FixType::none;
+    if (seen.fix == FixType::none) return;
+    set_place(row, log, inspvax::latitude,
+              read_real(log.fields[inspvax::undulation], "undulation"));
+    set_deviations(seen, log, inspvax::sigma_latitude);
+    set_velocity(seen, log, inspvax::north);
+    seen.sigma_recorded_velocity_north_m_s = deviation(log.fields[inspvax::sigma_north]);
+    seen.sigma_recorded_velocity_east_m_s = deviation(log.fields[inspvax::sigma_north + 1]);
+    seen.sigma_recorded_velocity_up_m_s = deviation(log.fields[inspvax::sigma_north + 2]);
+}
+
+void read_inspva(const Log& log, TimedRow& row) {
+    require_fields(log, inspva::count);
+    row.observation.fix = FixType::none;
+    if (log.fields[inspva::status].text != "INS_SOLUTION_GOOD") return;
+    row.observation.fix = FixType::unknown;
+    set_place(row, log, inspva::latitude, 0.0);
+    set_velocity(row.observation, log, inspva::north);
+}
+
+bool is_inertial(std::string_view log) {
+    return log.starts_with("INS");
+}
+
+/// The log of velocities that goes with one of positions; empty where that has its own.
+std::string_view velocity_log(std::string_view position_log) {
+    if (is_inertial(position_log)) return {};
+    if (position_log == "BESTGNSSPOSA") return "BESTGNSSVELA";
+    if (position_log == "RTKPOSA") return "RTKVELA";
+    if (position_log == "PSRPOSA") return "PSRVELA";
+    return "BESTVELA";
+}
+
+GpsTime instant_of(const Log& log) {
+    return read_week_time(log.week, log.seconds, Clock::gps);
+}
+
+/// A log of positions as a row. A log without a solution is a row without position. Failure for a
+/// position type or a datum that is not known.
+TimedRow read_position(const Log& log) {
+    TimedRow row;
+    row.instant = instant_of(log);
+    row.written.time = log.seconds.text;
+    if (log.name == "INSPVAXA")
+        read_inspvax(log, row);
+    else if (is_inertial(log.name))
+        read_inspva(log, row);
+    else
+        read_bestpos(log, row);
+    return row;
+}
+
+/// Puts the velocity of a log of velocities into a row of the same time. Returns its latency (s),
+/// by which the receiver says that it is older than its time.
+double read_velocity(const Log& log, Observation& row) {
+    require_fields(log, bestvel::count);
+    if (log.fields[bestvel::status].text != "SOL_COMPUTED" ||
+        log.fields[bestvel::type].text == "NONE")
+        return 0.0;
+    set_speed(row, read_real(log.fields[bestvel::speed], "speed"),
+              Angle::from_degrees(read_real(log.fields[bestvel::course], "course")));
+    row.recorded_velocity_up_m_s = read_real(log.fields[bestvel::vertical], "vertical speed");
+    return read_real(log.fields[bestvel::latency], "latency");
+}
 
 /// How many of each log there are.
 std::map<std::string_view, std::int64_t> count_logs(const RecordingBytes& recording) {
@@ -50,10 +258,7 @@ class Reader {
             }
         }
         finish();
-        Observations observations;
-        observations.format = "novatel";
-        observations.frame = "geodetic";
-        observations.time_scale = "gps";
+        Observations observations = empty_observations("novatel", "geodetic", "gps");
         observations.variant = positions_;
         set_rows(observations, std::move(timed_));
         note(observations);
@@ -127,7 +332,7 @@ class Reader {
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     while (const auto line = lines.next())
-        for (const std::string_view name : position_logs())
+        for (const std::string_view name : position_logs)
             if (is_log(line->text, name)) return true;
     return false;
 }
@@ -136,7 +341,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     const auto count = count_logs(recording);
     std::string_view positions;
-    for (const std::string_view name : position_logs())
+    for (const std::string_view name : position_logs)
         if (positions.empty() && count.contains(name)) positions = name;
     if (positions.empty())
         throw Failure(place_in(recording, RecordPlace(0)),

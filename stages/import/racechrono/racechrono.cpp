@@ -1,7 +1,4 @@
-#include <array>
-
 #include "stages/import/csv/preset.h"
-#include "stages/import/format.h"
 
 /// Tables that RaceChrono exports: versions 1 ("Timestamp (s)"), 2 ("Time (s)") and 3 (names, units
 /// and sources in three lines). Rows stand where any sensor has a value; in between, positions and
@@ -9,38 +6,28 @@
 namespace runcert::racechrono {
 namespace {
 
-using csv::Column;
+using enum csv::Column;
 
-constexpr std::array<std::string_view, 1> beginnings{"This file is created using RaceChrono"};
-constexpr std::array columns{
-    csv::PresetColumn{Column::time, "timestamp"},
-    csv::PresetColumn{Column::time, "time"},
-    csv::PresetColumn{Column::latitude, "latitude"},
-    csv::PresetColumn{Column::longitude, "longitude"},
-    csv::PresetColumn{Column::height, "altitude"},
-    csv::PresetColumn{Column::speed, "speed"},
-    csv::PresetColumn{Column::course, "bearing"},
-    csv::PresetColumn{Column::quality_2d, "accuracy"},
-    csv::PresetColumn{Column::satellites, "satellites"},
-    csv::PresetColumn{Column::satellites, "locked satellites"},
-};
+constexpr std::string_view beginnings[] = {"This file is created using RaceChrono"};
+constexpr csv::PresetColumn columns[] = {
+    {time, "timestamp"},        {time, "time"},
+    {latitude, "latitude"},     {longitude, "longitude"},
+    {height, "altitude"},       {speed, "speed"},
+    {course, "bearing"},        {quality_2d, "accuracy"},
+    {satellites, "satellites"}, {satellites, "locked satellites"}};
 
-constexpr csv::Preset preset{.format = "racechrono",
-                             .program = "RaceChrono",
-                             .beginnings = beginnings,
-                             .columns = columns,
-                             .interpolates = true};
-
-}  // namespace
-
-extern const Format format{
-    .name = "racechrono",
+constexpr csv::Preset preset{
+    .format = "racechrono",
     .what = "RaceChrono CSV",
     .place = 112,
     .time_origin = "RaceChrono's time of each row, by the receiver or the telephone",
-    .recognises = [](std::string_view bytes) { return csv::recognises(preset, bytes); },
-    .read = [](const Receiver& receiver,
-               const RecordingBytes& recording) { return csv::read(preset, receiver, recording); },
-};
+    .program = "RaceChrono",
+    .beginnings = beginnings,
+    .columns = columns,
+    .interpolates = true};
+
+}  // namespace
+
+extern const Format format = csv::format_of<preset>();
 
 }  // namespace runcert::racechrono

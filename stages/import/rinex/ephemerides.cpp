@@ -1,5 +1,3 @@
-#include "stages/import/rinex/ephemerides.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,13 +7,14 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/record_log.h"
 #include "stages/import/rinex/header.h"
+#include "stages/import/rinex/rinex.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::rinex {
 namespace {
 
-constexpr std::string_view whole_file = "Take the navigation file of that day as it was issued";
+constexpr const char* whole_file = "Take the navigation file of that day as it was issued";
 
 /// The numbers of a record: three of its first line, then four a line ([RINEX3] table A6).
 using Numbers = std::array<double, 31>;
@@ -28,7 +27,7 @@ double read_number(const Lines& lines, const SourceLine& line, std::size_t at) {
     const auto value = parse_double(text);
     if (!value)
         lines.fail(line, at, fmt::format("\"{}\" is no number", escape_for_message(text)),
-                   std::string(whole_file));
+                   whole_file);
     return *value;
 }
 
@@ -57,15 +56,14 @@ Ephemeris ephemeris_of(const Lines& lines, const SourceLine& first, Satellite sa
     e.inclination_rate = n[19];
     e.place = first.number;
     if (!(n[11] >= 0.0 && n[11] <= 604'800.0))
-        lines.fail(first, 0, "the time of the ephemeris is outside of a week",
-                   std::string(whole_file));
+        lines.fail(first, 0, "the time of the ephemeris is outside of a week", whole_file);
     const auto whole = [&](double value, double most) {
         if (!(value >= 0.0 && value <= most))
             lines.fail(first, 0,
                        fmt::format("the ephemeris of {} has an impossible number of issue, "
                                    "health or source",
                                    to_text(satellite)),
-                       std::string(whole_file));
+                       whole_file);
         return static_cast<std::int32_t>(value);
     };
     e.reference = nearest_of_week(n[11], clock_reference);
@@ -86,7 +84,7 @@ Ephemeris ephemeris_of(const Lines& lines, const SourceLine& first, Satellite sa
         lines.fail(first, 0,
                    fmt::format("the ephemeris of {} is no orbit of a navigation satellite",
                                to_text(satellite)),
-                   std::string(whole_file));
+                   whole_file);
     return e;
 }
 
@@ -170,7 +168,7 @@ class NavigationReader {
             lines_.fail(first, 0,
                         fmt::format("the ephemeris of {} has {} lines of 8", to_text(satellite),
                                     lines.size()),
-                        std::string(whole_file));
+                        whole_file);
         const TimeFields at = modern_ ? TimeFields{4, 4, 9, 12, 15, 18, 21, 2}
                                       : TimeFields{3, 2, 6, 9, 12, 15, 17, 5};
         const GpsTime clock_reference = read_time(lines_, first, at);

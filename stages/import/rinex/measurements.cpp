@@ -1,5 +1,3 @@
-#include "stages/import/rinex/measurements.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,15 +7,16 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/record_log.h"
 #include "stages/import/rinex/header.h"
+#include "stages/import/rinex/rinex.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::rinex {
 namespace {
 
 constexpr int most_satellites = 200;
 constexpr int most_types = 200;
-constexpr std::string_view as_written = "Take the file as the receiver or its converter wrote it";
+constexpr const char* as_written = "Take the file as the receiver or its converter wrote it";
 
 /// One type of observation of a system: what it is, and of which signal.
 struct ObservationType {
@@ -158,7 +157,7 @@ class MeasurementReader {
                 lines_.fail(
                     line, 0,
                     fmt::format("\"{}\" is no satellite system", escape_for_message(letter)),
-                    std::string(as_written));
+                    as_written);
             system_ = *system;
             type_count_ = read_count(lines_, line, 3, 3, 1, most_types, "number of types");
             types_[static_cast<std::size_t>(system_)].clear();
@@ -220,7 +219,7 @@ class MeasurementReader {
         const bool modern = version_ >= 300;
         if (modern && line.text[0] != '>')
             lines_.fail(line, 0, "a line of an epoch was expected, which begins with >",
-                        std::string(as_written));
+                        as_written);
         const std::size_t flag_at = modern ? 31 : 28;
         const std::size_t count_at = flag_at + 1;
         const std::string_view flag_text = trim(characters(line.text, flag_at, 1));
@@ -230,7 +229,7 @@ class MeasurementReader {
         if (flag >= 2 && flag <= 5) return pass_event(line, flag, count);
         if (count > most_satellites)
             lines_.fail(line, count_at, fmt::format("an epoch of {} satellites is none", count),
-                        std::string(as_written));
+                        as_written);
         MeasuredEpoch epoch{
             .time = read_instant(line, modern), .measurements = {}, .byte = line.byte};
         epoch.measurements.swap(spare_);
@@ -257,7 +256,7 @@ class MeasurementReader {
             lines_.fail(line, 0,
                         fmt::format("the epoch has {} {} twice", to_text(same->satellite),
                                     to_text(same->signal)),
-                        std::string(as_written));
+                        as_written);
         last_time_ = epoch.time;
         ++epochs_;
         log_.count_good();
@@ -295,7 +294,7 @@ class MeasurementReader {
                 lines_.put_back();
                 lines_.fail(*line, 0,
                             fmt::format("an epoch of {} satellites has only {}", count, i),
-                            std::string(as_written));
+                            as_written);
             }
             read_signals(*line, 0, read_satellite(lines_, *line, 0), epoch);
         }
@@ -338,7 +337,7 @@ class MeasurementReader {
         if (modern && types.empty())
             lines_.fail(line, 0,
                         fmt::format("the header names no types of {}", name_of(satellite.system)),
-                        std::string(as_written));
+                        as_written);
         const std::size_t to = modern ? types.size() : std::min(types.size(), from + 5);
         for (std::size_t i = from; i < to; ++i) {
             const std::size_t at = modern ? 3 + 16 * i : 16 * (i - from);
@@ -350,7 +349,7 @@ class MeasurementReader {
             lines_.fail(line, 3 + 16 * types.size(),
                         fmt::format("the line has more observations than the header's {} types",
                                     types.size()),
-                        std::string(as_written));
+                        as_written);
     }
 
     void read_value(const SourceLine& line, std::size_t at, const ObservationType& type,
@@ -360,13 +359,13 @@ class MeasurementReader {
         const auto value = parse_double(text);
         if (!value || std::abs(*value) > 1e12)
             lines_.fail(line, at, fmt::format("\"{}\" is no observation", escape_for_message(text)),
-                        std::string(as_written));
+                        as_written);
         if (*value == 0.0) return;  // how RINEX writes one that is missing
         SignalMeasurement& measured = signal_of(satellite, type.signal, line.number, epoch);
         switch (type.what) {
             case 'C':
                 if (std::abs(*value) > 1e9)
-                    lines_.fail(line, at, "no satellite is so far away", std::string(as_written));
+                    lines_.fail(line, at, "no satellite is so far away", as_written);
                 measured.pseudorange_m = *value;
                 break;
             case 'D':

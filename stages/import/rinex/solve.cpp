@@ -1,5 +1,3 @@
-#include "stages/import/rinex/solve.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,8 +9,8 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
+#include "stages/import/format.h"
 #include "stages/import/rinex/rinex.h"
-#include "stages/import/rtklib_pos/rtklib_pos.h"
 
 namespace runcert {
 
@@ -40,6 +38,11 @@ std::string configuration_of(const Receiver& receiver, std::string_view pass) {
     return text;
 }
 
+/// Of what RTKLIB writes.
+const Format& pos_format() {
+    return *find_format("rtklib-pos");
+}
+
 [[noreturn]] void refuse(const RecordingBytes& rover, const std::string& what,
                          const std::string& remedy) {
     throw Failure(rover.name, what, remedy);
@@ -60,7 +63,7 @@ std::string run(const std::filesystem::path& folder, const std::string& configur
                "Check that rover, base and navigation are RINEX 2.11 or 3 of the same day");
     std::string text = read_file(solution);
     std::filesystem::remove(solution);
-    if (!rtklib_pos::recognises(text))
+    if (!pos_format().recognises(text))
         refuse(rover, "rnx2rtkp found no position in it",
                "Check that rover, base and navigation are RINEX 2.11 or 3 of the same day");
     return text;
@@ -149,7 +152,7 @@ Observations read(const Receiver& receiver, const Solution& solution,
                                 .bytes = forward ? solution.forward : solution.backward};
     const RecordingBytes other{.name = "the other solution",
                                .bytes = forward ? solution.backward : solution.forward};
-    Observations observations = rtklib_pos::read(receiver, chosen);
+    Observations observations = pos_format().read(receiver, chosen);
     observations.header.programs = {solution.program};
     if (observations.processing) {
         // Not as they were called while they were solved.
@@ -167,7 +170,7 @@ Observations read(const Receiver& receiver, const Solution& solution,
         "The recording is raw observations, solved against the base station; the positions, and "
         "their lines, are those of {} in the run folder.",
         chosen.name));
-    observations.notes.push_back(difference_text(observations, rtklib_pos::read(receiver, other),
+    observations.notes.push_back(difference_text(observations, pos_format().read(receiver, other),
                                                  forward ? "backward" : "forward"));
     return observations;
 }

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,7 +10,8 @@
 #include "core/geodesy.h"
 #include "schemas/observations/observations.h"
 #include "stages/import/clock.h"
-#include "stages/import/fields.h"
+#include "stages/import/cell.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::rtklib_pos {
 
@@ -99,5 +101,10 @@ Angle read_dms(const Cell& degrees, const Cell& minutes, const Cell& seconds,
 /// Failure for a header line that says that the datum is not WGS 84, or that heights are not above
 /// the ellipsoid.
 void require_datum(const SourceLine& line, const RecordingBytes& recording);
+
+/// Reads the fields of a row, as many as the layout says. `base` is needed, and given, where the
+/// coordinates are a baseline.
+TimedRow read_row(std::span<const Cell> fields, const Layout& layout,
+                  const std::optional<LocalFrame>& base);
 
 }  // namespace runcert::rtklib_pos

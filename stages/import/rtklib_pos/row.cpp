@@ -1,9 +1,8 @@
-#include "stages/import/rtklib_pos/row.h"
-
 #include <cmath>
 
 #include "stages/import/earth.h"
-#include "stages/import/fix.h"
+#include "stages/import/cell.h"
+#include "stages/import/rtklib_pos/header.h"
 
 namespace runcert::rtklib_pos {
 namespace {

@@ -1,5 +1,3 @@
-#include "stages/import/rtklib_pos/rtklib_pos.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,10 +6,10 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/format.h"
-#include "stages/import/row_collector.h"
 #include "stages/import/rtklib_pos/header.h"
-#include "stages/import/rtklib_pos/row.h"
 
+/// RTKLIB solution files (.pos), RTKLIB 2.4.3 manual, appendix B.1, and what programs near it
+/// write: all coordinates, time and separator variants, read by the names in the header line.
 namespace runcert::rtklib_pos {
 namespace {
 
@@ -174,8 +172,7 @@ class Reader {
     RowSummary summary_;
 };
 
-}  // namespace
-
+/// Whether the bytes hold an RTKLIB column header line, or rows that look as if one were missing.
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     bool header_lines_only = true;
@@ -197,6 +194,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     return observations;
 }
 
+/// The same without holding its rows: the recording is read once for what they show as a whole, and
+/// again when they are asked for.
 StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     Reader first_pass(recording, [](const Observation&) {});
@@ -213,6 +212,8 @@ StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& 
     };
     return result;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "rtklib-pos",

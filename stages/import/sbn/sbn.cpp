@@ -1,18 +1,253 @@
-#include "stages/import/sbn/sbn.h"
-
 #include <fmt/format.h>
 
 #include "core/failure.h"
+#include "stages/import/byte_order.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
 #include "stages/import/format.h"
-#include "stages/import/row_collector.h"
-#include "stages/import/sbn/frame.h"
-#include "stages/import/sbn/row.h"
 #include "stages/import/sbp/device.h"
 
+/// Locosys SBN logs, and any other log of SiRF binary messages: frames of 0xA0A2, length, payload,
+/// checksum, 0xB0B3, the most significant byte first. Each message 41 (geodetic navigation data) is
+/// an epoch; the others are passed over. Layout: SiRF Binary Protocol Reference Manual 2.4,
+/// "Geodetic Navigation Data - Message ID 41", and for the six bytes that Locosys adds Logiqx,
+/// "SBN - SiRF Binary".
 namespace runcert::sbn {
 namespace {
 
-constexpr char file_id_message = '\xfd';
+/// A piece of a log: a message, or one that is none.
+struct Frame {
+    std::size_t offset = 0;          ///< of its first byte in the log
+    std::string_view payload;        ///< its message number first; empty where it is none
+    std::optional<Failure> failure;  ///< why it is none
+};
+
+/// An epoch out of message 41.
+struct GeodeticRow {
+    /// Nothing where the receiver does not know the time yet: there is no epoch without one.
+    std::optional<TimedRow> row;
+    /// Leap seconds that the receiver's UTC counts with: GPS time less the UTC shown, to the
+    /// nearest second. Nothing where the UTC shown is no time.
+    std::optional<std::int64_t> leap_seconds;
+};
+
+constexpr std::string_view frame_start = "\xa0\xa2";
+constexpr std::string_view frame_end = "\xb0\xb3";
+constexpr std::size_t before_payload = 4;
+constexpr std::size_t after_payload = 4;
+/// A SiRF payload is shorter than 1 KiB; with the limit a damaged length costs little.
+constexpr std::size_t longest_payload = 1023;
+
+unsigned checksum(std::string_view payload) {
+    unsigned sum = 0;
+    for (const char c : payload)
+        sum += static_cast<unsigned char>(c);
+    return sum & 0x7fff;
+}
+
+bool never_written(std::string_view bytes) {
+    return bytes.find_first_not_of('\xff') == std::string_view::npos ||
+           bytes.find_first_not_of('\0') == std::string_view::npos;
+}
+
+/// Goes through a log frame by frame, and finds the next one after bytes that are none. Each such
+/// stretch is given as one frame with a failure; bytes 0x00 or 0xFF at the end, room that was
+/// never written, are passed over.
+class FrameReader {
+  public:
+    explicit FrameReader(const RecordingBytes& recording) : recording_(recording) {}
+
+    /// The next frame; nothing at the end.
+    std::optional<Frame> next() {
+        const std::string_view bytes = recording_.bytes;
+        if (at_ >= bytes.size()) return std::nullopt;
+        const std::size_t found = bytes.find(frame_start, at_);
+        const std::size_t start = found == std::string_view::npos ? bytes.size() : found;
+        if (start == at_) return read_frame(start);
+        const std::size_t before = at_;
+        const bool known =
+            in_bad_stretch_ || (start == bytes.size() && never_written(bytes.substr(before)));
+        at_ = start;
+        in_bad_stretch_ = true;
+        if (!known) return bad(before, "bytes that belong to no message");
+        if (start < bytes.size()) return read_frame(start);
+        return std::nullopt;
+    }
+
+  private:
+    Frame read_frame(std::size_t start) {
+        const std::string_view rest = recording_.bytes.substr(start);
+        at_ = start + frame_start.size();  // where to look on, unless this is a frame
+        in_bad_stretch_ = true;
+        if (rest.size() < before_payload + after_payload)
+            return bad(start, "the message is cut off by the end of the file");
+        const std::size_t length = big_endian<std::uint16_t>(rest, 2);
+        if (length == 0 || length > longest_payload)
+            return bad(start, "the message has an impossible length");
+        if (before_payload + length + after_payload > rest.size())
+            return bad(start,
+                       "the message is cut off by the end of the file, or its length is wrong");
+        if (rest.substr(before_payload + length + 2, 2) != frame_end)
+            return bad(start, "the message does not end in 0xB0B3 where its length says");
+        const std::string_view payload = rest.substr(before_payload, length);
+        if (checksum(payload) != big_endian<std::uint16_t>(rest, before_payload + length))
+            return bad(start, "the message has a wrong checksum");
+        at_ = start + before_payload + length + after_payload;
+        in_bad_stretch_ = false;
+        return {.offset = start, .payload = payload, .failure = {}};
+    }
+
+    Frame bad(std::size_t start, std::string_view what) const {
+        return {.offset = start,
+                .payload = {},
+                .failure = Failure(place_in(recording_, RecordPlace(start)), std::string(what),
+                                   "Take the recording as the receiver wrote it")};
+    }
+
+    const RecordingBytes& recording_;
+    std::size_t at_ = 0;
+    bool in_bad_stretch_ = false;
+};
+
+/// The fields of message 41, its number being byte 0; lengths in m, speeds in m/s, angles in
+/// degrees.
+namespace field {
+template <class Integer>
+using Number = NumberField<Integer, std::endian::big>;
+constexpr Number<std::uint16_t> nav_type{3};
+constexpr Number<std::uint16_t> week{5};  ///< the full one, of GPS
+constexpr Number<std::uint32_t> of_week_ms{7};
+constexpr Number<std::uint16_t> year{11};
+constexpr Number<std::uint8_t> month{13}, day{14}, hour{15}, minute{16};
+constexpr Number<std::uint16_t> of_minute_ms{17};  ///< UTC
+constexpr Number<std::int32_t> latitude{23, 1e-7}, longitude{27, 1e-7}, ellipsoid_height{31, 0.01};
+constexpr Number<std::uint8_t> datum{39};  ///< 21 is WGS 84
+constexpr Number<std::uint16_t> speed{40, 0.01}, course{42, 0.01};
+constexpr Number<std::int16_t> climb{46, 0.01};
+constexpr Number<std::uint32_t> horizontal_error{50, 0.01}, vertical_error{54, 0.01};
+constexpr Number<std::uint16_t> velocity_error{62, 0.01};  ///< horizontal
+constexpr Number<std::uint8_t> satellites{88};
+constexpr Number<std::uint8_t> sdop{95, 0.01}, vsdop{96, 0.01};  ///< Locosys' own
+}  // namespace field
+
+constexpr std::size_t message_bytes = 91;
+constexpr std::size_t locosys_bytes = 97;
+constexpr std::uint8_t wgs84 = 21;
+
+constexpr const char* damaged =
+    "The record is damaged; take the recording as the receiver wrote it";
+
+/// An error estimate; nothing where it is zero or the field is full, which mean that it is unknown.
+template <class Integer>
+std::optional<double> error_estimate(const field::Number<Integer>& field,
+                                     std::string_view payload) {
+    const Integer value = field.whole(payload);
+    // 0x7FFF...: receivers that count with signed numbers fill the field up to there.
+    if (value == 0 || value == static_cast<Integer>(-1) ||
+        (sizeof(Integer) > 1 && value == static_cast<Integer>(-1) / 2))
+        return std::nullopt;
+    return field.real(payload);
+}
+
+/// Bits 0 to 2: 0 no solution; 1 to 4 filtered from so many satellites; 5, 6 least squares in the
+/// plane, in space; 7 dead reckoning. Bit 7: differential corrections were applied. What fewer than
+/// three satellites make is carried on from before.
+FixType fix_of(std::uint16_t nav_type) {
+    switch (nav_type & 7) {
+        case 0:
+            return FixType::none;
+        case 1:
+        case 2:
+        case 7:
+            return FixType::dead_reckoning;
+        default:
+            return (nav_type & 0x80) != 0 ? FixType::dgps : FixType::single;
+    }
+}
+
+GpsTime read_instant(std::string_view payload, const RecordingBytes& recording,
+                     const RecordPlace& place) {
+    const std::int64_t of_week_ms = field::of_week_ms.whole(payload);
+    try {
+        return GpsTime::from_week(field::week.whole(payload), of_week_ms * 1'000'000);
+    } catch (const Failure&) {
+        throw Failure(place_in(recording, place),
+                      fmt::format("a time of week of {} ms is impossible", of_week_ms), damaged);
+    }
+}
+
+std::optional<std::int64_t> leap_seconds_of(std::string_view payload, GpsTime instant) {
+    const std::uint16_t of_minute_ms = field::of_minute_ms.whole(payload);
+    if (of_minute_ms >= 61'000) return std::nullopt;
+    try {
+        const GpsTime minute = GpsTime::from_calendar({.year = field::year.whole(payload),
+                                                       .month = field::month.whole(payload),
+                                                       .day = field::day.whole(payload),
+                                                       .hour = field::hour.whole(payload),
+                                                       .minute = field::minute.whole(payload)});
+        return whole_seconds(instant.nanoseconds_since(
+            minute.plus_nanoseconds(std::int64_t{of_minute_ms} * 1'000'000)));
+    } catch (const Failure&) {
+        return std::nullopt;
+    }
+}
+
+void read_velocity(std::string_view payload, RecordedVelocity& velocity) {
+    set_speed(velocity, field::speed.real(payload),
+              Angle::from_degrees(field::course.real(payload)));
+    velocity.recorded_velocity_up_m_s = field::climb.real(payload);
+    // EHVE is of the vector; Locosys receivers leave it at zero and state SDOP, of the speed alone.
+    if (const auto error = error_estimate(field::velocity_error, payload)) {
+        set_velocity_accuracy(velocity, *error, 2);
+    } else if (payload.size() >= locosys_bytes) {
+        if (const auto sdop = error_estimate(field::sdop, payload))
+            set_velocity_accuracy(velocity, *sdop, 1);
+    }
+    if (payload.size() >= locosys_bytes)
+        if (const auto vsdop = error_estimate(field::vsdop, payload))
+            velocity.sigma_recorded_velocity_up_m_s = *vsdop;
+}
+
+void read_position(std::string_view payload, Observation& row, const RecordingBytes& recording,
+                   const RecordPlace& place) {
+    const std::uint8_t datum = field::datum.whole(payload);
+    if (datum != wgs84 && datum != 0)
+        throw Failure(
+            place_in(recording, place),
+            fmt::format("the position is in the receiver's map datum {}, not 21, WGS 84", datum),
+            "Set the receiver to WGS 84 before recording");
+    set_position(row, checked_geodetic({Angle::from_degrees(field::latitude.real(payload)),
+                                        Angle::from_degrees(field::longitude.real(payload)),
+                                        field::ellipsoid_height.real(payload)},
+                                       recording, place));
+    if (const auto error = error_estimate(field::horizontal_error, payload))
+        set_radial_accuracy(row, *error);
+    if (const auto error = error_estimate(field::vertical_error, payload)) row.sigma_up_m = *error;
+}
+
+/// Reads the payload of a message 41. Failure at its place.
+GeodeticRow read_geodetic(std::string_view payload, const RecordingBytes& recording,
+                          const RecordPlace& place) {
+    if (payload.size() < message_bytes)
+        throw Failure(
+            place_in(recording, place),
+            fmt::format("message 41 is {} bytes long, not {}", payload.size(), message_bytes),
+            damaged);
+    GeodeticRow result;
+    const FixType fix = fix_of(field::nav_type.whole(payload));
+    if (fix == FixType::none && field::week.whole(payload) == 0) return result;
+    TimedRow& row = result.row.emplace();
+    row.instant = read_instant(payload, recording, place);
+    row.observation.fix = fix;
+    row.observation.satellites = field::satellites.whole(payload);
+    if (fix == FixType::none) return result;
+    result.leap_seconds = leap_seconds_of(payload, row.instant);
+    read_position(payload, row.observation, recording, place);
+    read_velocity(payload, row.observation);
+    return result;
+}
+
+constexpr char geodetic_message = 41, file_id_message = '\xfd';
 
 /// Leap seconds that the receiver's UTC counted with, while they stayed the same.
 struct LeapCount {
@@ -90,10 +325,8 @@ class Reader {
             if (count.used != count.right)
                 notes.push_back(fmt::format(
                     "From byte {} on the recorded UTC is {} s behind GPS time where {} s are "
-                    "right: "
-                    "the receiver had not estimated the leap seconds. The recorded GPS time is "
-                    "used, "
-                    "which this does not touch.",
+                    "right: the receiver had not estimated the leap seconds. The recorded GPS "
+                    "time is used, which this does not touch.",
                     count.from_byte, count.used, count.right));
             else if (leap_counts_.size() > 1)
                 notes.push_back(
@@ -103,12 +336,10 @@ class Reader {
 
     const RecordingBytes& recording_;
     RowCollector timed_;
-    Observations observations_;
+    Observations observations_ = empty_observations("sbn", "geodetic", "gps");
     std::vector<LeapCount> leap_counts_;
     std::size_t without_time_ = 0;
 };
-
-}  // namespace
 
 bool recognises(std::string_view bytes) {
     if (!bytes.starts_with("\xa0\xa2")) return false;
@@ -117,14 +348,15 @@ bool recognises(std::string_view bytes) {
     return first && !first->failure;
 }
 
+/// Times are the message's GPS week and time of week; its UTC, which depends on the leap seconds
+/// that the receiver has received by then, is compared with them and noted where it is off.
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
-    observations.format = "sbn";
-    observations.frame = "geodetic";
-    observations.time_scale = "gps";
     apply_attempt(observations, receiver);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "sbn",

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <optional>
 
 #include "core/failure.h"
@@ -7,8 +8,8 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
-#include "stages/import/fields.h"
-#include "stages/import/fix.h"
+#include "stages/import/cell.h"
+#include "stages/import/cell.h"
 #include "stages/import/format.h"
 
 /// The text that Septentrio's sbf2asc makes of SBF: rows whose first field says what they are
@@ -40,28 +41,18 @@ bool is_row(std::string_view line, const Block& block) {
            line.substr(block.row.size()).starts_with(block.row == "0" ? "  " : " ");
 }
 
+/// By the mode of a solution. 3 is of a base whose position is given: its rows are still
+/// measurements.
+constexpr std::array<FixType, 16> fix_of_mode{
+    FixType::none,    FixType::single,  FixType::dgps,
+    FixType::single,  FixType::fixed,   FixType::float_ambiguities,
+    FixType::sbas,    FixType::fixed,   FixType::float_ambiguities,
+    FixType::unknown, FixType::ppp,     FixType::unknown,
+    FixType::unknown, FixType::unknown, FixType::unknown,
+    FixType::unknown};
+
 FixType read_mode(const Cell& cell) {
-    switch (read_whole(cell, "PVT mode", 0, 255) & 15) {
-        case 0:
-            return FixType::none;
-        case 1:
-        case 3:  // of a base whose position is given: its rows are still measurements
-            return FixType::single;
-        case 2:
-            return FixType::dgps;
-        case 4:
-        case 7:
-            return FixType::fixed;
-        case 5:
-        case 8:
-            return FixType::float_ambiguities;
-        case 6:
-            return FixType::sbas;
-        case 10:
-            return FixType::ppp;
-        default:
-            return FixType::unknown;
-    }
+    return fix_of_mode[static_cast<std::size_t>(read_whole(cell, "PVT mode", 0, 255) & 15)];
 }
 
 class Reader {
@@ -79,10 +70,8 @@ class Reader {
         while (const auto line = lines.next())
             if (is_row(line->text, block_))
                 timed_.add_record(RecordPlace(*line), [&] { return read_row(*line); });
-        Observations observations;
-        observations.format = "septentrio";
-        observations.frame = block_.is_geodetic ? "geodetic" : "ecef";
-        observations.time_scale = "gps";
+        Observations observations =
+            empty_observations("septentrio", block_.is_geodetic ? "geodetic" : "ecef", "gps");
         observations.variant = block_.name;
         set_rows(observations, std::move(timed_));
         observations.notes.push_back(

@@ -67,15 +67,8 @@ RoundedUtc utc_of(const Epoch& epoch) {
             .valid = bit(time, 19, 2)};
 }
 
-/// fixType of PVT, gpsFix of SOL: the solutions of both are numbered alike.
-enum SolutionType : std::uint8_t {
-    no_solution = 0,
-    dead_reckoning_only = 1,
-    two_dimensional = 2,
-    three_dimensional = 3,
-    with_dead_reckoning = 4,
-    time_only = 5
-};
+/// fixType of PVT, gpsFix of SOL: the solutions of both are numbered alike (fix_of_ublox).
+constexpr std::uint8_t two_dimensional = 2, three_dimensional = 3, with_dead_reckoning = 4;
 
 std::uint8_t solution_type(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return number<std::uint8_t>(epoch[Part::pvt], 20);
@@ -87,28 +80,21 @@ std::uint8_t solution_type(const Epoch& epoch) {
 /// PVT's carrSoln is of receivers that resolve ambiguities. A solution that is combined with dead
 /// reckoning counts as that: its errors are no longer those of satellites alone.
 FixType fix_of_pvt(std::string_view pvt) {
-    const auto type = number<std::uint8_t>(pvt, 20);
     const bool position_is_bad = pvt.size() >= 92 && bit(pvt, 78, 0);
     if (!bit(pvt, 21, 0) || position_is_bad) return FixType::none;
-    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixType::dead_reckoning;
-    if (type != two_dimensional && type != three_dimensional) return FixType::none;
-    switch (static_cast<unsigned char>(pvt[21]) >> 6) {
-        case 1:
-            return FixType::float_ambiguities;
-        case 2:
-            return FixType::fixed;
-        default:
-            return bit(pvt, 21, 1) ? FixType::dgps : FixType::single;
-    }
+    const FixType fix = fix_of_ublox(number<std::uint8_t>(pvt, 20));
+    if (fix != FixType::single) return fix;
+    const int carrier = static_cast<unsigned char>(pvt[21]) >> 6;
+    if (carrier == 1) return FixType::float_ambiguities;
+    if (carrier == 2) return FixType::fixed;
+    return bit(pvt, 21, 1) ? FixType::dgps : FixType::single;
 }
 
 /// Of SOL and STATUS, in which type and flags stand behind one another from `at` on.
 FixType fix_at(std::string_view payload, std::size_t at) {
-    const auto type = number<std::uint8_t>(payload, at);
     if (!bit(payload, at + 1, 0)) return FixType::none;
-    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixType::dead_reckoning;
-    if (type != two_dimensional && type != three_dimensional) return FixType::none;
-    return bit(payload, at + 1, 1) ? FixType::dgps : FixType::single;
+    const FixType fix = fix_of_ublox(number<std::uint8_t>(payload, at));
+    return fix == FixType::single && bit(payload, at + 1, 1) ? FixType::dgps : fix;
 }
 
 FixType fix_of(const Epoch& epoch) {
@@ -240,31 +226,12 @@ void set_covariances(Observation& row, std::string_view cov) {
 }  // namespace
 
 std::optional<Part> part_of(const Frame& frame) {
-    const auto if_size = [&](std::size_t size, Part part) {
-        return frame.payload.size() == size ? std::optional(part) : std::nullopt;
-    };
-    switch (frame.id) {
-        case 0x0107:  // 84 bytes up to protocol version 14, 92 since; more may follow
-            return frame.payload.size() >= 84 ? std::optional(Part::pvt) : std::nullopt;
-        case 0x0114:
-            return if_size(36, Part::hpposllh);
-        case 0x0136:
-            return if_size(64, Part::cov);
-        case 0x0102:
-            return if_size(28, Part::posllh);
-        case 0x0112:
-            return if_size(36, Part::velned);
-        case 0x0121:
-            return if_size(20, Part::timeutc);
-        case 0x0120:
-            return if_size(16, Part::timegps);
-        case 0x0106:
-            return if_size(52, Part::sol);
-        case 0x0103:
-            return if_size(16, Part::status);
-        default:
-            return std::nullopt;
-    }
+    const auto message = std::ranges::find(part_messages, frame.id, &PartMessage::id);
+    if (message == part_messages.end()) return std::nullopt;
+    const auto part = static_cast<Part>(message - part_messages.begin());
+    const std::size_t bytes = frame.payload.size();
+    const bool fits = part == Part::pvt ? bytes >= message->bytes : bytes == message->bytes;
+    return fits ? std::optional(part) : std::nullopt;
 }
 
 std::uint32_t time_of_week_ms(Part part, std::string_view payload) {
@@ -286,16 +253,15 @@ std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
     ++tally_.in_utc;
     const GpsTime shown =
         instant_of_utc(utc.second, recording_, epoch.place()).plus_nanoseconds(utc.rest_ns);
-    constexpr std::int64_t second = GpsTime::nanoseconds_per_second;
     constexpr std::int64_t week = GpsTime::nanoseconds_per_week;
     std::int64_t off =
         (std::int64_t{epoch.time_of_week_ms} * 1'000'000 - shown.nanoseconds_of_week()) % week;
     if (off > week / 2) off -= week;
     if (off < -week / 2) off += week;
-    const std::int64_t seconds = (off + (off < 0 ? -second : second) / 2) / second;
+    const std::int64_t seconds = whole_seconds(off);
     constexpr std::int64_t most_leap_seconds = 40;
     if (seconds == 0 || std::abs(seconds) > most_leap_seconds) return shown;
-    const GpsTime counted = shown.plus_nanoseconds(seconds * second);
+    const GpsTime counted = shown.plus_nanoseconds(seconds * GpsTime::nanoseconds_per_second);
     const auto then = leap_seconds_at(shown);
     if (const auto later = then ? in_true_week(counted, *then + seconds) : std::nullopt)
         return later;

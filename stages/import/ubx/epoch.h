@@ -22,7 +22,25 @@ enum class Part : std::uint8_t {
     sol,
     status
 };
-inline constexpr std::size_t part_count = 9;
+
+/// A part as a message of the class NAV. PVT has 84 bytes up to protocol version 14, 92 since, and
+/// may have more; the others always have so many.
+struct PartMessage {
+    std::string_view name;
+    MessageId id;
+    std::size_t bytes;
+};
+
+/// In the order of Part.
+inline constexpr std::array<PartMessage, 9> part_messages{{{"PVT", 0x0107, 84},
+                                                           {"HPPOSLLH", 0x0114, 36},
+                                                           {"COV", 0x0136, 64},
+                                                           {"POSLLH", 0x0102, 28},
+                                                           {"VELNED", 0x0112, 36},
+                                                           {"TIMEUTC", 0x0121, 20},
+                                                           {"TIMEGPS", 0x0120, 16},
+                                                           {"SOL", 0x0106, 52},
+                                                           {"STATUS", 0x0103, 16}}};
 
 /// Which part a message is; nothing for another message, or one of a size that it never has.
 std::optional<Part> part_of(const Frame& frame);
@@ -33,7 +51,7 @@ std::uint32_t time_of_week_ms(Part part, std::string_view payload);
 /// The messages of one navigation epoch.
 struct Epoch {
     std::uint32_t time_of_week_ms = 0;
-    std::array<std::optional<Frame>, part_count> parts;
+    std::array<std::optional<Frame>, part_messages.size()> parts;
 
     bool has(Part part) const { return parts[static_cast<std::size_t>(part)].has_value(); }
     /// The payload of a part that is there.

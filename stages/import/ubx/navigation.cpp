@@ -1,10 +1,9 @@
-#include "stages/import/ubx/navigation.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "stages/import/byte_order.h"
 #include "stages/import/ubx/frames.h"
+#include "stages/import/ubx/raw.h"
 
 namespace runcert::ubx {
 namespace {

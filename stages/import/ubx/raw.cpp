@@ -11,9 +11,8 @@
 #include "core/failure.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/cell.h"
-#include "stages/import/record_log.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/ubx/frames.h"
-#include "stages/import/ubx/navigation.h"
 
 namespace runcert::ubx {
 namespace {
@@ -40,7 +39,8 @@ struct RawSignal {
 
 /// Signal identifiers of generation 9 and 10 ("F9 HPG interface description", 1.5.4); generation
 /// 8 has 0 for its one signal. 8 to 10 of Galileo are E6, which an early table took for E5b.
-constexpr std::array<RawSignal, 14> raw_signals{{{0, 0, "1C"},
+constexpr std::array<RawSignal, 14> raw_signals{{// System, number, code.
+                                                 {0, 0, "1C"},
                                                  {0, 3, "2L"},
                                                  {0, 4, "2S"},
                                                  {0, 6, "5I"},

@@ -1,5 +1,3 @@
-#include "stages/import/ubx/ubx.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,11 +7,11 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/format.h"
-#include "stages/import/nmea/nmea.h"
-#include "stages/import/row_collector.h"
 #include "stages/import/ubx/epoch.h"
 #include "stages/import/ubx/frames.h"
 
+/// u-blox UBX logs: NAV-PVT, NAV-HPPOSLLH, NAV-COV and NAV-DOP frames, or those of older receivers,
+/// between which other bytes may stand.
 namespace runcert::ubx {
 namespace {
 
@@ -146,12 +144,11 @@ class Reader {
 
     /// "UBX with NAV-PVT, NAV-HPPOSLLH".
     std::string variant() const {
-        constexpr std::array<std::string_view, part_count> names{
-            "PVT", "HPPOSLLH", "COV", "POSLLH", "VELNED", "TIMEUTC", "TIMEGPS", "SOL", "STATUS"};
         std::string text = "UBX with";
-        for (std::size_t i = 0; i < part_count; ++i)
+        for (std::size_t i = 0; i < part_messages.size(); ++i)
             if ((parts_ >> i) & 1U)
-                text += fmt::format("{} NAV-{}", text.ends_with("with") ? "" : ",", names[i]);
+                text += fmt::format("{} NAV-{}", text.ends_with("with") ? "" : ",",
+                                    part_messages[i].name);
         return text;
     }
 
@@ -184,8 +181,8 @@ class Reader {
             tally.other_second);
         note(
             "Epochs dated by a GPS week that is 1024 or 2048 too small, a rollover that the "
-            "receiver "
-            "does not know of. They are dated as many weeks later, to when there were as many leap "
+            "receiver does not know of. They are dated as many weeks later, to when there were as "
+            "many leap "
             "seconds as it counts",
             tally.rolled_over);
         note("Epochs that are two-dimensional solutions, whose height was assumed and not measured",
@@ -207,15 +204,13 @@ class Reader {
     FrameReader frames_;
     RowMaker maker_;
     RowCollector timed_;
-    Observations observations_;
+    Observations observations_ = empty_observations("ubx", "geodetic", {});
     std::optional<Epoch> epoch_;
     std::optional<Failure> first_impossible_;  ///< of an epoch whose frames were whole
     unsigned parts_ = 0;                       ///< bit set of the Parts that were there
     std::int64_t raw_ = 0;
     std::int64_t repeated_ = 0;
 };
-
-}  // namespace
 
 bool recognises(std::string_view bytes) {
     FrameReader frames(bytes);
@@ -227,16 +222,16 @@ bool recognises(std::string_view bytes) {
         if (part == Part::pvt || part == Part::posllh || part == Part::sol) return true;
     }
     // Receivers can mix both, and then the positions may be in NMEA sentences alone.
-    return any && !nmea::recognises(bytes);
+    return any && !find_format("nmea")->recognises(bytes);
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
-    observations.format = "ubx";
-    observations.frame = "geodetic";
     apply_attempt(observations, receiver);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "ubx",

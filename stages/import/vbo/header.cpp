@@ -1,5 +1,3 @@
-#include "stages/import/vbo/header.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/vbo/vbo.h"
 
 namespace runcert::vbo {
 namespace {
@@ -23,74 +22,36 @@ struct Unit {
     double factor;
 };
 
-constexpr std::array<Unit, 10> speed_units{{{"kmh", 1.0 / 3.6},
-                                            {"kph", 1.0 / 3.6},
-                                            {"kmph", 1.0 / 3.6},
-                                            {"knots", 1852.0 / 3600.0},
-                                            {"knot", 1852.0 / 3600.0},
-                                            {"kts", 1852.0 / 3600.0},
-                                            {"kn", 1852.0 / 3600.0},
-                                            {"mph", 1609.344 / 3600.0},
-                                            {"ms", 1.0},
-                                            {"mps", 1.0}}};
+constexpr Unit speed_units[] = {
+    // In metres a second.
+    {"kmh", 1.0 / 3.6},
+    {"kph", 1.0 / 3.6},
+    {"kmph", 1.0 / 3.6},
+    {"knots", 1852.0 / 3600.0},
+    {"knot", 1852.0 / 3600.0},
+    {"kts", 1852.0 / 3600.0},
+    {"kn", 1852.0 / 3600.0},
+    {"mph", 1609.344 / 3600.0},
+    {"ms", 1.0},
+    {"mps", 1.0}};
 /// Units of other columns, which no figure depends on, except degrees.
-constexpr std::array<Unit, 9> other_units{{{"deg", 1.0},
-                                           {"degrees", 1.0},
-                                           {"min", 1.0},
-                                           {"mins", 1.0},
-                                           {"minutes", 1.0},
-                                           {"m", 1.0},
-                                           {"metres", 1.0},
-                                           {"s", 1.0},
-                                           {"utc", 1.0}}};
+constexpr Unit other_units[] = {
+    // Only degrees matter.
+    {"deg", 1.0}, {"degrees", 1.0}, {"min", 1.0}, {"mins", 1.0}, {"minutes", 1.0},
+    {"m", 1.0},   {"metres", 1.0},  {"s", 1.0},   {"utc", 1.0}};
 
-struct Name {
-    std::string_view name;
-    Column column;
-};
-
-/// Racelogic's names, then those of other writers; of several columns for one meaning, the one
-/// whose name comes first here counts.
-constexpr std::array names{Name{"satellites", Column::satellites},
-                           Name{"sats", Column::satellites},
-                           Name{"time", Column::time},
-                           Name{"latitude", Column::latitude},
-                           Name{"lat", Column::latitude},
-                           Name{"longitude", Column::longitude},
-                           Name{"long", Column::longitude},
-                           Name{"lon", Column::longitude},
-                           Name{"lng", Column::longitude},
-                           Name{"velocity", Column::velocity},
-                           Name{"heading", Column::heading},
-                           Name{"height", Column::height},
-                           Name{"altitude", Column::height},
-                           Name{"verticalvelocity", Column::vertical_velocity},
-                           Name{"verticalvel", Column::vertical_velocity},
-                           Name{"vertvel", Column::vertical_velocity},
-                           Name{"solutiontype", Column::solution_type},
-                           Name{"satcount", Column::satellites},
-                           Name{"numsats", Column::satellites},
-                           Name{"numsv", Column::satellites},
-                           Name{"nsat", Column::satellites},
-                           Name{"utctime", Column::time},
-                           Name{"gpstime", Column::time},
-                           Name{"utc", Column::time},
-                           Name{"gpslatitude", Column::latitude},
-                           Name{"gpslat", Column::latitude},
-                           Name{"gpslongitude", Column::longitude},
-                           Name{"gpslong", Column::longitude},
-                           Name{"gpslon", Column::longitude},
-                           Name{"gpslng", Column::longitude},
-                           Name{"gpsspeed", Column::velocity},
-                           Name{"groundspeed", Column::velocity},
-                           Name{"speed", Column::velocity},
-                           Name{"vel", Column::velocity},
-                           Name{"gpsheading", Column::heading},
-                           Name{"course", Column::heading},
-                           Name{"bearing", Column::heading},
-                           Name{"gpsaltitude", Column::height},
-                           Name{"elevation", Column::height},
-                           Name{"alt", Column::height}};
+/// The names of each column, in the order of Column: Racelogic's, then those of other writers. Of
+/// several columns for one meaning, the one whose name comes first here counts.
+constexpr std::array<std::array<std::string_view, 8>, static_cast<std::size_t>(Column::count)>
+    names{{{"satellites", "sats", "satcount", "numsats", "numsv", "nsat"},
+           {"time", "utctime", "gpstime", "utc"},
+           {"latitude", "lat", "gpslatitude", "gpslat"},
+           {"longitude", "long", "lon", "lng", "gpslongitude", "gpslong", "gpslon", "gpslng"},
+           {"velocity", "gpsspeed", "groundspeed", "speed", "vel"},
+           {"heading", "gpsheading", "course", "bearing"},
+           {"height", "altitude", "gpsaltitude", "elevation", "alt"},
+           {"verticalvelocity", "verticalvel", "vertvel"},
+           {"solutiontype"}}};
 
 /// A channel by its name.
 struct Channel {
@@ -120,13 +81,15 @@ bool is_speed(Column column) {
 /// "velocity kmh" is the velocity, "velocity quality" is none of the columns.
 std::optional<Channel> channel_of(std::string_view text) {
     const std::string name = letters(text);
-    for (const Name& known : names) {
-        if (!name.starts_with(known.name)) continue;
-        const std::string unit = name.substr(known.name.size());
-        if (unit.empty() ||
-            (is_speed(known.column) ? factor_of(unit, speed_units) : factor_of(unit, other_units)))
-            return Channel{known.name, known.column, unit};
-    }
+    for (std::size_t i = 0; i < names.size(); ++i)
+        for (const std::string_view known : names[i]) {
+            if (known.empty() || !name.starts_with(known)) continue;
+            const auto column = static_cast<Column>(i);
+            const std::string unit = name.substr(known.size());
+            if (unit.empty() ||
+                (is_speed(column) ? factor_of(unit, speed_units) : factor_of(unit, other_units)))
+                return Channel{known, column, unit};
+        }
     return std::nullopt;
 }
 
@@ -226,24 +189,22 @@ Layout find_layout(const Header& header, std::size_t fields, const RecordingByte
     Layout layout;
     layout.fields = fields > 0 ? fields : named.size();
     layout.named = named.size();
-    for (const Name& name : names) {
-        if (layout[name.column]) continue;
-        for (std::size_t field = 0; field < named.size() && !layout[name.column]; ++field) {
-            const auto channel = channel_of(named[field]);
-            if (!channel || channel->name != name.name || field >= layout.fields) continue;
-            layout[name.column] = field;
-            set_unit(layout, name.column, unit_of(header, *channel, field, named.size()));
-        }
-    }
-    constexpr std::array<Name, 3> required{
-        {{"time", Column::time}, {"lat", Column::latitude}, {"long", Column::longitude}}};
-    for (const Name& name : required)
-        if (!layout[name.column])
+    for (std::size_t i = 0; i < names.size(); ++i)
+        for (const std::string_view name : names[i])
+            for (std::size_t field = 0; field < named.size() && !layout.place[i]; ++field) {
+                const auto channel = channel_of(named[field]);
+                if (!channel || channel->name != name || field >= layout.fields) continue;
+                layout.place[i] = field;
+                set_unit(layout, channel->column, unit_of(header, *channel, field, named.size()));
+            }
+    for (const auto& [column, name] :
+         {std::pair{Column::time, "time"}, {Column::latitude, "lat"}, {Column::longitude, "long"}})
+        if (!layout[column])
             throw Failure(
                 place_in(recording, header.names_line, 1),
                 fmt::format("no column is named \"{}\", or as other writers call it, among {} "
                             "names for {} fields in a row",
-                            name.name, named.size(), layout.fields),
+                            name, named.size(), layout.fields),
                 "Export the recording again with time, latitude and longitude, or as CSV "
                 "with columns: in the receiver");
     return layout;

@@ -1,5 +1,3 @@
-#include "stages/import/vbo/survey.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 #include <numbers>
 
 #include "core/text.h"
-#include "stages/import/vbo/row.h"
+#include "stages/import/vbo/vbo.h"
 
 namespace runcert::vbo {
 namespace {

@@ -7,13 +7,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/day_clock.h"
+#include "stages/import/clock.h"
 #include "stages/import/format.h"
-#include "stages/import/row_collector.h"
-#include "stages/import/vbo/date.h"
-#include "stages/import/vbo/header.h"
-#include "stages/import/vbo/row.h"
-#include "stages/import/vbo/survey.h"
 
 namespace runcert::vbo {
 namespace {
@@ -142,8 +137,6 @@ void note_longitudes(Observations& observations, LongitudeSense sense) {
             longitude_note(sense, *first->latitude_deg, *first->longitude_deg));
 }
 
-}  // namespace
-
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     bool named = false, header = false;
@@ -168,11 +161,9 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     layout.coordinates = surveyed.coordinates;
     const FirstDay first_day = find_first_day(
         receiver, header.created, surveyed.first_time_ns.value_or(0), surveyed.first_longitude_deg);
-    Observations observations;
-    observations.format = "vbo";
+    Observations observations =
+        empty_observations("vbo", "geodetic", first_day.utc ? "utc" : "relative");
     observations.device = device_of(header);
-    observations.frame = "geodetic";
-    observations.time_scale = first_day.utc ? "utc" : "relative";
     set_rows(observations, read_rows(lines, recording, layout,
                                      surveyed.longitudes == LongitudeSense::east_positive,
                                      DayClock(first_day.utc)));
@@ -184,6 +175,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+}  // namespace
 
 extern const Format format{
     .name = "vbo",

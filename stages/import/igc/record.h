@@ -7,7 +7,9 @@
 #include <string>
 #include <string_view>
 
+#include "core/gps_time.h"
 #include "stages/import/cell.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::igc {
 
@@ -22,6 +24,7 @@ enum class Extension {
     speed,              ///< GSP, km/h
     track               ///< TRT, degrees
 };
+
 inline constexpr std::size_t extensions = 8;
 
 /// Where each extension stands in a B record; size 0 where it is not recorded.
@@ -39,6 +42,8 @@ struct Layout {
 /// What the GNSS altitude is above (HFALG).
 enum class AltitudeReference { not_stated, ellipsoid, geoid, none };
 
+inline constexpr const char* take_whole = "Take the recording as the flight recorder wrote it";
+
 /// The layout of an I record ("I023638FXA3940SIU"). Failure at the cell.
 Layout read_extensions(const Cell& record);
 
@@ -54,5 +59,15 @@ std::string_view header_text(std::string_view record);
 
 /// Of a record HFALG.
 AltitudeReference read_altitude_reference(std::string_view record);
+
+/// Whether a line has the shape of a B record: its fixed part, 35 characters.
+bool is_fix(std::string_view line);
+
+/// Nanoseconds of the UTC day that a B record states, TDS included; 86 400 s and more in a leap
+/// second. Failure at its place.
+std::int64_t read_time_of_day(const Cell& record, const Layout& layout);
+
+/// The row of a B record, without its instant. Failure at its place.
+TimedRow read_fix(const Cell& record, const Layout& layout, AltitudeReference reference);
 
 }  // namespace runcert::igc

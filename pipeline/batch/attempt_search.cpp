@@ -1,5 +1,3 @@
-#include "batch/attempt_search.h"
-
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -10,20 +8,22 @@
 #include <system_error>
 #include <utility>
 
-#include "batch/attempt_text_scan.h"
+#include "batch/day_list.h"
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/yaml_input.h"
 #include "run/attempt_files.h"
+#include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
+#include "schemas/common/strict_texts.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
-
 using FolderIdentity = std::pair<dev_t, ino_t>;
 
 std::optional<FolderIdentity> identity_of(const fs::path& folder) {
@@ -139,10 +139,86 @@ class Search {
     AttemptSearch found_;
 };
 
+bool is_plain(std::string_view value) {
+    return !value.empty() && std::all_of(value.begin(), value.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               std::string_view("_-./").find(c) != std::string_view::npos;
+    });
+}
+
+/// The value on a line after its key, without quotes and comment.
+std::string_view value_on_line(std::string_view rest) {
+    if (const std::size_t comment = rest.find(" #"); comment != std::string_view::npos)
+        rest = rest.substr(0, comment);
+    rest = trim(rest);
+    const bool quoted = rest.size() >= 2 && (rest.front() == '"' || rest.front() == '\'') &&
+                        rest.back() == rest.front();
+    return quoted ? rest.substr(1, rest.size() - 2) : rest;
+}
+
+/// The value of a key that begins a line, of letters, digits and _ - . / alone; nothing where there
+/// is none such, or more than one line begins with the key.
+std::optional<std::string> top_value(std::string_view text, std::string_view key) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    std::optional<std::string> found;
+    for (bool more = !text.empty(); more;) {
+        const std::size_t end = text.find('\n');
+        const std::string_view line = text.substr(0, end);
+        more = end != std::string_view::npos;
+        if (more) text.remove_prefix(end + 1);
+        if (!line.starts_with(key) || !line.substr(key.size()).starts_with(": ")) continue;
+        const std::string_view value = value_on_line(line.substr(key.size() + 1));
+        if (found || !is_plain(value)) return std::nullopt;
+        found = std::string(value);
+    }
+    return found;
+}
+
+/// The id of an attempt where it stands on a line of its own, once: read without parsing the file,
+/// which takes a millisecond. Nothing where that leaves a doubt.
+std::optional<std::string> quick_id(std::string_view text) {
+    auto id = top_value(text, "id");
+    return id && is_id(*id) ? id : std::nullopt;
+}
+
 }  // namespace
 
 AttemptSearch find_attempts(const fs::path& folder, const fs::path& out) {
     return Search(folder, out).run();
+}
+
+std::string written_schema(std::string_view text) {
+    if (auto schema = top_value(text, "schema")) return *schema;
+    // Parsing is slow, and a folder may hold any number of YAML files of other programs.
+    if (text.find("attempt/") == std::string_view::npos &&
+        text.find("day/") == std::string_view::npos)
+        return {};
+    try {
+        const YamlValue document(parse_yaml(text, "file"), "file");
+        return document.is_map() ? document["schema"].text_or("") : "";
+    } catch (const Failure&) {
+        return {};
+    }
+}
+
+ListedAttempt attempt_of_file(const fs::path& file, const std::string& source) {
+    ListedAttempt listed{
+        .attempt = {.id = id_from_name(fs::path(source).replace_extension().string()),
+                    .source = source,
+                    .file = file,
+                    .folder = folder_of(file)}};
+    DayAttempt& attempt = listed.attempt;
+    try {
+        attempt.text = read_handwritten(file);
+        const auto id = quick_id(attempt.text);
+        attempt.id = id && written_schema(attempt.text).starts_with("attempt/")
+                         ? *id
+                         : read_attempt(attempt.text, file.string()).id;
+    } catch (const Failure& failure) {
+        attempt.refused = failure;
+        listed.has_id = false;
+    }
+    return listed;
 }
 
 }  // namespace runcert

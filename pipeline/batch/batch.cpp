@@ -6,11 +6,9 @@
 #include <chrono>
 #include <set>
 
-#include "batch/batch_folders.h"
-#include "batch/batch_parts.h"
-#include "batch/day_results.h"
 #include "batch/day_run.h"
 #include "batch/interrupts.h"
+#include "batch/run_files.h"
 #include "core/failure.h"
 #include "core/parallel.h"
 #include "core/text.h"
@@ -86,7 +84,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     const auto progress = make_progress(options);
     const Interrupts interrupts(
         [&](Interruption wanted, int) { progress->note(interruption_words(wanted)); });
-    const auto lock = lock_day(order, lock_kind, interrupts.finish());
+    const auto lock = lock_day(order.context.out, lock_kind, order.wait, interrupts.finish());
     if (!lock) {
         progress->ends({.closing = {"Interrupted while waiting for another batch."}});
         return 2;
@@ -152,7 +150,8 @@ std::vector<bool> lost_runs(const BatchOrder& order, const Day& day,
 
 int run_batch(const BatchOrder& order) {
     const Day day = read_day(order.day, order.context.out);
-    return run_selected(order, day, chosen_of(order, day), LockKind::exclusive, Results::written);
+    return run_selected(order, day, chosen_of(day, order.only), LockKind::exclusive,
+                        Results::written);
 }
 
 int run_share(const BatchOrder& order, const Share& share, const fs::path& pending) {
@@ -175,14 +174,11 @@ int gather_day(const BatchOrder& order, const fs::path& pending) {
             std::ranges::count(lost, true) > 0)
             run_selected(order, day, lost, LockKind::shared, Results::left);
     const Interrupts interrupts;
-    const auto lock = lock_day(order, LockKind::exclusive, interrupts.finish());
+    const auto lock =
+        lock_day(order.context.out, LockKind::exclusive, order.wait, interrupts.finish());
     if (!lock) return 2;
     remove_half_written(BatchFolders(order.context.out));
-    const std::size_t missing =
-        write_results_of(order, day, inspect_day(day, order.context, order.jobs));
-    fmt::print("{} of {} attempts done; results {}\n", day.attempts.size() - missing,
-               day.attempts.size(), (order.context.out / "day.html").string());
-    return missing == 0 ? 0 : 2;
+    return write_results_of(day, inspect_day(day, order.context, order.jobs), order.context);
 }
 
 }  // namespace runcert

@@ -1,12 +1,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "batch/batch_folders.h"
-#include "batch/batch_parts.h"
+#include "batch/batch.h"
 #include "batch/day_run.h"
 #include "batch/interrupts.h"
+#include "batch/run_files.h"
 #include "batch/slurm.h"
-#include "batch/slurm_args.h"
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 
@@ -56,21 +55,16 @@ int submit_day(const BatchOrder& order, const std::vector<std::string>& task_opt
     const Day day = read_day(order.day, order.context.out);
     const BatchFolders folders(order.context.out);
     const Interrupts interrupts;
-    const auto lock = lock_day(order, LockKind::exclusive, interrupts.finish());
+    const auto lock =
+        lock_day(order.context.out, LockKind::exclusive, order.wait, interrupts.finish());
     if (!lock) return 2;
     if (const auto status = jobs_under_way(folders)) {
         fmt::print("nothing was submitted: the jobs of an earlier call are under way\n{}", *status);
         return 0;
     }
     const std::vector<RunState> states = inspect_day(day, order.context, order.jobs);
-    const std::vector<std::string> ids = to_do(day, chosen_of(order, day), states);
-    if (ids.empty()) {
-        const std::size_t missing = write_results_of(order, day, states);
-        fmt::print("nothing is to be done: {} of {} attempts done; results {}\n",
-                   day.attempts.size() - missing, day.attempts.size(),
-                   (order.context.out / "day.html").string());
-        return missing == 0 ? 0 : 2;
-    }
+    const std::vector<std::string> ids = to_do(day, chosen_of(day, order.only), states);
+    if (ids.empty()) return write_results_of(day, states, order.context, "nothing is to be done: ");
     const fs::path pending = folders.slurm() / "pending.txt";
     make_directory(folders.slurm());
     write_file_atomically(pending, fmt::format("{}\n", fmt::join(ids, "\n")));

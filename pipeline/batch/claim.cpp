@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "batch/epoch_estimate.h"
+#include <nlohmann/json.hpp>
+
+#include "batch/memory_budget.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
@@ -10,6 +12,7 @@
 #include "schemas/common/header.h"
 
 namespace runcert {
+
 Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed) {
     Claim claim;
     claim.source.file = given.file.empty() ? composed : given.file;
@@ -48,6 +51,16 @@ std::uint64_t estimated_epochs(const Claim& claim) {
             if (file.role == "recording")
                 epochs += estimated_epochs(open_attempt_file(file, receiver, claim.source).bytes());
     return epochs;
+}
+
+HeldJson settings_of_step(std::string_view step, const Attempt& attempt,
+                          const std::vector<YamlValue>& profiles, const ReportChoice& choice) {
+    if (step == "sign") return nlohmann::ordered_json{{"signer", choice.signer}};
+    if (step == "render") return nlohmann::ordered_json{{"pdf", choice.pdf}};
+    if (!reads_part(step)) return HeldJson();
+    HeldJson settings = part_of_stage(attempt, step).settings;
+    if (settings->contains("profiles")) settings["profiles"] = profiles_of_stage(profiles, step);
+    return settings;
 }
 
 }  // namespace runcert

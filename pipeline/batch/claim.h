@@ -2,11 +2,14 @@
 
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batch/day_attempts.h"
+#include "files/held_json.h"
 #include "files/yaml_input.h"
 #include "run/attempt_files.h"
+#include "run/steps.h"
 
 namespace runcert {
 
@@ -32,5 +35,10 @@ FileHashes recording_hashes(const Claim& claim);
 
 /// About how many epochs a claim's recordings hold together, without reading them.
 std::uint64_t estimated_epochs(const Claim& claim);
+
+/// What of the attempt and its profiles a step uses beside its input files: of a stage that which
+/// the fields declare for it, and it gets no more; null for the steps that read whole files.
+HeldJson settings_of_step(std::string_view step, const Attempt& attempt,
+                          const std::vector<YamlValue>& profiles, const ReportChoice& choice);
 
 }  // namespace runcert

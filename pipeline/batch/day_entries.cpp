@@ -1,18 +1,16 @@
-#include "batch/day_entries.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <system_error>
 
-#include "batch/attempt_text_scan.h"
-#include "batch/file_pattern.h"
-#include "batch/named_files.h"
+#include "batch/day_list.h"
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/pattern.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/strict_texts.h"
 
@@ -21,7 +19,71 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+/// A file that an attempt's keys name.
+struct NamedFile {
+    std::string pointer;  ///< RFC 6901, in the keys
+    std::string key;      ///< "recording"
+    std::string name;
+};
 using Files = std::vector<NamedFile>;
+
+void add_files(const Json& keys, const char* key, const Json::json_pointer& at, Files& files) {
+    if (!keys.is_object() || !keys.contains(key)) return;
+    const Json& value = keys[key];
+    const auto add = [&](const Json& name, const Json::json_pointer& place) {
+        if (name.is_string()) files.push_back({place.to_string(), key, name.get<std::string>()});
+    };
+    add(value, at / key);
+    if (value.is_array())
+        for (std::size_t i = 0; i < value.size(); ++i)
+            add(value[i], at / key / i);
+}
+
+/// The files that an attempt's keys name, the receivers' first, in their order; a name that is not
+/// text is passed over.
+Files named_files(const Json& keys) {
+    Files files;
+    if (keys.contains("receivers") && keys["receivers"].is_array())
+        for (std::size_t i = 0; i < keys["receivers"].size(); ++i)
+            for (const char* key : {"recording", "base", "navigation", "phase"})
+                add_files(keys["receivers"][i], key, Json::json_pointer("/receivers") / i, files);
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (!rule.series.empty() && keys.contains(rule.path))
+            add_files(keys[rule.path], "file", Json::json_pointer() / rule.path, files);
+    return files;
+}
+
+/// Why a name, or pattern, cannot be that of a file in the day's folder, by its letters alone;
+/// empty if it can.
+std::string fault_of_name(const std::string& name) {
+    if (name.empty()) return "is empty";
+    if (name.find('\0') != std::string::npos) return "is not a path: it holds a NUL";
+    const fs::path path(name);
+    const bool climbs = std::find(path.begin(), path.end(), "..") != path.end();
+    if (path.is_absolute() || climbs) return "is outside of the day file's folder";
+    if (name.find("**") != std::string::npos) return "has **, which is not read";
+    return {};
+}
+
+/// Why a name is not that of a file in the folder, or is that of one outside of it by a symbolic
+/// link; empty if all is well.
+std::string fault_of_file(const fs::path& folder, const std::string& name) {
+    try {
+        (void)Json(name).dump();  // as YAML it is written the same way
+    } catch (const Json::exception&) {
+        return "is not UTF-8, which is all that an attempt can name a file in";
+    }
+    if (const auto hidden = hidden_character(name))
+        return fmt::format("holds {}, which cannot be shown as it stands: rename the file",
+                           *hidden);
+    std::error_code error;
+    if (!fs::exists(folder / name, error)) return "does not exist";
+    const fs::path root = fs::weakly_canonical(folder, error);
+    const fs::path path = fs::weakly_canonical(folder / name, error);
+    if (std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first != root.end())
+        return "is outside of the day file's folder, by a symbolic link";
+    return {};
+}
 
 std::string quoted(const std::string& text) {
     return fmt::format("\"{}\"", plain_text(text));
@@ -218,26 +280,6 @@ class EntryReader {
 };
 
 }  // namespace
-
-ListedAttempt attempt_of_file(const fs::path& file, const std::string& source) {
-    ListedAttempt listed{
-        .attempt = {.id = id_from_name(fs::path(source).replace_extension().string()),
-                    .source = source,
-                    .file = file,
-                    .folder = folder_of(file)}};
-    DayAttempt& attempt = listed.attempt;
-    try {
-        attempt.text = read_handwritten(file);
-        const auto id = quick_id(attempt.text);
-        attempt.id = id && written_schema(attempt.text).starts_with("attempt/")
-                         ? *id
-                         : read_attempt(attempt.text, file.string()).id;
-    } catch (const Failure& failure) {
-        attempt.refused = failure;
-        listed.has_id = false;
-    }
-    return listed;
-}
 
 ListedAttempts attempts_of_day(const DayFile& day, const fs::path& file) {
     ListedAttempts all;

@@ -1,12 +1,12 @@
-#include "batch/day_results.h"
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "batch/batch_folders.h"
+#include "batch/day_run.h"
 #include "batch/run_files.h"
-#include "batch/step_reason.h"
+#include "batch/run_record.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
@@ -69,8 +69,7 @@ bool are_as_written(const fs::path& out, const FileHashes& files) {
     });
 }
 
-}  // namespace
-
+/// What became of each attempt, as runcert-day reads it.
 std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>& outcomes,
                               const fs::path& out) {
     Json list{{"day", day.name}, {"attempts", Json::array()}, {"notes", day.notes}};
@@ -78,6 +77,8 @@ std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>&
         list["attempts"].push_back(attempt_json(day.attempts[i], outcomes[i], out));
     return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
+
+}  // namespace
 
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
                       const BatchContext& context) {
@@ -97,7 +98,7 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
         are_as_written(context.out, known->second.outputs))
         return;
     for (const std::string name : day_files) {
-        const std::filesystem::path file = context.out / name;
+        const fs::path file = context.out / name;
         const auto before = known == record.steps.end() ? FileHashes() : known->second.outputs;
         if (fs::exists(fs::symlink_status(file)) &&
             !are_as_written(context.out, {{name, before.contains(name) ? before.at(name) : ""}}))
@@ -115,6 +116,20 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
         now.outputs[name] = digest_file(context.out / name).sha256;
     record.steps[results_step] = std::move(now);
     write_run_record(place, record);
+}
+
+int write_results_of(const Day& day, const std::vector<RunState>& states,
+                     const BatchContext& context, std::string_view words_before) {
+    std::vector<AttemptOutcome> outcomes;
+    for (std::size_t i = 0; i < states.size(); ++i)
+        outcomes.push_back(outcome_of(day.attempts[i], states[i],
+                                      "it was not run to its end; the same command makes it"));
+    make_day_results(day, outcomes, context);
+    const auto done =
+        static_cast<std::size_t>(std::ranges::count(outcomes, "done", &AttemptOutcome::state));
+    fmt::print("{}{} of {} attempts done; results {}\n", words_before, done, outcomes.size(),
+               (context.out / "day.html").string());
+    return done == outcomes.size() ? 0 : 2;
 }
 
 }  // namespace runcert

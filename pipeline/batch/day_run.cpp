@@ -9,7 +9,9 @@
 
 #include "batch/memory_budget.h"
 #include "batch/run_files.h"
+#include "core/failure.h"
 #include "core/text.h"
+#include "files/pattern.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -119,7 +121,53 @@ class AttemptRun {
     Progress& progress_;
 };
 
+void refuse_inner(const Folder& folder, const std::string& name) {
+    const Folder inner = folder.open(name);
+    for (const std::string& each : inner.names())
+        if (inner.kind_of(each) == EntryKind::link) (void)inner.open(each);  // which refuses it
+}
+
+/// A folder of results may come from elsewhere: its own parts must lie in it.
+void refuse_links(const Folder& folder) {
+    for (const std::string& name : folder.names())
+        if (folder.kind_of(name) == EntryKind::folder || folder.kind_of(name) == EntryKind::link)
+            refuse_inner(folder, name);
+}
+
 }  // namespace
+
+std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind kind, bool wait,
+                                   const std::stop_token& stop) {
+    const BatchFolders folders(out);
+    const Folder own = make_below(folders.out, folders.own().filename());
+    refuse_links(own);
+    const std::string lock = folders.day_lock().filename().string();
+    if (wait)
+        return FolderLock::wait_lock(own, lock, kind, stop, [](const std::string& holder) {
+            fmt::print(stderr, "waiting for another batch on this folder: {}\n", holder);
+        });
+    auto taken = FolderLock::try_lock(own, lock, kind);
+    if (!taken.lock)
+        throw Failure(out.string(), "another batch is at work on this folder: " + taken.holder,
+                      "Wait until it has ended (--wait does), or give another --out");
+    return std::move(taken.lock);
+}
+
+std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only) {
+    std::vector<bool> chosen(day.attempts.size(), only.empty());
+    for (const std::string& pattern : only) {
+        bool any = false;
+        for (std::size_t i = 0; i < chosen.size(); ++i)
+            if (matches_pattern(day.attempts[i].id, pattern)) any = chosen[i] = true;
+        if (!any)
+            throw Failure("--only",
+                          fmt::format("no attempt of the day has an id like \"{}\"",
+                                      escape_for_message(pattern)),
+                          "Ids are letters, digits, - and _; * stands for any of them. "
+                          "--status lists those that are not done");
+    }
+    return chosen;
+}
 
 AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
                           const std::string& otherwise) {

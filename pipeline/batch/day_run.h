@@ -4,12 +4,14 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "batch/batch_folders.h"
 #include "batch/day_attempts.h"
 #include "batch/progress.h"
+#include "batch/run_files.h"
 #include "batch/run_update.h"
+#include "files/folder_lock.h"
 
 namespace runcert {
 
@@ -31,6 +33,15 @@ struct AttemptOutcome {
     bool foreign_record = false;  ///< its record was not this user's
 };
 
+/// The lock of the folder of results; nothing where a stop is requested while it waits for it.
+/// Failure where another batch has it and `wait` is false.
+std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind kind, bool wait,
+                                   const std::stop_token& stop);
+
+/// Which attempts some patterns of ids choose: all where there are no patterns. Failure where one
+/// chooses none: it is mistyped.
+std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only);
+
 /// Takes away what killed programs left half written beside the run folders. Only for who holds the
 /// day's lock alone.
 void remove_half_written(const BatchFolders& folders);
@@ -47,5 +58,15 @@ std::vector<RunState> inspect_day(const Day& day, const BatchContext& context, s
 /// What the results need of a run that was looked at and not made.
 AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
                           const std::string& otherwise);
+
+/// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, where they are not
+/// already those of these outcomes. Failure where they cannot be written.
+void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
+                      const BatchContext& context);
+
+/// Writes the day's results of how its runs stand, and says how many are done, after some words.
+/// The exit status: 0 where all attempts are done, else 2.
+int write_results_of(const Day& day, const std::vector<RunState>& states,
+                     const BatchContext& context, std::string_view words_before = "");
 
 }  // namespace runcert

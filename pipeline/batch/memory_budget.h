@@ -5,6 +5,7 @@
 #include <deque>
 #include <mutex>
 #include <stop_token>
+#include <string_view>
 
 namespace runcert {
 
@@ -50,5 +51,10 @@ std::uint64_t expected_memory(std::uint64_t epochs);
 /// Four fifths of the memory that the computer has available now (bytes), by MemAvailable of
 /// /proc/meminfo; 1 GiB where that cannot be read.
 std::uint64_t available_memory();
+
+/// About how many epochs a recording of any format holds, told from its bytes without reading it:
+/// what marks an epoch in NMEA, UBX, GPX and RINEX is counted, in other texts lines, and other
+/// binary recordings take 32 bytes or more for one. Rather too many than too few.
+std::uint64_t estimated_epochs(std::string_view recording);
 
 }  // namespace runcert

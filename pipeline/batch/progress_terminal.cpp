@@ -12,10 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "batch/progress_frame.h"
-#include "batch/progress_order.h"
-#include "batch/progress_pace.h"
-#include "batch/progress_styles.h"
+#include "batch/progress_parts.h"
 #include "batch/progress_text.h"
 
 namespace runcert {

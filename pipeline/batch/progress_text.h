@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 
 #include "batch/progress.h"
 
@@ -39,5 +40,13 @@ std::string closing_text(const DaySummary& summary);
 /// Seconds as text, rounded to the last unit shown; negative ones as 0.
 /// 8.31 as "8.3 s", 754 as "12 min 34 s", 7500 as "2 h 5 min".
 std::string duration_text(double seconds);
+
+/// The columns a text takes on a terminal: two for wide characters (Chinese, Japanese, Korean,
+/// emoji), none for those that combine with the one before. The text must be plain (plain_text).
+std::size_t columns_of(std::string_view text);
+
+/// The text cut to a width, with "..." at its end where it was cut; no character is parted from
+/// those that combine with it.
+std::string fitted(std::string_view text, std::size_t columns);
 
 }  // namespace runcert

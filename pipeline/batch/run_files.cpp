@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "batch/batch_folders.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/own_name.h"

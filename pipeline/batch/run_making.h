@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "batch/batch_folders.h"
 #include "batch/run_files.h"
 #include "batch/run_update.h"
 #include "run/chain.h"
@@ -31,14 +30,14 @@ class RunMaking {
     RunState inspect();
 
   private:
-    /// run_update.cpp: which steps, and why.
+    // run_update.cpp: which steps, and why.
     StepRecord expected(const std::string& step) const;
     std::string why(const std::string& step, const StepRecord& now);
     bool keeps(const std::string& step, const StepRecord& now);
     bool is_published();
     RunState ended(const RunFailure& failure);
 
-    /// run_steps.cpp: doing them.
+    // run_making.cpp: doing them.
     void prepare();
     std::multimap<std::string, std::string> known_files() const;
     void make();
@@ -46,10 +45,9 @@ class RunMaking {
     void end(const StageDone& done, StepRecord record);
     void require_as_hashed(const std::string& step, const StepRecord& record);
 
-    /// run_signing.cpp
     std::string sign();
 
-    /// run_publishing.cpp: the way from and into the run folder.
+    // The way from and into the run folder.
     FileHashes standing_signatures() const;
     FileHashes standing_attestations() const;
     void bring_signatures();

@@ -1,16 +1,29 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "batch/programs.h"
 #include "files/held_json.h"
+#include "files/process.h"
 #include "files/record_key.h"
 
 namespace runcert {
+
+/// The programs that a step of a run rests on, by name, with the SHA-256 of each: the stage's own,
+/// and those of others that it calls; "none" for one that is not installed.
+using StepPrograms = std::map<std::string, std::string>;
+
+/// Those of every step (`steps`), from the folder of the stages and from those of the system. Each
+/// program is read once. Failure where a stage's own is missing.
+std::map<std::string, StepPrograms> programs_of_steps(const std::filesystem::path& folder);
+
+/// The SHA-256 of a program: of the file of that path or, where it holds no slash, of the first of
+/// that name in the folders of the system (`external_program_file`); "none" where there is none.
+std::string program_hash(const std::string& program);
 
 /// What a step's files were made from, and what they were.
 struct StepRecord {
@@ -57,5 +70,18 @@ RunRecord read_run_record(const RecordPlace& place);
 /// Writes a record and seals it. Atomically where files were published. Failure where it cannot be
 /// written.
 void write_run_record(const RecordPlace& place, const RunRecord& record);
+
+/// A step's program says a few lines; beyond so many bytes it says nonsense without end, and is
+/// ended before it fills the memory.
+inline constexpr std::size_t most_output_of_step = std::size_t{16} << 20;
+
+/// What a step would now be made from that it was not made from before, in words ("parameters:
+/// seed 1 -> 2"); empty where all is as it was. What was written is not looked at.
+std::string what_changed(const StepRecord& before, const StepRecord& now);
+
+/// The failure of a step whose program did not end well: its own three lines where it said them,
+/// else how it ended.
+RunFailure failure_of_program(const std::string& step, const ProcessResult& result,
+                              std::chrono::milliseconds time_limit);
 
 }  // namespace runcert

@@ -6,9 +6,9 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
+#include "batch/claim.h"
 #include "batch/run_making.h"
-#include "batch/step_reason.h"
-#include "batch/step_settings.h"
+#include "batch/run_record.h"
 #include "core/failure.h"
 #include "files/folder.h"
 #include "files/folder_lock.h"

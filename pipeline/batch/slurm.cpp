@@ -6,7 +6,6 @@
 #include <array>
 #include <cassert>
 
-#include "batch/slurm_args.h"
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/text.h"

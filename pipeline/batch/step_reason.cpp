@@ -1,5 +1,3 @@
-#include "batch/step_reason.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,6 +9,7 @@
 #include <set>
 #include <vector>
 
+#include "batch/run_record.h"
 #include "core/plain_text.h"
 #include "core/text.h"
 

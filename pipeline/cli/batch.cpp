@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "batch/memory_budget.h"
-#include "batch/slurm_args.h"
+#include "batch/slurm.h"
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/text.h"
-#include "files/pattern_list.h"
+#include "files/pattern.h"
 #include "schemas/common/role_signatures.h"
 #include "trust/signature_text.h"
 

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "batch/claim.h"
-#include "batch/step_settings.h"
 #include "chain_support.h"
 #include "schemas/common/header.h"
 

@@ -1,8 +1,8 @@
 #include <glob.h>
 
-#include "batch/file_pattern.h"
 #include "batch_day_support.h"
 #include "core/random.h"
+#include "files/pattern.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

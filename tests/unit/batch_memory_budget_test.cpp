@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include "batch/epoch_estimate.h"
 #include "batch/memory_budget.h"
 #include "core/random.h"
 #include "files/atomic_file.h"

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "batch/progress_frame.h"
-#include "batch/progress_pace.h"
+#include "batch/progress_parts.h"
 #include "batch/progress_text.h"
-#include "batch/terminal_text.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "batch/progress.h"
-#include "batch/progress_order.h"
+#include "batch/progress_parts.h"
 #include "batch_progress_support.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "batch/slurm_args.h"
-#include "batch/slurm_jobs.h"
+#include "batch/slurm.h"
 #include "files/atomic_file.h"
 #include "files_test_support.h"
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "files/atomic_file.h"
-#include "files/pattern_list.h"
+#include "files/pattern.h"
 #include "files_test_support.h"
 #include "schemas/common/role_signatures.h"
 #include "trust/roster.h"

@@ -1,4 +1,4 @@
-#include "batch/file_pattern.h"
+#include "files/pattern.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -117,6 +117,24 @@ void add_matches(const fs::path& root, const PatternMatch& so_far, std::string_v
 
 bool is_pattern(std::string_view name) {
     return name.find_first_of(wildcards) != std::string_view::npos;
+}
+
+bool matches_pattern(std::string_view text, std::string_view pattern) {
+    return match(pattern, text).has_value();
+}
+
+bool matches_pattern_list(std::string_view text, std::string_view patterns) {
+    bool matches = false;
+    while (!patterns.empty()) {
+        std::string_view pattern = patterns.substr(0, patterns.find(','));
+        patterns.remove_prefix(std::min(pattern.size() + 1, patterns.size()));
+        const bool negated = pattern.starts_with('!');
+        if (negated) pattern.remove_prefix(1);
+        if (!matches_pattern(text, pattern)) continue;
+        if (negated) return false;
+        matches = true;
+    }
+    return matches;
 }
 
 std::vector<PatternMatch> matching_files(const fs::path& folder, const std::string& pattern) {

@@ -1,12 +1,13 @@
-#include "batch/progress_frame.h"
+#include "batch/progress_parts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
+#include <utility>
 
 #include "batch/progress_text.h"
-#include "batch/terminal_text.h"
 #include "core/plain_text.h"
 
 namespace runcert {
@@ -63,6 +64,67 @@ std::string bar_line(const FrameContents& contents, std::size_t columns) {
 }
 
 }  // namespace
+
+std::string ReportOrder::say(std::size_t index, std::string_view text) {
+    assert(index >= next_);
+    if (index == next_) return std::string(text);
+    held_[index].text += text;
+    return {};
+}
+
+std::string ReportOrder::end(std::size_t index) {
+    assert(index >= next_);
+    held_[index].ended = true;
+    std::string sayable;
+    for (auto first = held_.find(next_); first != held_.end(); first = held_.find(next_)) {
+        sayable += std::exchange(first->second.text, {});
+        if (!first->second.ended) break;
+        held_.erase(first);
+        ++next_;
+    }
+    return sayable;
+}
+
+std::string ReportOrder::rest() {
+    std::string all;
+    for (auto& [index, held] : held_)
+        all += std::exchange(held.text, {});
+    return all;
+}
+
+void Pace::begins(std::size_t index, double now_s) {
+    if (!first_began_s_) first_began_s_ = now_s;
+    running_.emplace(index, now_s);
+    side_by_side_ = std::max(side_by_side_, running_.size());
+}
+
+void Pace::ends(std::size_t index, bool ran, double now_s) {
+    const auto found = running_.find(index);
+    if (found == running_.end()) return;
+    if (ran) {
+        ++ran_;
+        ran_for_s_ += now_s - found->second;
+    }
+    running_.erase(found);
+}
+
+std::optional<double> Pace::runs_per_minute(double now_s) const {
+    if (ran_ == 0 || now_s <= *first_began_s_) return std::nullopt;
+    return 60.0 * static_cast<double>(ran_) / (now_s - *first_began_s_);
+}
+
+std::optional<double> Pace::seconds_left(std::size_t waiting, double now_s) const {
+    if (ran_ == 0) return std::nullopt;
+    const double each_s = ran_for_s_ / static_cast<double>(ran_);
+    double work_s = each_s * static_cast<double>(waiting);
+    double longest_s = 0.0;
+    for (const auto& [index, began_s] : running_) {
+        const double left_s = std::max(each_s - (now_s - began_s), 0.0);
+        work_s += left_s;
+        longest_s = std::max(longest_s, left_s);
+    }
+    return std::max(work_s / static_cast<double>(side_by_side_), longest_s);
+}
 
 std::vector<std::string> frame_lines(const FrameContents& contents, const TerminalSize& size) {
     const std::size_t columns = std::min(std::max<std::size_t>(size.columns, 2) - 1, widest);

@@ -38,6 +38,58 @@ void require_other_folder(const fs::path& folder, const fs::path& out) {
                       "Name another folder with --out");
 }
 
+constexpr std::size_t longest_id = 64;
+
+/// The sources of the others, "heats/b.yaml and day.yaml:14", not more than three.
+std::string others(const std::vector<DayAttempt*>& alike, const DayAttempt* one) {
+    constexpr std::size_t most = 3;
+    std::vector<std::string> sources;
+    for (const DayAttempt* other : alike)
+        if (other != one && sources.size() < most)
+            sources.push_back(other->source +
+                              (other->id == one->id ? "" : " (as \"" + other->id + "\")"));
+    if (alike.size() - 1 > most) sources.push_back(fmt::format("{} more", alike.size() - 1 - most));
+    return listed(sources);
+}
+
+void refuse_alike(const std::vector<DayAttempt*>& alike) {
+    for (DayAttempt* attempt : alike) {
+        const bool same = std::all_of(alike.begin(), alike.end(), [&](const DayAttempt* other) {
+            return other->id == attempt->id;
+        });
+        attempt->refused.emplace(
+            attempt->source,
+            fmt::format("the id \"{}\" is that of {} too{}", attempt->id, others(alike, attempt),
+                        same ? "" : ", but for the case of letters, which not every disk knows"),
+            "Give each attempt an id of its own: it names the run folder");
+    }
+}
+
+/// Refuses attempts that share an id, or whose ids differ in the case of letters alone, each naming
+/// the others: which of them is meant nobody can know. Changes labels that are already taken.
+std::vector<DayAttempt> with_own_ids(std::vector<ListedAttempt> listed_attempts) {
+    std::map<std::string, std::vector<DayAttempt*>> by_id;
+    for (ListedAttempt& each : listed_attempts)
+        if (each.has_id) by_id[lower_case(each.attempt.id)].push_back(&each.attempt);
+    for (const auto& [id, alike] : by_id)
+        if (alike.size() > 1) refuse_alike(alike);
+
+    std::set<std::string> taken;
+    for (const auto& [id, alike] : by_id)
+        taken.insert(id);
+    std::vector<DayAttempt> attempts;
+    for (ListedAttempt& each : listed_attempts) {
+        DayAttempt& attempt = each.attempt;
+        const std::string label = attempt.id;
+        for (int n = 2; !each.has_id && !taken.insert(lower_case(attempt.id)).second; ++n) {
+            const std::string number = fmt::format("-{}", n);
+            attempt.id = label.substr(0, longest_id - number.size()) + number;
+        }
+        attempts.push_back(std::move(attempt));
+    }
+    return attempts;
+}
+
 Day listed_day(std::string name, ListedAttempts listed) {
     return {.name = std::move(name),
             .attempts = with_own_ids(std::move(listed.attempts)),
@@ -113,33 +165,6 @@ Day day_of_files(const Paths& given) {
     return listed_day(one_folder ? name_of_folder(folder) : "day", std::move(listed));
 }
 
-constexpr std::size_t longest_id = 64;
-
-/// The sources of the others, "heats/b.yaml and day.yaml:14", not more than three.
-std::string others(const std::vector<DayAttempt*>& alike, const DayAttempt* one) {
-    constexpr std::size_t most = 3;
-    std::vector<std::string> sources;
-    for (const DayAttempt* other : alike)
-        if (other != one && sources.size() < most)
-            sources.push_back(other->source +
-                              (other->id == one->id ? "" : " (as \"" + other->id + "\")"));
-    if (alike.size() - 1 > most) sources.push_back(fmt::format("{} more", alike.size() - 1 - most));
-    return listed(sources);
-}
-
-void refuse_alike(const std::vector<DayAttempt*>& alike) {
-    for (DayAttempt* attempt : alike) {
-        const bool same = std::all_of(alike.begin(), alike.end(), [&](const DayAttempt* other) {
-            return other->id == attempt->id;
-        });
-        attempt->refused.emplace(
-            attempt->source,
-            fmt::format("the id \"{}\" is that of {} too{}", attempt->id, others(alike, attempt),
-                        same ? "" : ", but for the case of letters, which not every disk knows"),
-            "Give each attempt an id of its own: it names the run folder");
-    }
-}
-
 }  // namespace
 
 Day read_day(const std::vector<fs::path>& given, const fs::path& out) {
@@ -165,29 +190,6 @@ std::string id_from_name(std::string_view name) {
         if (id.size() < longest_id && !(id.empty() && (!kept || c == '-'))) id += kept ? c : '-';
     }
     return id.empty() ? "run" : id;
-}
-
-std::vector<DayAttempt> with_own_ids(std::vector<ListedAttempt> listed_attempts) {
-    std::map<std::string, std::vector<DayAttempt*>> by_id;
-    for (ListedAttempt& each : listed_attempts)
-        if (each.has_id) by_id[lower_case(each.attempt.id)].push_back(&each.attempt);
-    for (const auto& [id, alike] : by_id)
-        if (alike.size() > 1) refuse_alike(alike);
-
-    std::set<std::string> taken;
-    for (const auto& [id, alike] : by_id)
-        taken.insert(id);
-    std::vector<DayAttempt> attempts;
-    for (ListedAttempt& each : listed_attempts) {
-        DayAttempt& attempt = each.attempt;
-        const std::string label = attempt.id;
-        for (int n = 2; !each.has_id && !taken.insert(lower_case(attempt.id)).second; ++n) {
-            const std::string number = fmt::format("-{}", n);
-            attempt.id = label.substr(0, longest_id - number.size()) + number;
-        }
-        attempts.push_back(std::move(attempt));
-    }
-    return attempts;
 }
 
 }  // namespace runcert

@@ -38,10 +38,6 @@ struct ListedAttempt {
     bool has_id = true;  ///< its id was read or made; else it is a label
 };
 
-/// Refuses attempts that share an id, or whose ids differ in the case of letters alone, each naming
-/// the others: which of them is meant nobody can know. Changes labels that are already taken.
-std::vector<DayAttempt> with_own_ids(std::vector<ListedAttempt> attempts);
-
 /// An attempt that has a file of its own; the whole of it is read and checked only where its id
 /// does not stand on a line of its own. Refused where it cannot be read.
 ListedAttempt attempt_of_file(const std::filesystem::path& file, const std::string& source);

@@ -12,7 +12,7 @@
 #include "files/process.h"
 #include "files/sha256.h"
 #include "schemas/common/product_files.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 
 namespace runcert {
 namespace {

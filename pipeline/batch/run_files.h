@@ -16,7 +16,6 @@ struct BatchFolders {
     std::filesystem::path out;  ///< the day's results
 
     std::filesystem::path own() const { return out / ".runcert"; }
-    std::filesystem::path run(const std::string& id) const { return out / id; }
     /// What the steps of a run were made from.
     std::filesystem::path record(const std::string& id) const {
         return own() / "records" / (id + ".json");

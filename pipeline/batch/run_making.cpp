@@ -10,12 +10,11 @@
 #include "files/sha256.h"
 #include "run/run_times.h"
 #include "run/staging_folder.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 #include "trust/bundle.h"
-#include "trust/signable.h"
+#include "trust/signature.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
-#include "trust/trusted_comment.h"
 
 namespace runcert {
 namespace {

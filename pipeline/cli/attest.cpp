@@ -20,11 +20,10 @@
 #include "recompute.h"
 #include "render_pages.h"
 #include "run/run_lock.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 #include "trust/roster.h"
-#include "trust/signable.h"
 #include "trust/signing.h"
-#include "trust/ssh_key.h"
+#include "trust/ssh_signature.h"
 
 namespace runcert {
 namespace {

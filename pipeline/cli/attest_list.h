@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "trust/attestation_judgement.h"
+#include "trust/run_standing.h"
 
 namespace runcert {
 

@@ -10,7 +10,6 @@
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "run/run_lock.h"
-#include "trust/bundle_limits.h"
 
 namespace runcert {
 namespace {

@@ -8,7 +8,6 @@
 #include "render_pages.h"
 #include "run/run_lock.h"
 #include "trust/roster.h"
-#include "trust/signable.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
 

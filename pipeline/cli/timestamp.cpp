@@ -8,9 +8,9 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "run/run_lock.h"
-#include "trust/report_facts.h"
 #include "trust/signature_files.h"
 #include "trust/time_stamp.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {

@@ -13,7 +13,6 @@
 #include "recompute.h"
 #include "render_pages.h"
 #include "trust/bundle.h"
-#include "trust/bundle_limits.h"
 #include "trust/roster.h"
 #include "trust/verification.h"
 #include "verification_text.h"

@@ -15,6 +15,19 @@ std::string base64(std::string_view bytes) {
     return text;
 }
 
+std::optional<std::string> decode_base64(std::string_view text) {
+    std::string bytes(text.size(), '\0');
+    std::size_t decoded = 0;
+    const char* end = nullptr;
+    if (sodium_base642bin(reinterpret_cast<unsigned char*>(bytes.data()), bytes.size(), text.data(),
+                          text.size(), nullptr, &decoded, &end,
+                          sodium_base64_VARIANT_ORIGINAL) != 0 ||
+        end != text.data() + text.size())
+        return std::nullopt;
+    bytes.resize(decoded);
+    return bytes;
+}
+
 std::string base64_of_hex(std::string_view digits) {
     std::string bytes(digits.size() / 2, '\0');
     std::size_t count = 0;

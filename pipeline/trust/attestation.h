@@ -1,22 +1,51 @@
 #pragma once
 
+#include <array>
+#include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
-/// What an official signs for: answers to requirements of a report, or that it was recomputed. The
-/// payload of an envelope, an in-toto statement (https://in-toto.io/Statement/v1) whose subject is
-/// report.json.
+#include "files/folder.h"
+#include "trust/signature.h"
+
+// What an official signs for: answers to requirements of a report, or that it was recomputed. It is
+// an in-toto statement (https://in-toto.io/Statement/v1) whose subject is report.json, signed in a
+// DSSE envelope (https://github.com/secure-systems-lab/dsse/blob/master/protocol.md).
+
 namespace runcert {
 
-/// Types of what is said of the report: answers, and a board's "recomputed and agreed", which is
-/// in-toto's simple verification result.
-inline constexpr std::string_view answers_type = "urn:runcert:attestation:1.0";
-inline constexpr std::string_view recomputed_type = "https://in-toto.io/attestation/svr/v0.2";
+/// The type of an in-toto statement, as an attestation and a report are.
+inline constexpr std::string_view statement_type = "https://in-toto.io/Statement/v1";
 
-/// "yes", "no", and "withdrawn": the signer's earlier answers, of the envelopes that lay there, are
-/// taken back.
+/// The type of the payload of every envelope here.
+inline constexpr std::string_view statement_payload_type = "application/vnd.in-toto+json";
+
+/// The bytes that an envelope's signature is of (PAE): "DSSEv1 LEN(type) type LEN(payload)
+/// payload", lengths in bytes.
+std::string dsse_bytes(std::string_view payload_type, std::string_view payload);
+
+/// An envelope taken apart. Nothing of it is checked.
+struct Envelope {
+    std::string payload{};
+    std::array<unsigned char, 64> signature{};  ///< Ed25519
+    std::string key_id{};                       ///< a claim
+};
+
+/// The text of the envelope of a statement, signed: one line of JSON.
+std::string sign_envelope(std::string_view payload, const SecretKey& key);
+
+/// Reads an envelope. Failure where it is anything but what sign_envelope writes for its payload,
+/// signature and key id, byte for byte: no change of it goes unseen.
+Envelope read_envelope(std::string_view text, const std::string& where);
+
+/// Whether the key signed the payload, as a statement.
+bool envelope_holds(const Envelope& envelope, const PublicKey& key);
+
+/// "withdrawn" takes back the signer's earlier answers to the clause, in the envelopes that lay
+/// there.
 inline constexpr std::string_view answer_yes = "yes";
 inline constexpr std::string_view answer_no = "no";
 inline constexpr std::string_view answer_withdrawn = "withdrawn";
@@ -65,8 +94,45 @@ std::string statement_text(const Attestation& attestation);
 /// it holds nothing that is not read, and an answer is one of the three.
 Attestation read_statement(std::string_view payload, const std::string& where);
 
-/// What names a statement: the SHA-256 of its payload. That of the envelope would not do, since
+/// The id of a statement: the SHA-256 of its payload. That of the envelope would not do, since
 /// anyone can wrap the same signed payload in other bytes.
 std::string attestation_id(std::string_view payload);
+
+/// The folder of a run's attestations: envelopes, each named after its statement, and the files
+/// that they name as evidence.
+inline constexpr const char* attestations_folder = "attestations";
+
+/// "answer-0123456789abcdef.json", by the id of the statement in it.
+std::string envelope_name(std::string_view id);
+
+/// "evidence-0123456789abcdef-NAME", by hash and name.
+std::string evidence_name(const EvidenceFile& file);
+
+/// An envelope as it lies there.
+struct EnvelopeFile {
+    std::string name{};  ///< in the folder
+    std::string text{};
+};
+
+/// The id of the statement in it. Failure where it is no envelope.
+std::string envelope_id(const EnvelopeFile& file);
+
+/// All envelopes of a run, by name; none where there is no folder. Failure where there are more
+/// than can be looked at, and where one is too long to be one.
+std::vector<EnvelopeFile> envelope_files(const std::filesystem::path& run_dir);
+
+/// The files in the folder that belong there, from the run folder on: envelopes, and the evidence
+/// that one of them names.
+std::set<std::string> attestation_names(const std::filesystem::path& run_dir);
+
+/// Signs an attestation and writes it with its evidence, whose bytes are given in the order in
+/// which it names them, the sheet last. Returns the name of the envelope, from the run folder on.
+/// The caller holds the run's lock. A kill leaves evidence that no envelope names, or everything.
+std::string write_attestation(const std::filesystem::path& run_dir, const Attestation& attestation,
+                              const std::vector<std::string>& evidence, const SecretKey& key);
+
+/// Brings the attestations of a run into the one that takes its place: into its attestations where
+/// the report is the same, else into its superseded/.
+void carry_attestations(const Folder& run, const Folder& made, bool report_unchanged);
 
 }  // namespace runcert

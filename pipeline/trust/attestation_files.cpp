@@ -1,5 +1,3 @@
-#include "trust/attestation_files.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,7 +5,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "trust/envelope.h"
+#include "trust/attestation.h"
 #include "trust/signature_files.h"
 
 namespace runcert {

@@ -1,5 +1,3 @@
-#include "trust/attestation_judgement.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,9 +14,9 @@
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "schemas/profile/profile.h"
-#include "trust/attestation_files.h"
-#include "trust/envelope.h"
-#include "trust/signature_judgement.h"
+#include "trust/attestation.h"
+#include "trust/run_standing.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {

@@ -11,10 +11,7 @@
 #include "files/archive.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
-#include "trust/attestation_files.h"
-#include "trust/bundle_limits.h"
-#include "trust/bundle_text.h"
-#include "trust/report_facts.h"
+#include "trust/attestation.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signature_files.h"
@@ -25,26 +22,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* bundle_text_file = "VERIFY.txt";
 constexpr const char* timing_file = "run.yaml";
 
-struct BundledReport {
-    std::string attempt;
-    std::string report_id;
-    std::set<std::string> subjects = {};
-};
-
-BundledReport bundled_report(const fs::path& run_dir) {
-    const fs::path file = run_dir / "report.json";
-    const ReportFacts report = read_report_facts(run_dir);
-    BundledReport facts{.attempt = report.attempt_id, .report_id = report.report_id};
-    for (const auto& [name, sha256] : report.subjects)
-        facts.subjects.insert(name);
-    if (!is_plain_name(facts.attempt) || facts.attempt.find('/') != std::string::npos)
-        throw Failure(file.string(),
+/// The facts of a run's report, whose attempt can name the folder in a bundle.
+ReportFacts bundled_report(const fs::path& run_dir) {
+    ReportFacts report = read_report_facts(run_dir);
+    const std::string& attempt = report.attempt_id;
+    if (!is_plain_name(attempt) || attempt.find('/') != std::string::npos)
+        throw Failure((run_dir / "report.json").string(),
                       fmt::format("the attempt's id \"{}\" cannot be the name of a folder",
-                                  escape_for_message(facts.attempt)),
+                                  escape_for_message(attempt)),
                       "Certify again under an id that begins with a letter or digit");
-    return facts;
+    return report;
 }
 
 bool is_written_beside_the_report(const std::string& name) {
@@ -70,7 +60,7 @@ struct FolderContents {
     std::vector<std::string> leftovers = {};
 };
 
-FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>& subjects) {
+FolderContents contents_of(const fs::path& run_dir, const ReportFacts& report) {
     FolderContents contents;
     const std::set<std::string> attestations = attestation_names(run_dir);
     for (auto entry = fs::recursive_directory_iterator(run_dir);
@@ -88,7 +78,7 @@ FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>&
             contents.unknown.push_back(name);
             entry.disable_recursion_pending();
         } else if (type == fs::file_type::regular &&
-                   (subjects.contains(name) || is_written_beside_the_report(name) ||
+                   (report.subjects.contains(name) || is_written_beside_the_report(name) ||
                     is_bundled_key(name) || attestations.contains(name))) {
             contents.known.push_back(name);
         } else {
@@ -107,14 +97,15 @@ std::string listed(const std::vector<std::string>& names) {
     return text;
 }
 
-void require_whole(const fs::path& run_dir, const FolderContents& contents) {
+void require_whole(const fs::path& run_dir, const ReportFacts& report,
+                   const FolderContents& contents) {
     if (!contents.unknown.empty())
         throw Failure(run_dir.string(),
                       fmt::format("the folder holds what is no part of the run: {}",
                                   listed(contents.unknown)),
                       "Move it out of the folder. What belongs to the attempt (a recording, wind) "
                       "is named in the attempt and certified again");
-    VerificationStep files = verify_files(run_dir, read_report_facts(run_dir));
+    VerificationStep files = verify_files(run_dir, report);
     // These stay behind.
     std::erase_if(files.details,
                   [](const std::string& detail) { return detail.starts_with(program_leftover); });
@@ -173,7 +164,7 @@ std::map<std::string, std::string> given_keys(const BundleInput& input) {
 }
 
 /// What goes into a bundle, by name, without SHA256SUMS.
-std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const BundledReport& facts,
+std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const ReportFacts& report,
                                                const FolderContents& contents) {
     static const std::set<std::string> made_anew{timing_file, bundle_sums_file, bundle_text_file};
     std::map<std::string, PackedFile> files;
@@ -184,10 +175,10 @@ std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const B
     std::vector<std::string> names;
     for (const auto& [name, file] : files)
         names.push_back(name);
-    files[bundle_text_file] = {
-        .name = bundle_text_file,
-        .text = bundle_text(
-            {.attempt = facts.attempt, .report_id = facts.report_id, .files = std::move(names)})};
+    files[bundle_text_file] = {.name = bundle_text_file,
+                               .text = bundle_text({.attempt = report.attempt_id,
+                                                    .report_id = report.report_id,
+                                                    .files = std::move(names)})};
     return files;
 }
 
@@ -209,7 +200,7 @@ UnpackedBundle unpack_bytes(std::string_view bytes, const std::string& where) {
 }  // namespace
 
 std::vector<std::string> unknown_files(const std::filesystem::path& run_dir) {
-    return contents_of(run_dir, bundled_report(run_dir).subjects).unknown;
+    return contents_of(run_dir, bundled_report(run_dir)).unknown;
 }
 
 Bundle make_bundle(const BundleInput& input) {
@@ -217,21 +208,22 @@ Bundle make_bundle(const BundleInput& input) {
         throw Failure(input.run_dir.string(), "there is no such run folder",
                       "Name a folder that `runcert certify` wrote");
     require_within_limits(input.run_dir);
-    const BundledReport facts = bundled_report(input.run_dir);
-    const FolderContents contents = contents_of(input.run_dir, facts.subjects);
-    require_whole(input.run_dir, contents);
+    const ReportFacts report = bundled_report(input.run_dir);
+    const FolderContents contents = contents_of(input.run_dir, report);
+    require_whole(input.run_dir, report, contents);
     std::string sums;
     std::uint64_t unpacked = 0;
     std::vector<PackedFile> packed;
-    for (auto& [name, file] : chosen_files(input, facts, contents)) {
+    for (auto& [name, file] : chosen_files(input, report, contents)) {
         sums += sums_line(
             file.source.empty() ? sha256_hex(file.text) : digest_file(file.source).sha256, name);
         unpacked += file.source.empty() ? file.text.size() : fs::file_size(file.source);
         packed.push_back(file);
-        packed.back().name = facts.attempt + "/" + name;
+        packed.back().name = report.attempt_id + "/" + name;
     }
-    packed.push_back({.name = fmt::format("{}/{}", facts.attempt, bundle_sums_file), .text = sums});
-    Bundle bundle{.attempt = facts.attempt,
+    packed.push_back(
+        {.name = fmt::format("{}/{}", report.attempt_id, bundle_sums_file), .text = sums});
+    Bundle bundle{.attempt = report.attempt_id,
                   .bytes = pack_tar_zst(packed),
                   .files = packed.size(),
                   .left_out = contents.leftovers};

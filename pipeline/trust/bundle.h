@@ -1,23 +1,25 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "files/archive.h"
 #include "files/process.h"
 
 namespace runcert {
 
 /// The files that a bundle has beside those of its run folder.
 inline constexpr const char* bundle_sums_file = "SHA256SUMS";
-inline constexpr const char* bundle_text_file = "VERIFY.txt";
 inline constexpr const char* bundle_keys_folder = "keys";
 inline constexpr const char* bundle_roster_file = "keys/roster";
 inline constexpr const char* bundle_tsa_file = "keys/tsa-ca.pem";
 
-/// What begins the names of what programs make for a while. None belongs in a whole run.
+/// What the names of temporary files and folders of programs begin with. None belongs in a run.
 inline constexpr std::string_view program_leftover = ".runcert-";
 
 /// What goes into a bundle.
@@ -36,19 +38,29 @@ struct Bundle {
     std::vector<std::string> left_out = {};  ///< names in the run folder that are not in it
 };
 
-/// In what a bundle is otherwise than `make_bundle` writes one of what it holds, in words; nothing
-/// where it is not: its bytes, or with another version of libzstd those of the tar inside.
+/// How a bundle differs from the one that `make_bundle` makes of what it holds, in words; nothing
+/// where its bytes do not or, with another version of libzstd, those of the tar inside do not.
 std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file,
                                                const std::filesystem::path& unpacked_run_dir);
 
 /// The run folder, the keys, VERIFY.txt and SHA256SUMS as a .tar.zst: the same bytes for the same
 /// files, whatever their order, times and owners. run.yaml (clock and durations, on which nothing
-/// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out; of a folder
-/// that is a bundle unpacked, the keys in it are kept.
+/// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out. The keys of
+/// an unpacked bundle are kept.
 ///
 /// Failure where the folder is over the limits (`require_within_limits`), is not whole
 /// (`verify_files`, `check_sums`), holds unknown files, or a key is no public key.
 Bundle make_bundle(const BundleInput& input);
+
+/// What VERIFY.txt says of one bundle.
+struct BundleFacts {
+    std::string attempt;
+    std::string report_id;
+    std::vector<std::string> files;  ///< in the bundle, sorted, without VERIFY.txt and SHA256SUMS
+};
+
+/// VERIFY.txt: how a stranger checks the bundle, with runcert and without.
+std::string bundle_text(const BundleFacts& facts);
 
 /// Files and folders in a run folder that neither its report names nor this program writes, sorted.
 std::vector<std::string> unknown_files(const std::filesystem::path& run_dir);
@@ -76,5 +88,26 @@ struct UnpackedBundle {
 /// Unpacks a bundle as `unpack_tar_zst` does, within `bundle_limits`. Failure also where it does
 /// not hold exactly one folder with a report.json in it.
 UnpackedBundle unpack_bundle(const std::filesystem::path& file);
+
+// How much a run may hold to be bundled and verified: far more than any that is certified, far less
+// than fills a disk.
+
+inline constexpr std::uint64_t longest_pdf = std::uint64_t{32} << 20;  ///< bytes
+
+/// Failure where a PDF is longer than `longest_pdf`, and must be given to no program.
+void require_readable_pdf(const std::filesystem::path& pdf);
+
+/// The most bytes that a file of a run folder or bundle may have, by its name there.
+std::uint64_t most_bytes_of(std::string_view name);
+
+/// What a bundle of so many bytes may unpack to.
+UnpackLimits bundle_limits(std::uint64_t bundle_bytes);
+
+/// Failure where a file of a run folder, or all of them together, exceed the limits, by the sizes
+/// that the file system states, before any is read. Links are not followed.
+void require_within_limits(const std::filesystem::path& run_dir);
+
+/// The limits in words, for the help of commands; lines of at most 100 characters.
+std::string bundle_limits_words();
 
 }  // namespace runcert

@@ -1,5 +1,3 @@
-#include "trust/bundle_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,5 +1,3 @@
-#include "trust/report_facts.h"
-
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -11,8 +9,10 @@
 #include "files/atomic_file.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
-#include "trust/bundle_limits.h"
+#include "trust/attestation.h"
+#include "trust/bundle.h"
 #include "trust/roster.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {
@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::size_t most_subjects = 10'000;
-constexpr std::string_view statement_type = "https://in-toto.io/Statement/v1";
 constexpr std::string_view predicate_prefix = "urn:runcert:measurement-report:";
 
 const char* const take_original = "The file was changed or cut off; take the original";

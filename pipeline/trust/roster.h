@@ -8,7 +8,7 @@
 #include "files/utc_second.h"
 #include "schemas/common/role_signatures.h"
 #include "trust/signature.h"
-#include "trust/ssh_key.h"
+#include "trust/ssh_signature.h"
 
 /// Whose signature counts: keys, the roles they may sign in, and when they are valid, in the form
 /// of OpenSSH's allowed signers (ssh-keygen(1), ALLOWED SIGNERS). The principals are roles.

@@ -1,18 +1,73 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "reports/words/outcome.h"
-#include "trust/attestation_judgement.h"
+#include "schemas/common/role_signatures.h"
+#include "trust/attestation.h"
+#include "trust/verification.h"
+
+// Who answered what of a report, and which of it counts.
 
 namespace runcert {
 
-/// What became of a requirement that somebody must answer for.
+/// A requirement that somebody must answer for, as report.json has it.
+struct DueClause {
+    std::string profile{};
+    std::string clause{};
+    std::string text{};
+    std::string shown{};  ///< its evidence and figures, in one line
+    RoleSignatures answered_by{};
+};
+
+/// All requirements of a report to be attested, in its order. Failure where its requirements cannot
+/// be read.
+std::vector<DueClause> due_clauses(const ReportFacts& report);
+
+/// One answer of one envelope; "recomputed and agreed" has no clause.
+struct GivenAnswer {
+    std::string file{};  ///< the envelope, from the run folder on
+    std::string profile{};
+    std::string clause{};
+    std::string answer{};
+    std::string role{};
+    std::string who{};  ///< as the roster calls the key's holder
+    std::string key{};  ///< "TYPE BASE64"
+    std::string time{};
+    std::string statement{};
+    std::vector<std::string> evidence{};  ///< names, as their owner called them
+    bool on_paper = false;
+    bool counts = false;
+    bool vouched = false;  ///< counts by a roster; else nobody says whose key it is
+    std::string reason{};  ///< why it does not count
+};
+
+/// "yes by judge (Jane Roe), 2026-11-26T20:12:03Z; evidence: scan.pdf": an answer, without its
+/// clause.
+std::string answer_words(const GivenAnswer& answer);
+
+struct Attestations {
+    std::size_t envelopes = 0;
+    std::vector<GivenAnswer> answers{};         ///< by time, as their signers state it
+    std::vector<GivenAnswer> recomputations{};  ///< the same
+    std::vector<std::string> faults{};          ///< what is not as it was signed, a line each
+};
+
+/// Reads and judges all attestations of a run. A fault is an envelope that does not hold, is of
+/// another report, or whose evidence, or whose earlier neighbours, are not there as they were.
+/// An answer that holds counts where its role is the clause's, its key the roster's for that role
+/// (without a roster: any), it answers what is due, and its signer did not take it back; beside a
+/// fault none does. Failure where the report's requirements cannot be read.
+Attestations judge_attestations(const std::filesystem::path& run_dir, const ReportFacts& report,
+                                const SignatureRules& rules);
+
+/// How a requirement stands that somebody must answer for.
 struct ClauseStanding {
     DueClause due{};
-    std::vector<GivenAnswer> answers{};  ///< all that were given, those that do not count too
+    std::vector<GivenAnswer> answers{};  ///< all, also those that do not count
     std::int64_t missing = 0;            ///< yes answers, each by another key
     bool refused = false;                ///< there is a no that counts
     bool contradicted = false;           ///< there are both
@@ -38,7 +93,7 @@ struct RunStanding {
     std::string roster_sha256{};  ///< of the roster that vouches for keys; empty without one
 };
 
-/// With the signatures as they were judged by the same rules. A rule's standing is complete where
+/// `signers` are the signatures as judged by the same rules. A rule's standing is complete where
 /// each of its requirements to be attested was answered yes, as often as it asks, by different keys
 /// of the roster in the role that it names, and nobody there answered no; and all signatures that
 /// the report needs, one where it names none, stand by keys of that roster. Failure where the
@@ -46,14 +101,14 @@ struct RunStanding {
 RunStanding run_standing(const ReportFacts& report, const Attestations& attestations,
                          const std::vector<Signer>& signers, const SignatureRules& rules);
 
-/// The same of a run folder as its pages state it: by no clock, since a page must come out the same
-/// whenever it is made. Keys are judged as of the latest time that a signer states.
+/// The standing that a run's pages state. It depends on no clock, since a page must come out the
+/// same whenever it is made: keys are judged as of the latest time that a signer states.
 RunStanding stated_standing(const std::filesystem::path& run_dir, const ReportFacts& report,
                             std::optional<Roster> roster);
 
 /// Whether every attestation in the folder is one of this report, as it was signed, with its
-/// evidence, and with the earlier ones that it names. Who answered what is said, what is open too;
-/// what is open, or answered no, or does not count is no fault of the folder: the standing says it.
+/// evidence and the earlier ones that it names. The details say who answered what and what is open;
+/// what is open, answered no or does not count is no fault of the folder.
 struct AttestationLayer {
     VerificationStep step{};
     std::optional<RunStanding> standing{};  ///< nothing where the report cannot be read for it

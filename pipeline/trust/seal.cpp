@@ -7,9 +7,8 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
-#include "trust/bundle_limits.h"
-#include "trust/page_comparison.h"
-#include "trust/ssh_key.h"
+#include "trust/bundle.h"
+#include "trust/ssh_signature.h"
 
 namespace runcert {
 namespace {
@@ -18,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* room_for_signature = "16384";  // PoDoFo's own guess is too small for ECDSA
 constexpr std::size_t longest_reason = 200;
-constexpr int exit_no_signature = 2;  // of pdfsig
+constexpr unsigned least_curve_bits = 256;
 constexpr const char* render_pdf =
     "Render again: `runcert-report --render-only --run-dir RUN_DIR --attempt RUN_DIR/attempt.yaml`";
 
@@ -127,29 +126,6 @@ void require_sealable(const fs::path& pdf, const std::string& report) {
 }
 
 }  // namespace
-
-SealCheck check_seal(const std::filesystem::path& pdf) {
-    require_readable_pdf(pdf);
-    const FileView view(pdf);
-    if (!view.bytes().starts_with("%PDF-"))
-        throw Failure(pdf.string(), "this is not a PDF", "Render the report again");
-    const fs::path input = external_input(pdf);
-    const ExternalCall call{.command = {"pdfsig", "-nocert", "-no-ocsp", input.string()},
-                            .inputs = {input},
-                            .limits = reading_pdf};
-    const ProcessResult result = run_external(call);
-    // The file's own name stands in the words: the last component of its path is no choice of
-    // whoever made the PDF.
-    if (result.exit_status == exit_no_signature &&
-        result.output.ends_with("does not contain any signatures\n"))
-        return {.words = "the PDF carries no seal"};
-    if (result.exit_status != 0 && result.output.empty())
-        throw Failure(
-            pdf.string(),
-            fmt::format("pdfsig cannot read this PDF: {}", external_problem(call, result)),
-            "Render the report again");
-    return seal_from_words(result.output, view.bytes().size());
-}
 
 SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesystem::path& key,
                       const std::filesystem::path& certificate, const std::string& reason) {

@@ -2,15 +2,17 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace runcert {
 
 /// What poppler's `pdfsig` says of a PDF's signature.
 struct SealCheck {
     bool present = false;         ///< whether there is a signature at all
-    bool valid = false;           ///< whether it is one, and its mathematics hold
+    bool valid = false;           ///< whether there is one, and its mathematics hold
     bool whole_document = false;  ///< whether it covers every byte of the file
     std::string signer = {};      ///< common name in its certificate: a claim
     std::string type = {};        ///< the PDF's SubFilter: "adbe.pkcs7.detached", ...
@@ -25,10 +27,22 @@ struct SealCheck {
 /// `pdfsig` (package poppler-utils) is missing.
 SealCheck check_seal(const std::filesystem::path& pdf);
 
-/// The same from the words of `pdfsig -nocert` (22.12) on a file of that many bytes. Its exit
-/// status is 0 for a broken signature too, so the words decide; names in them come from the file,
-/// so that lines that are missing, repeated, unknown or out of order make it not valid.
+/// The same from the output of `pdfsig -nocert` (22.12) on a file of that many bytes. Its exit
+/// status is 0 for a broken signature too, so the words decide. Names in them come from the file:
+/// a line that is missing, repeated, unknown or out of order makes the seal not valid.
 SealCheck seal_from_words(std::string_view output, std::uint64_t file_bytes);
+
+/// What a program of poppler (package poppler-utils) says of a PDF, whose name stands behind the
+/// words of the command and before `more`; what it writes goes into `folder`. Failure where it
+/// cannot read the PDF, or is missing.
+std::string poppler(std::vector<std::string> command, const std::filesystem::path& pdf,
+                    const std::vector<std::string>& more = {},
+                    const std::filesystem::path& folder = {});
+
+/// Why a PDF does not carry this report.json and no other file, in words; nothing where it does.
+/// Failures as of `poppler`.
+std::optional<std::string> fault_of_attachment(const std::filesystem::path& pdf,
+                                               const std::string& report_text);
 
 /// Signs RUN_DIR/report.pdf with PoDoFo's `podofosign` (package libpodofo-utils), checks the
 /// result, and only then replaces the PDF. `reason` is put into the signature, visible to readers.

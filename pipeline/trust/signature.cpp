@@ -4,6 +4,8 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <array>
+#include <set>
 #include <utility>
 
 #include "core/failure.h"
@@ -11,6 +13,44 @@
 #include "trust/signature_text.h"
 
 namespace runcert {
+namespace signature_text {
+
+void start_libsodium() {
+    // A negative status means that the system has no random source.
+    if (sodium_init() < 0)
+        throw Failure("libsodium", "cannot start the cryptographic library",
+                      "Check that the system has a random source (/dev/urandom)");
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+    std::vector<std::string_view> lines;
+    while (!text.empty()) {
+        const std::size_t end = text.find('\n');
+        std::string_view line = text.substr(0, end);
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        lines.push_back(line);
+        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    }
+    while (!lines.empty() && lines.back().empty())
+        lines.pop_back();
+    return lines;
+}
+
+std::string bytes_of_base64(std::string_view line, std::size_t count, const std::string& what,
+                            const std::string& where) {
+    const std::string remedy = "Use the file as it was made, whole and unchanged";
+    auto bytes = decode_base64(line);
+    if (!bytes) throw Failure(where, "the line of " + what + " is not base64", remedy);
+    if (bytes->size() != count)
+        throw Failure(where,
+                      "the line of " + what + " holds " + std::to_string(bytes->size()) +
+                          " bytes where " + std::to_string(count) + " are expected",
+                      remedy);
+    return std::move(*bytes);
+}
+
+}  // namespace signature_text
+
 namespace {
 
 using namespace signature_text;
@@ -23,7 +63,7 @@ constexpr std::string_view known_untrusted_comments[] = {"signature from runcert
                                                          "signature from rsign secret key"};
 
 /// A signature file taken apart.
-struct SignatureFile {
+struct ParsedSignature {
     std::string algorithm;  // "ED", or "Ed" for the legacy form
     PublicKey signer;       // its id alone; the file does not hold the key
     std::string signature;
@@ -45,7 +85,7 @@ void require_comment(std::string_view comment) {
                       "Leave out line breaks and control characters, or shorten it");
 }
 
-SignatureFile parse_signature_file(std::string_view text, const std::string& where) {
+ParsedSignature parse_signature_file(std::string_view text, const std::string& where) {
     const std::string remedy = "Name the .minisig file that belongs to the signed file";
     if (text.find('\r') != std::string_view::npos || text.ends_with("\n\n") ||
         !text.ends_with('\n'))
@@ -69,7 +109,7 @@ SignatureFile parse_signature_file(std::string_view text, const std::string& whe
     if (!lines[2].starts_with(trusted_prefix))
         throw Failure(where + ", line 3",
                       "it does not begin with \"" + std::string(trusted_prefix) + "\"", remedy);
-    SignatureFile file;
+    ParsedSignature file;
     const std::string record =
         bytes_of_base64(lines[1], signature_record_size, "the signature", where + ", line 2");
     file.algorithm = record.substr(0, 2);
@@ -85,14 +125,14 @@ SignatureFile parse_signature_file(std::string_view text, const std::string& whe
     return file;
 }
 
-bool comment_holds(const SignatureFile& file, const PublicKey& public_key) {
+bool comment_holds(const ParsedSignature& file, const PublicKey& public_key) {
     const std::string signed_comment = file.signature + file.trusted_comment;
     return crypto_sign_verify_detached(data_of(file.comment_signature), data_of(signed_comment),
                                        signed_comment.size(), public_key.key.data()) == 0;
 }
 
 /// Why the signature is not this key's over this message; empty where it is.
-std::string find_fault(std::string_view message, const SignatureFile& file,
+std::string find_fault(std::string_view message, const ParsedSignature& file,
                        const PublicKey& public_key) {
     if (file.algorithm == "Ed")
         return "it is in minisign's legacy format without prehashing, which is not accepted: "
@@ -109,6 +149,17 @@ std::string find_fault(std::string_view message, const SignatureFile& file,
         return "the trusted comment is not as it was when it was signed";
     return {};
 }
+
+constexpr std::string_view mark = "runcert";
+
+constexpr std::array<std::pair<std::string_view, std::string TrustedComment::*>, 6> fields{{
+    {"report", &TrustedComment::report_id},
+    {"attempt", &TrustedComment::attempt_id},
+    {"role", &TrustedComment::role},
+    {"key", &TrustedComment::key},
+    {"signed", &TrustedComment::signed_at},
+    {"recomputed", &TrustedComment::recomputed},
+}};
 
 }  // namespace
 
@@ -140,7 +191,7 @@ std::string sign(std::string_view message, const SecretKey& secret_key,
 SignatureCheck check_signature(std::string_view message, std::string_view signature_file_text,
                                const PublicKey& public_key, const std::string& where) {
     start_libsodium();
-    SignatureFile file = parse_signature_file(signature_file_text, where);
+    ParsedSignature file = parse_signature_file(signature_file_text, where);
     SignatureCheck check;
     check.key_id = key_id_text(file.signer);
     check.reason = find_fault(message, file, public_key);
@@ -153,8 +204,37 @@ SignatureCheck check_signature(std::string_view message, std::string_view signat
 SignatureClaims read_signature_claims(std::string_view signature_file_text,
                                       const std::string& where) {
     start_libsodium();
-    SignatureFile file = parse_signature_file(signature_file_text, where);
+    ParsedSignature file = parse_signature_file(signature_file_text, where);
     return {file.signer.key_id, std::move(file.trusted_comment)};
+}
+
+std::string trusted_comment_text(const TrustedComment& comment) {
+    std::string text(mark);
+    for (const auto& [name, member] : fields)
+        if (member != &TrustedComment::recomputed || !comment.recomputed.empty())
+            text += fmt::format(" {}={}", name, comment.*member);
+    return text;
+}
+
+TrustedComment parse_trusted_comment(std::string_view text) {
+    TrustedComment comment;
+    std::set<std::string_view> seen;
+    const auto take_word = [&text] {
+        const std::string_view word = text.substr(0, text.find(' '));
+        text.remove_prefix(std::min(word.size() + 1, text.size()));
+        return word;
+    };
+    if (take_word() != mark) return comment;
+    while (!text.empty()) {
+        const std::string_view word = take_word();
+        const std::size_t equals = std::min(word.find('='), word.size());
+        for (const auto& [name, member] : fields)
+            if (word.substr(0, equals) == name && equals < word.size()) {
+                if (!seen.insert(name).second) comment.repeated = name;
+                comment.*member = word.substr(equals + 1);
+            }
+    }
+    return comment;
 }
 
 }  // namespace runcert

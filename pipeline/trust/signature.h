@@ -5,9 +5,12 @@
 #include <string>
 #include <string_view>
 
+#include "files/utc_second.h"
+
 /// Ed25519 signatures in minisign's file formats, prehashed with BLAKE2b-512 ("ED"):
 /// https://jedisct1.github.io/minisign/#signature-format. `minisign -Vm FILE -p KEY.pub` accepts
 /// what is made here, and what `minisign -S` makes is accepted here.
+
 namespace runcert {
 
 /// An Ed25519 public key and the 8 random bytes that name its pair. The id is a label for people:
@@ -88,11 +91,11 @@ std::string sign(std::string_view message, const SecretKey& secret_key,
 /// What checking a signature found.
 struct SignatureCheck {
     bool valid = false;
-    std::string trusted_comment;  ///< empty unless valid: until then nobody vouches for it
+    std::string trusted_comment;  ///< empty unless valid
     std::string key_id;  ///< the id in the signature file, as key_id_text prints it; a claim
     std::string reason;  ///< why it is not valid, in words; empty where it is
-    /// The trusted comment where its own signature is the key's, even where that over the message
-    /// does not hold: it then tells which message the signature was made for.
+    /// The trusted comment if the key signed it, even if its signature over the message does not
+    /// hold: it then tells which message the signature was made for.
     std::string vouched_comment;
 };
 
@@ -116,12 +119,30 @@ SignatureClaims read_signature_claims(std::string_view signature_file_text,
 /// The public key as one line of base64, as `minisign -P` takes it.
 std::string public_key_line(const PublicKey& public_key);
 
-/// What the text of a key file is where it is no secret key of ours: "a public key", "an OpenSSH
-/// private key" and so on, with what to do. Empty where it is nothing that is known.
+/// What a key file holds that is no secret key of ours: "a public key", "an OpenSSH private key"
+/// and so on, with what to do. Empty where it is nothing that is known.
 struct OtherKey {
     std::string kind{};
     std::string remedy{};
 };
 OtherKey other_key_in(std::string_view text);
+
+/// What a signer of a report states along with the signature, and signs too:
+/// "runcert report=REPORT_ID attempt=ID role=ROLE key=RW... signed=2026-11-21T20:41:50Z".
+struct TrustedComment {
+    std::string report_id{};
+    std::string attempt_id{};
+    std::string role{};
+    std::string key{};  ///< the signer's public key as `minisign -P` takes it
+    std::string signed_at{};
+    std::string recomputed{};  ///< "no" where the signer left the recomputation out; else empty
+    std::string repeated{};    ///< a field that is there twice, which programs read differently
+};
+
+std::string trusted_comment_text(const TrustedComment& comment);
+
+/// What a trusted comment states. Fields that are not there stay empty, as do all of a comment that
+/// is not of this form.
+TrustedComment parse_trusted_comment(std::string_view text);
 
 }  // namespace runcert

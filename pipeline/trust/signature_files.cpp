@@ -14,8 +14,8 @@
 #include "run/attempt_files.h"
 #include "run/run_lock.h"
 #include "schemas/products/products.h"
-#include "trust/attestation_files.h"
-#include "trust/report_facts.h"
+#include "trust/attestation.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {

@@ -1,12 +1,11 @@
-#include "trust/signature_judgement.h"
-
 #include <fmt/format.h>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/role_signatures.h"
+#include "trust/signature.h"
 #include "trust/ssh_signature.h"
-#include "trust/trusted_comment.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "files/base64.h"
+
 /// What minisign's key and signature files have in common. For the sources of this folder alone.
 namespace runcert::signature_text {
 
@@ -23,7 +25,9 @@ void start_libsodium();
 std::vector<std::string_view> lines_of(std::string_view text);
 
 /// Base64 (RFC 4648 section 4, padded) of bytes.
-std::string base64_of(const unsigned char* bytes, std::size_t count);
+inline std::string base64_of(const unsigned char* bytes, std::size_t count) {
+    return base64({reinterpret_cast<const char*>(bytes), count});
+}
 
 /// The bytes that a line of base64 holds. `what` names them in the messages.
 /// Failure where it is not base64, or not of `count` bytes.

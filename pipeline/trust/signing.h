@@ -2,10 +2,11 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "schemas/attempt/attempt.h"
-#include "trust/report_facts.h"
 #include "trust/signature.h"
+#include "trust/verification.h"
 
 namespace runcert {
 
@@ -24,12 +25,24 @@ std::string signing_role(const Attempt& attempt);
 
 /// Signs RUN_DIR/report.json and returns the name of the signature file: report.json.minisig, or
 /// where another signer has that, report.json.ROLE.minisig, report.json.ROLE.2.minisig and so on.
-/// The same key signing in the same role again replaces its own. The trusted comment names the
-/// report, the role and the key of the signer, the time of signing, and whether the signer left out
-/// to recompute. What it replaces goes to superseded/. Failure where the role is
-/// none, and where report.json is no longer the `report` that was read, and perhaps checked,
-/// before.
+/// The same key signing in the same role again replaces its own; what it replaces goes to
+/// superseded/. The trusted comment names the report, the signer's role and key, the time, and
+/// whether the signer left out to recompute. Failure where the role cannot be one, and where
+/// report.json is no longer the `report` that was read, and perhaps checked, before.
 std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts& report,
                         const SecretKey& key, const std::string& role, bool recomputed = true);
+
+/// Failure, with what was found, where a layer of verification did not pass: whoever signs answers
+/// for these very files. `remedy` says what to do, after "Nothing was signed."
+void require_passed(const std::filesystem::path& run_dir, const VerificationStep& step,
+                    const std::string& remedy);
+
+/// The same for the layers files, chain, schemas, rules and report.
+void require_signable(const std::filesystem::path& run_dir, const ReportFacts& report,
+                      const std::string& remedy);
+
+/// What a signature of the run answers for, a line for each rule: its text, speed, uncertainty and
+/// outcome. Failure where the verdict cannot be read.
+std::vector<std::string> what_is_signed(const std::filesystem::path& run_dir);
 
 }  // namespace runcert

@@ -3,12 +3,14 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/utc_second.h"
 
 /// Time stamps of RFC 3161, by the program openssl: an authority signs the hash of a file together
 /// with the time at which it saw it.
+
 namespace runcert {
 
 /// What a query asks for, and what a stamp is for.
@@ -49,5 +51,11 @@ struct TimeStampCheck {
 TimeStampCheck check_time_stamp(const std::filesystem::path& file,
                                 const std::filesystem::path& reply,
                                 const std::vector<std::filesystem::path>& cas);
+
+/// What a token says, from the output of `openssl ts -text`; nothing where it has no time or hash.
+std::optional<TimeStamp> stamp_from_words(std::string_view text);
+
+/// The line of openssl's error output that says what was wrong, fit to be shown.
+std::string said_by_openssl(std::string_view errors);
 
 }  // namespace runcert

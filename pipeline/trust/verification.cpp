@@ -15,7 +15,7 @@
 #include "run/stage_run.h"
 #include "run/steps.h"
 #include "schemas/products/products.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 #include "trust/bundle.h"
 #include "trust/signature_files.h"
 
@@ -106,19 +106,15 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
 /// The hashes of the predicate's own list of files, which is what the pages show.
 void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
     const auto& predicate = report.json->at("predicate");
-    if (predicate.at("files").size() != report.subjects.size()) {
-        step.passed = false;
-        step.details.push_back(fmt::format("report.json: shows {} files, it is signed for {}",
-                                           predicate.at("files").size(), report.subjects.size()));
-    }
+    if (predicate.at("files").size() != report.subjects.size())
+        step.fail(fmt::format("report.json: shows {} files, it is signed for {}",
+                              predicate.at("files").size(), report.subjects.size()));
     for (const auto& file : predicate.at("files")) {
         const std::string name = file.value("file", "");
         const auto subject = report.subjects.find(name);
-        if (subject != report.subjects.end() && subject->second == file.value("sha256", ""))
-            continue;
-        step.passed = false;
-        step.details.push_back(
-            fmt::format("report.json: shows another {} than it is signed for", shown(name)));
+        if (subject == report.subjects.end() || subject->second != file.value("sha256", ""))
+            step.fail(
+                fmt::format("report.json: shows another {} than it is signed for", shown(name)));
     }
 }
 
@@ -148,8 +144,18 @@ std::vector<std::string> missing_inputs(
 
 }  // namespace
 
+void VerificationStep::fail(std::string detail) {
+    passed = false;
+    details.push_back(std::move(detail));
+}
+
+void VerificationStep::fail(const Failure& failure) {
+    fail(fmt::format("{}: {}", shown(fs::path(failure.where()).filename().string()),
+                     failure.problem()));
+}
+
 VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "files", .finding = {}, .details = {}};
+    VerificationStep step{.passed = true, .what = "files"};
     std::size_t wrong = 0;
     for (const auto& [name, sha256] : report.subjects)
         if (const auto fault = fault_of_subject(run_dir / name, sha256)) {
@@ -167,13 +173,9 @@ VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report
 }
 
 VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "chain", .finding = {}, .details = {}};
+    VerificationStep step{.passed = true, .what = "chain"};
     std::map<std::string, std::set<std::string>> inputs_of;
     std::map<std::string, nlohmann::ordered_json> parameters_of;
-    const auto fail = [&](std::string detail) {
-        step.passed = false;
-        step.details.push_back(std::move(detail));
-    };
     for (const auto& [name, sha256] : report.subjects) {
         const fs::path file = run_dir / name;
         // Those that are not there are said by verify_files.
@@ -190,26 +192,26 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
                 inputs_of[name].insert(input.file);
                 const auto subject = report.subjects.find(input.file);
                 if (subject == report.subjects.end())
-                    fail(fmt::format("{}: made from {}, which the report does not name",
-                                     shown(name), shown(input.file)));
+                    step.fail(fmt::format("{}: made from {}, which the report does not name",
+                                          shown(name), shown(input.file)));
                 else if (subject->second != input.sha256)
-                    fail(fmt::format("{}: made from another {} than the report names", shown(name),
-                                     shown(input.file)));
+                    step.fail(fmt::format("{}: made from another {} than the report names",
+                                          shown(name), shown(input.file)));
             }
         } catch (const Failure& failure) {
-            fail(fmt::format("{}: cannot be read: {}", shown(name), failure.problem()));
+            step.fail(fmt::format("{}: cannot be read: {}", shown(name), failure.problem()));
         }
     }
     try {
         for (std::string& detail : missing_inputs(run_dir, inputs_of, parameters_of))
-            fail(std::move(detail));
+            step.fail(std::move(detail));
     } catch (const Failure& failure) {
-        fail(fmt::format("attempt.yaml: cannot be read: {}", failure.problem()));
+        step.fail(fmt::format("attempt.yaml: cannot be read: {}", failure.problem()));
     }
     try {
         compare_shown_files(report, step);
     } catch (const nlohmann::json::exception&) {
-        fail("report.json: its list of files cannot be read");
+        step.fail("report.json: its list of files cannot be read");
     }
     step.finding = step.passed ? fmt::format("each of {} stage files was made from the files named",
                                              inputs_of.size())

@@ -1,37 +1,73 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/failure.h"
 #include "files/utc_second.h"
-#include "trust/report_facts.h"
 #include "trust/roster.h"
+#include "trust/signature_files.h"
 
 // What `runcert verify` looks at, in layers. Each says yes or no and why, and rests on nothing but
 // the run folder and what is given to it.
 
 namespace runcert {
 
+/// Signatures that a report needs: that many in the role, by different keys.
+struct RequiredSignatures {
+    std::string role{};
+    std::size_t count = 1;
+};
+
+/// What is read of a run folder's report.json to check or sign it.
+struct ReportFacts {
+    std::string text{};                            ///< its bytes: what is signed
+    std::shared_ptr<const nlohmann::json> json{};  ///< the same, read
+    std::string report_id{};
+    std::string attempt_id{};
+    std::string program_version{};
+    std::string source_revision{};
+    std::string arithmetic{};  ///< of the computer that made it, see files/arithmetic.h
+    std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
+    std::vector<std::string> subject_names{};       ///< in the report's own order
+    std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
+    std::optional<UtcSecond> recorded_until{};      ///< the last epoch, by the report
+};
+
+/// Reads RUN_DIR/report.json. Failure where it is missing, longer than any report, not JSON, holds
+/// a key twice or begins with a byte order mark (programs differ in how they read these), names a
+/// file that not every system can have in a run folder, is no measurement report, or follows a
+/// newer version of the report's schema than this program knows: what it asks for is unknown.
+ReportFacts read_report_facts(const std::filesystem::path& run_dir);
+
 /// One thing that verification looked at, and what it found.
 struct VerificationStep {
     bool passed = false;
-    std::string what;                  ///< "files", "chain", "signatures"
-    std::string finding;               ///< one sentence
-    std::vector<std::string> details;  ///< one line for each file concerned
-    bool checked =
-        true;  ///< false where there was nothing to check, or no means: then not `passed`
+    std::string what = {};                  ///< "files", "chain", "signatures"
+    std::string finding = {};               ///< one sentence
+    std::vector<std::string> details = {};  ///< one line for each file concerned
+    bool checked = true;  ///< false where there was nothing, or no means, to check: not `passed`
+
+    /// Adds what is wrong; the step has not passed.
+    void fail(std::string detail);
+    /// The same of a file that cannot be read, in the words of the failure.
+    void fail(const Failure& failure);
 };
 
-/// Whether the folder's SHA256SUMS, which a bundle brings, names every file in it and in the
-/// folders inside with its hash. Nothing where there is no such file.
+/// Whether the SHA256SUMS that a bundle brings names every file in the folder, at any depth, with
+/// its hash. Nothing where there is no such file.
 std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_dir);
 
 /// Whether every subject of the report is there with the bytes the report names, and nothing else
-/// but its companions: pages, signatures, time stamps, run.yaml, and what a bundle adds. A symbolic
-/// link is no file of a run folder, nor is what a killed program left (`.runcert-...`).
+/// but its companions: pages, signatures, time stamps, run.yaml, and what a bundle adds. Symbolic
+/// links and what a killed program left (`.runcert-...`) do not belong in a run folder.
 VerificationStep verify_files(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether every stage file was made from the very files that the report names: the inputs in its
@@ -44,16 +80,15 @@ VerificationStep verify_rules(const std::filesystem::path& run_dir);
 
 /// Whether report.json says what the files say that it vouches for: all the files that the attempt
 /// makes and no others, the id that is made of them, the outcome, speeds, limits and requirements
-/// of 6-verdict.yaml, and no fewer signatures than attempt and rules ask for. Who signs vouches for
-/// it all; this finds what nobody need vouch for.
+/// of 6-verdict.yaml, and no fewer signatures than attempt and rules ask for. Whoever signs vouches
+/// for all of this; what can be checked is checked here.
 VerificationStep verify_report(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether attempt, rules, stage files and report follow schemas that this program knows, in every
-/// field and row, and none says that it is of an earlier version than the program that made it
-/// wrote.
+/// field and row, and none claims an earlier version than the program that made it writes.
 VerificationStep verify_schemas(const std::filesystem::path& run_dir, const ReportFacts& report);
 
-/// Clocks of signers, authorities and of who verifies may differ by that much.
+/// How much the clocks of signers, authorities and verifiers may differ.
 inline constexpr std::chrono::minutes clock_tolerance{5};
 
 /// What signatures are judged by.
@@ -79,13 +114,13 @@ struct Signer {
     std::string key{};            ///< one line: base64 as `minisign -P` takes it, or "TYPE BASE64"
     std::string who{};            ///< as the roster calls the key's holder
     bool not_recomputed = false;  ///< its signer says that nothing was computed again before
-    std::string stated_time{};    ///< when the signer says it was made; nobody else vouches for it
+    std::string stated_time{};    ///< when the signer says it was made
     std::string time{};           ///< the time that the key's validity is judged by
     std::string time_source{};    ///< "time stamp", "present" or "given"
     bool valid = false;           ///< it holds, and counts
     bool broken = false;   ///< it is not a signature of this report: tampered with, or replayed
     std::string reason{};  ///< why it does not count
-    /// What a reader should know of it beside: a weak key, a time before the recording ended.
+    /// What else a reader should know: a weak key, a time before the recording ended.
     std::vector<std::string> notes{};
 };
 
@@ -95,18 +130,46 @@ struct SignatureLayers {
     std::vector<Signer> signers{};
 };
 
-/// Judges every signature and time stamp of the folder, and whether they are all that the report
-/// needs: by the rules and the attempt, as it states, and by the roster; of each role the most that
-/// one of them asks for. Yes where each role has its signatures by different keys (a key counts for
-/// one role) and no signature is broken; one that merely does not count is said.
+/// Judges every signature and time stamp of the folder, and whether there are all that the report
+/// states it needs by rules and attempt, and all that the roster asks for (for each role, the
+/// larger number). Passed where each role has its signatures by different keys (a key counts for
+/// one role) and no signature is broken; one that merely does not count is mentioned.
 SignatureLayers verify_signatures(const std::filesystem::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules);
 
-/// Whether report.html and report.pdf, where they are there, are what this report.json, the
-/// signatures that the page names and all attestations render to. They are rendered again, which
-/// takes a second or two; those of another program, by another roster than the one given, and where
-/// they cannot be rendered, are not passed.
+/// Whether report.html and report.pdf, if there, are what this report.json, the signatures that the
+/// page names and all attestations render to. They are rendered again, which takes a second or two.
+/// Not passed where that cannot be done, or they go by another program or another roster.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules);
+
+/// A signature to be judged; `stamped` is the time of its time stamp where that holds.
+struct SignatureCase {
+    std::filesystem::path run_dir{};
+    SignatureFile file{};
+    std::optional<UtcSecond> stamped{};
+};
+
+/// Judges whether a signature is one of this report, by a key whose signature counts at its time.
+/// Failure where a program that is needed is missing.
+Signer judge_signature(const SignatureCase& one, const ReportFacts& report,
+                       const SignatureRules& rules);
+
+/// Judges whether a valid signature by that key counts, by the roster and the time; `stamped` is
+/// the time of its time stamp, where it has one.
+Signer judge_by_roster(Signer signer, const SshPublicKey& key, std::optional<UtcSecond> stamped,
+                       const SignatureRules& rules);
+
+/// A role in which the report needs signatures, and how many there are.
+struct RoleState {
+    std::string role{};
+    std::size_t needed = 0;
+    std::size_t there = 0;  ///< valid ones by different keys that do not count for another role
+};
+
+/// Gives valid signatures to the roles that need them, each key to one role, so that as many as
+/// possible are filled.
+std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
+                                  const std::vector<Signer>& signers);
 
 }  // namespace runcert

@@ -1,18 +1,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <vector>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 #include "files/process.h"
 #include "files/program.h"
 #include "files/sha256.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
-#include "trust/attestation_files.h"
-#include "trust/page_comparison.h"
+#include "trust/attestation.h"
+#include "trust/bundle.h"
 #include "trust/seal.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
@@ -21,6 +26,67 @@ namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* identical = "identical when rendered again";
+constexpr const char* differs =
+    "it is not what the report renders to: do not go by what it shows, render it again";
+constexpr const char* dots_per_inch = "100";
+
+/// What `pdfinfo` says of a file: "Pages" is "14".
+std::map<std::string, std::string> facts_of(const fs::path& pdf) {
+    std::map<std::string, std::string> facts;
+    for (const std::string& line : lines_of(poppler({"pdfinfo"}, pdf))) {
+        const std::size_t colon = line.find(':');
+        if (colon != std::string::npos)
+            facts[line.substr(0, colon)] = std::string(trim(line.substr(colon + 1)));
+    }
+    return facts;
+}
+
+std::string text_of(const fs::path& pdf) {
+    return poppler({"pdftotext", "-layout"}, pdf, {"-"});
+}
+
+/// The hash of each page's picture, in their order.
+std::vector<std::string> pictures_of(const fs::path& pdf) {
+    const TemporaryFolder folder;
+    (void)poppler({"pdftoppm", "-r", dots_per_inch}, pdf, {"page"}, folder.path());
+    std::set<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+        files.insert(entry.path());
+    std::vector<std::string> hashes;
+    for (const fs::path& file : files)
+        hashes.push_back(digest_file(file).sha256);
+    return hashes;
+}
+
+/// In what a PDF shows otherwise than another, or nothing.
+std::optional<std::string> difference_shown(const fs::path& pdf, const fs::path& own) {
+    auto facts = facts_of(pdf);
+    auto own_facts = facts_of(own);
+    if (facts["JavaScript"] != "no") return "it holds a script";
+    for (const char* fact : {"Title", "Pages", "Page size", "Page rot", "Encrypted"})
+        if (facts[fact] != own_facts[fact])
+            return fmt::format("its {} is \"{}\" where \"{}\" is rendered", lower_case(fact),
+                               escape_for_message(facts[fact], 100), own_facts[fact]);
+    if (text_of(pdf) != text_of(own)) return "its text is not the one that is rendered";
+    const auto pictures = pictures_of(pdf);
+    const auto own_pictures = pictures_of(own);
+    for (std::size_t i = 0; i < std::max(pictures.size(), own_pictures.size()); ++i)
+        if (i >= pictures.size() || i >= own_pictures.size() || pictures[i] != own_pictures[i])
+            return fmt::format(
+                "page {} does not look as it is rendered{}", i + 1,
+                facts["Producer"] == own_facts["Producer"]
+                    ? std::string()
+                    : " here; it was made by " + escape_for_message(facts["Producer"], 100));
+    return std::nullopt;
+}
+
+/// What comparing a page with the one that was rendered again gave.
+struct PageComparison {
+    bool same = false;  ///< whether it shows just what was rendered
+    std::string words{};
+};
 
 constexpr const char* html_file = "report.html";
 constexpr const char* pdf_file = "report.pdf";
@@ -94,12 +160,40 @@ std::optional<std::string> render_again(const fs::path& run_dir, const fs::path&
     return std::nullopt;
 }
 
+PageComparison compare_bytes(const fs::path& page, const fs::path& own) {
+    if (read_file(page) != read_file(own)) return {.words = differs};
+    return {.same = true, .words = identical};
+}
+
+/// Byte for byte; a PDF that a seal was put on must carry the same report and nothing else, run no
+/// script, hold the same text and show the same pictures, page by page (poppler, 100 dots per
+/// inch), and its seal must hold for every byte. Where one is not the same, the words say in what,
+/// and that another renderer made it where one did.
+PageComparison compare_pdf(const fs::path& pdf, const fs::path& own,
+                           const std::string& report_text) {
+    try {
+        require_readable_pdf(pdf);
+        if (compare_bytes(pdf, own).same) return {.same = true, .words = identical};
+        auto fault = fault_of_attachment(pdf, report_text);
+        if (!fault) fault = difference_shown(pdf, own);
+        if (fault) return {.words = fmt::format("{}: {}", *fault, differs)};
+        const SealCheck seal = check_seal(pdf);
+        if (!seal.present)
+            return {.words =
+                        "it shows what is rendered again, but is not that file, and no seal "
+                        "covers its bytes: render it again"};
+        return {.same = seal.holds(),
+                .words = "it shows what is rendered again, page by page; " + seal.words};
+    } catch (const Failure& failure) {
+        return {.words = fmt::format("it cannot be read as a PDF: {}", failure.problem())};
+    }
+}
+
 }  // namespace
 
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules) {
-    VerificationStep step{
-        .passed = true, .what = "pages", .finding = {}, .details = {}, .checked = true};
+    VerificationStep step{.passed = true, .what = "pages", .checked = true};
     const auto is_there = [&](const char* name) {
         return fs::is_regular_file(fs::symlink_status(run_dir / name));
     };

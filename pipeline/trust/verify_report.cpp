@@ -30,14 +30,12 @@ const std::string verdict_file(products::verdict_file);
 /// The report writes speeds with 4 decimals or more, from a verdict of 4 decimals of 1 km/h.
 constexpr double speed_resolution = 2e-4;  // in each unit
 
+/// Compares what a report says with what a file says; notes what differs.
 class Comparison {
   public:
     explicit Comparison(VerificationStep& step) : step_(step) {}
 
-    void fail(std::string detail) {
-        step_.passed = false;
-        step_.details.push_back(std::move(detail));
-    }
+    void fail(std::string detail) { step_.fail(std::move(detail)); }
     void equal(const std::string& what, const std::string& in_report, const std::string& in_file,
                const std::string& file) {
         if (in_report != in_file)
@@ -197,13 +195,12 @@ void compare_all(const fs::path& run_dir, const ReportFacts& report, Comparison&
 }  // namespace
 
 VerificationStep verify_report(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "report", .finding = {}, .details = {}};
+    VerificationStep step{.passed = true, .what = "report"};
     Comparison compare(step);
     try {
         compare_all(run_dir, report, compare);
     } catch (const Failure& failure) {
-        compare.fail(fmt::format("{}: {}", shown(fs::path(failure.where()).filename().string()),
-                                 failure.problem()));
+        step.fail(failure);
     } catch (const Json::exception& error) {
         compare.fail("report.json: cannot be read: " + shown(error.what()));
     }

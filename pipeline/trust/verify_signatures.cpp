@@ -7,9 +7,9 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
+#include "trust/signature.h"
 #include "trust/signature_files.h"
-#include "trust/signature_judgement.h"
-#include "trust/signature_policy.h"
+#include "trust/ssh_signature.h"
 #include "trust/time_stamp.h"
 #include "trust/verification.h"
 
@@ -17,6 +17,43 @@ namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// The same text for the same key, whether a signature is in minisign's or in OpenSSH's form.
+std::string key_identity(const Signer& signer) {
+    if (signer.key.find(' ') != std::string::npos) return signer.key;
+    return ssh_key_text(ssh_key_of(parse_public_key(signer.key, signer.file).key));
+}
+
+/// Keys by the slot they fill: augmenting paths [Kuhn55].
+class Matching {
+  public:
+    explicit Matching(std::vector<std::set<std::string>> keys_of_slot)
+        : keys_of_slot_(std::move(keys_of_slot)), filled_(keys_of_slot_.size(), false) {
+        for (std::size_t slot = 0; slot < keys_of_slot_.size(); ++slot) {
+            std::set<std::string> tried;
+            fill(slot, tried);
+        }
+        for (const auto& [key, slot] : slot_of_key_)
+            filled_[slot] = true;
+    }
+    bool is_filled(std::size_t slot) const { return filled_[slot]; }
+
+  private:
+    bool fill(std::size_t slot, std::set<std::string>& tried) {
+        for (const std::string& key : keys_of_slot_[slot]) {
+            if (!tried.insert(key).second) continue;
+            const auto taken = slot_of_key_.find(key);
+            if (taken != slot_of_key_.end() && !fill(taken->second, tried)) continue;
+            slot_of_key_[key] = slot;
+            return true;
+        }
+        return false;
+    }
+
+    std::vector<std::set<std::string>> keys_of_slot_;
+    std::map<std::string, std::size_t> slot_of_key_;
+    std::vector<bool> filled_;
+};
 
 std::vector<std::string> stamps_in(const fs::path& run_dir) {
     std::vector<std::string> names;
@@ -32,8 +69,7 @@ std::vector<std::string> stamps_in(const fs::path& run_dir) {
 
 /// The time of each signature whose stamp holds; what is found of every stamp goes into `step`.
 struct Stamps {
-    VerificationStep step{
-        .passed = true, .what = "time stamps", .finding = {}, .details = {}, .checked = false};
+    VerificationStep step{.passed = true, .what = "time stamps", .checked = false};
     std::map<std::string, UtcSecond> times{};
 };
 
@@ -43,9 +79,7 @@ void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& nam
     const std::string file = shown(name);
     if (!fs::is_regular_file(fs::symlink_status(run_dir / signature))) {
         stamps.step.checked = true;
-        stamps.step.passed = false;
-        stamps.step.details.push_back(file + ": the signature that it is for is not there");
-        return;
+        return stamps.step.fail(file + ": the signature that it is for is not there");
     }
     if (rules.time_stamp_cas.empty()) {
         stamps.step.details.push_back(
@@ -179,12 +213,30 @@ void require_few(const std::vector<SignatureFile>& files, const fs::path& run_di
 
 }  // namespace
 
+std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
+                                  const std::vector<Signer>& signers) {
+    std::vector<RoleState> states;
+    std::vector<std::set<std::string>> keys_of_slot;
+    std::vector<std::size_t> state_of_slot;
+    for (const RequiredSignatures& one : required) {
+        std::set<std::string> keys;
+        for (const Signer& signer : signers)
+            if (signer.valid && signer.role == one.role) keys.insert(key_identity(signer));
+        keys_of_slot.insert(keys_of_slot.end(), one.count, keys);
+        state_of_slot.insert(state_of_slot.end(), one.count, states.size());
+        states.push_back({.role = one.role, .needed = one.count});
+    }
+    const Matching matching(std::move(keys_of_slot));
+    for (std::size_t slot = 0; slot < state_of_slot.size(); ++slot)
+        if (matching.is_filled(slot)) ++states[state_of_slot[slot]].there;
+    return states;
+}
+
 SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules) {
     Stamps stamps = check_stamps(run_dir, rules);
-    SignatureLayers layers{
-        .time_stamps = std::move(stamps.step),
-        .signatures = {.passed = false, .what = "signatures", .finding = {}, .details = {}}};
+    SignatureLayers layers{.time_stamps = std::move(stamps.step),
+                           .signatures = {.passed = false, .what = "signatures"}};
     VerificationStep& step = layers.signatures;
     const std::vector<SignatureFile> files = signature_files(run_dir);
     require_few(files, run_dir);

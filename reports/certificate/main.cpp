@@ -13,7 +13,7 @@
 #include "run/stage_main.h"
 #include "schemas/phase/phase.h"
 #include "schemas/screened_phase/screened_phase.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
 

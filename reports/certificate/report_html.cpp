@@ -15,7 +15,6 @@
 #include "reports/certificate/json_text.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
-#include "trust/trusted_comment.h"
 
 namespace runcert {
 

@@ -10,7 +10,7 @@
 #include "reports/explain/words.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
-#include "trust/attestation_files.h"
+#include "trust/attestation.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
 

@@ -2,9 +2,8 @@
 
 #include "files/sha256.h"
 #include "signatures_support.h"
-#include "trust/attestation_files.h"
-#include "trust/attestation_judgement.h"
-#include "trust/envelope.h"
+#include "trust/attestation.h"
+#include "trust/run_standing.h"
 
 namespace runcert::chain {
 

@@ -5,7 +5,6 @@
 #include "files/archive.h"
 #include "handover_support.h"
 #include "trust/bundle.h"
-#include "trust/bundle_limits.h"
 
 // Bundles that strangers may send.
 

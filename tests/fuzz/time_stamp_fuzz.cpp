@@ -3,7 +3,7 @@
 #include "core/failure.h"
 #include "fuzz_target.h"
 #include "trust/seal.h"
-#include "trust/time_stamp_words.h"
+#include "trust/time_stamp.h"
 
 namespace runcert::fuzz {
 

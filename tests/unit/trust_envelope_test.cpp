@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "trust/attestation.h"
-#include "trust/envelope.h"
 
 // The envelopes of attestations, and the statements in them.
 

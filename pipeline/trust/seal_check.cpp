@@ -10,6 +10,8 @@
 namespace runcert {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// The lines on a signature, in the order in which pdfsig 22.12 prints them.
 enum Line : std::size_t {
     field_name,
@@ -36,20 +38,17 @@ constexpr std::array<std::string_view, line_count> labels{"  - Signature Field N
 constexpr std::string_view not_total = "  - Not total document signed";
 constexpr std::string_view first_line = "Digital Signature Info of: ";
 constexpr std::size_t longest_name = 200;
+constexpr int exit_no_signature = 2;
 
-std::vector<std::string_view> lines_of(std::string_view text) {
-    std::vector<std::string_view> lines;
-    while (!text.empty()) {
-        const std::size_t end = text.find('\n');
-        lines.push_back(text.substr(0, end));
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-    }
-    return lines;
-}
+/// Limits for a program that reads a PDF: far more than any needs for one of ours.
+constexpr ExternalLimits reading_pdf{.time = std::chrono::seconds(60),
+                                     .memory_bytes = std::uint64_t{512} << 20,
+                                     .file_bytes = longest_pdf,
+                                     .output_bytes = std::size_t{1} << 20};
 
 /// The nine lines of the one signature, without their labels; nothing where it is otherwise.
 std::optional<std::array<std::string, line_count>> one_signature(
-    const std::vector<std::string_view>& lines) {
+    const std::vector<std::string>& lines) {
     if (lines.size() != 2 + line_count || !lines[0].starts_with(first_line) ||
         lines[1] != "Signature #1:")
         return std::nullopt;
@@ -81,9 +80,58 @@ SealCheck with_words(SealCheck check, const std::string& validation_text) {
 
 }  // namespace
 
+std::string poppler(std::vector<std::string> command, const fs::path& pdf,
+                    const std::vector<std::string>& more, const fs::path& folder) {
+    const fs::path input = external_input(pdf);
+    command.push_back(input.string());
+    command.insert(command.end(), more.begin(), more.end());
+    const ExternalCall call{
+        .command = std::move(command), .folder = folder, .inputs = {input}, .limits = reading_pdf};
+    const ProcessResult result = run_external(call);
+    if (result.exit_status != 0)
+        throw Failure(call.command.front(), external_problem(call, result),
+                      "Render the page again from report.json");
+    return result.output;
+}
+
+// `pdfdetach -list` says "1 embedded files", then "1: report.json" for each.
+std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::string& report) {
+    const std::string list = poppler({"pdfdetach", "-list"}, pdf);
+    if (list != "1 embedded files\n1: report.json\n")
+        return "it does not carry report.json and no other file";
+    const TemporaryFolder folder;
+    (void)poppler({"pdfdetach", "-save", "1", "-o", "report.json"}, pdf, {}, folder.path());
+    if (read_file(folder.path() / "report.json") != report)
+        return "the report attached to it is not report.json";
+    return std::nullopt;
+}
+
+SealCheck check_seal(const std::filesystem::path& pdf) {
+    require_readable_pdf(pdf);
+    const FileView view(pdf);
+    if (!view.bytes().starts_with("%PDF-"))
+        throw Failure(pdf.string(), "this is not a PDF", "Render the report again");
+    const fs::path input = external_input(pdf);
+    const ExternalCall call{.command = {"pdfsig", "-nocert", "-no-ocsp", input.string()},
+                            .inputs = {input},
+                            .limits = reading_pdf};
+    const ProcessResult result = run_external(call);
+    // The file's own name stands in the words: the last component of its path is no choice of
+    // whoever made the PDF.
+    if (result.exit_status == exit_no_signature &&
+        result.output.ends_with("does not contain any signatures\n"))
+        return {.words = "the PDF carries no seal"};
+    if (result.exit_status != 0 && result.output.empty())
+        throw Failure(
+            pdf.string(),
+            fmt::format("pdfsig cannot read this PDF: {}", external_problem(call, result)),
+            "Render the report again");
+    return seal_from_words(result.output, view.bytes().size());
+}
+
 SealCheck seal_from_words(std::string_view output, std::uint64_t file_bytes) {
     SealCheck check{.present = true};
-    const auto lines = lines_of(output);
+    const auto lines = lines_of(std::string(output));
     const auto values = one_signature(lines);
     if (!values) {
         const bool several = output.find("\nSignature #2:\n") != std::string_view::npos;

@@ -3,8 +3,7 @@
 #include <cmath>
 #include <span>
 
-#include "reports/audit/screening_parts.h"
-#include "reports/audit/words.h"
+#include "reports/audit/screening.h"
 
 namespace runcert {
 namespace {
@@ -43,8 +42,7 @@ std::string witness(RowSpan rows) {
             range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
     if (row.reason == Reason::low_ratio)
         return fmt::format(
-            "a ratio of {}, where {} is needed: another set of ambiguities fits "
-            "almost as well",
+            "a ratio of {}, where {} is needed: another set of ambiguities fits almost as well",
             range_text(rows, 2, "", statistic_of), format_fixed(*row.threshold, 2));
     return fmt::format("corrections {} old, where at most {} s are allowed",
                        range_text(rows, 2, " s", size_of_statistic),
@@ -95,8 +93,8 @@ std::string stretch(const ScreenedEpoch& row) {
                            rate_components(row.estimated))
              : std::string();
     return fmt::format(
-        "the positions drift{}; where it cannot be decided which ones drift, those on "
-        "both sides are left out",
+        "the positions drift{}; where it cannot be decided which ones drift, those on both sides "
+        "are left out",
         drift);
 }
 

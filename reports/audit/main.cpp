@@ -9,7 +9,6 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "reports/audit/record.h"
-#include "reports/audit/report_record.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "schemas/common/product_files.h"
@@ -39,7 +38,7 @@ class Witnesses {
     explicit Witnesses(StageRun run) : run_(std::move(run)) {}
 
     const StageRun& run() const { return run_; }
-    /// Of a file in the folder itself: what a name leads to elsewhere is none of it.
+    /// Whether the folder itself holds the file; a name that leads elsewhere does not count.
     bool exists(const std::string& file) const {
         return file.find('/') == std::string::npos && file.find('\0') == std::string::npos &&
                std::filesystem::exists(run_.run_dir() / file);
@@ -155,7 +154,6 @@ std::vector<std::string> signatures_in(const std::filesystem::path& run_dir) {
 RunRecord read_run(const std::filesystem::path& run_dir) {
     Witnesses witnesses(open_run("audit", run_dir));
     RunRecord record{.attempt = witnesses.run().attempt(),
-                     .receivers = {},
                      .verdict_file = std::string(products::verdict_file),
                      .signatures = signatures_in(run_dir)};
     witnesses.note("attempt", std::string(attempt_copy_name));

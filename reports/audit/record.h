@@ -4,10 +4,12 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "reports/audit/walk.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/common/header.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/phase.h"
@@ -47,7 +49,7 @@ struct ReceiverRecord {
 /// there has been found to hold.
 struct RunRecord {
     Attempt attempt;
-    std::vector<ReceiverRecord> receivers;
+    std::vector<ReceiverRecord> receivers = {};
     std::string verdict_file;
     std::optional<Verdict> verdict = {};
     /// Of report.json: its subjects as inputs; empty where there is none.
@@ -71,5 +73,16 @@ struct WalkOptions {
 /// The walk through a run: what it is, and for each stage and receiver what came in, what went out,
 /// what was decided and why.
 Walk walk_through(const RunRecord& record, const WalkOptions& options);
+
+/// What an audit needs of report.json.
+struct ReportRecord {
+    Header header;  ///< program, source revision; the subjects as inputs
+    /// The report's own id, `report_id` of its predicate.
+    std::string id;
+};
+
+/// Reads it from the text of report.json; `where` names the file in messages. Failure where the
+/// text is not a measurement report. Signatures and hashes are not checked.
+ReportRecord read_report_record(std::string_view text, const std::string& where);
 
 }  // namespace runcert

@@ -1,13 +1,13 @@
-#include "reports/audit/report_record.h"
-
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "reports/audit/record.h"
 
 namespace runcert {
 
+using Json = nlohmann::ordered_json;
+
 ReportRecord read_report_record(std::string_view text, const std::string& where) {
-    using Json = nlohmann::ordered_json;
     try {
         const Json report = Json::parse(text);
         const Json& predicate = report.at("predicate");

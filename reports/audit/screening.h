@@ -1,11 +1,18 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/prose.h"
+#include "core/text.h"
 #include "reports/audit/walk.h"
 #include "schemas/screened/screened.h"
+
+// The audit of screening: its parts, which `screening_section` puts together, and their words.
 
 namespace runcert {
 
@@ -26,8 +33,8 @@ struct AuditEntry {
 /// stretch without explanation together.
 std::vector<AuditEntry> audit_entries(const std::vector<ScreenedEpoch>& rows);
 
-/// The minimal detectable biases of one kind of error over the usable rows, in the unit of that kind
-/// (m, m/s or s; schemas/screened).
+/// The minimal detectable biases of one kind of error over the usable rows, in the unit of that
+/// kind (m, m/s or s; schemas/screened).
 struct DetectableSizes {
     std::int64_t epochs = 0;   ///< that have one
     std::int64_t without = 0;  ///< at which no size could be found
@@ -48,9 +55,10 @@ struct AuditedWindow {
 /// What an audit is about, beside the table itself.
 struct AuditSubject {
     std::string attempt;
-    std::string recording;               ///< name of the file that was handed in
-    std::vector<std::string> checked;    ///< files whose hash is the one that another file names
-    std::vector<std::string> unchecked;  ///< files that are not there, or that none there names
+    std::string recording;                  ///< name of the file that was handed in
+    std::vector<std::string> checked = {};  ///< files whose hash is the one that another file names
+    std::vector<std::string> unchecked =
+        {};  ///< files that are not there, or that none there names
     std::vector<AuditedWindow> windows = {};
 };
 
@@ -59,5 +67,47 @@ struct AuditSubject {
 /// "epochs ..." for rows and "before epoch ..." for a break. With `all` the rows used are entries
 /// too. Tables of any revision.
 Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all);
+
+/// What the tests rested on, and what they found over the whole recording.
+std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject);
+
+/// Every decision with its rows in the recording.
+std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubject& subject,
+                                   bool all);
+
+/// Why the rows of an entry were left out, without the statistic.
+std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry);
+
+/// How often something of that probability happens: "once in 590 million".
+std::string once_in(double probability);
+
+/// "3 to 5", or "3" where both are the same.
+std::string one_or_range(const std::string& low, const std::string& high);
+
+/// The figures of rows that share a decision, "0.183 m to 0.350 m"; `unit` begins with its blank.
+/// `figure(row)` is an optional; empty where there is none or one is missing.
+template <class Rows, class Figure>
+std::string range_text(const Rows& rows, int decimals, std::string_view unit, Figure figure) {
+    std::optional<double> low;
+    std::optional<double> high;
+    for (const ScreenedEpoch& row : rows) {
+        const std::optional<double> value = figure(row);
+        if (!value) return {};
+        low = std::min(low.value_or(*value), *value);
+        high = std::max(high.value_or(*value), *value);
+    }
+    if (!low) return {};
+    return one_or_range(format_fixed(*low, decimals) + std::string(unit),
+                        format_fixed(*high, decimals) + std::string(unit));
+}
+
+/// An error towards two directions, or upwards, with its standard uncertainties: "0.174 m east,
+/// 0.057 m south, each ± 0.020 m". Empty where nothing was estimated.
+std::string components(const EstimatedError& error);
+/// Its length, m; nothing where it was not estimated. The same of a ramp, m/s.
+std::optional<double> size_of(const EstimatedError& error);
+std::optional<double> rate_of(const EstimatedError& error);
+/// A ramp towards two directions, or upwards.
+std::string rate_components(const EstimatedError& error);
 
 }  // namespace runcert

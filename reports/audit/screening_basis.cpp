@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "reports/audit/screening_parts.h"
-#include "reports/audit/words.h"
+#include "reports/audit/screening.h"
 #include "reports/words/screening.h"
 
 namespace runcert {
@@ -35,14 +34,12 @@ std::string files_text(const ScreenedTable& table, const AuditSubject& subject) 
                                    table.header.program_version, table.header.source_revision,
                                    table.header.schema_name, table.header.schema_version);
     if (!subject.checked.empty())
-        text += fmt::format(
-            " The hashes (SHA-256) of {} are those that the files made from them "
-            "name.",
-            listed(subject.checked));
+        text +=
+            fmt::format(" The hashes (SHA-256) of {} are those that the files made from them name.",
+                        listed(subject.checked));
     if (!subject.unchecked.empty())
         text += fmt::format(
-            " Not checked, because the folder lacks the file or the one that names "
-            "its hash: {}.",
+            " Not checked, because the folder lacks the file or the one that names its hash: {}.",
             listed(subject.unchecked));
     return text;
 }
@@ -178,7 +175,7 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     for (const DisplacementComparison& each : basis.displacements)
         say(displacement_comparison_text(each) + ".");
     say(time_text(table));
-    Entries faults{.items = {}, .nested = true};
+    Entries faults{.nested = true};
     for (const TimeFault& fault : basis.time.faults)
         faults.items.push_back(fault_line(table, fault));
     if (!faults.items.empty()) blocks.emplace_back(std::move(faults));

@@ -2,14 +2,14 @@
 
 #include "core/prose.h"
 #include "core/text.h"
+#include "reports/audit/screening.h"
 #include "reports/audit/sections.h"
-#include "reports/audit/words.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
 namespace {
 
-/// What is not met must be seen in a page of what is.
+/// In capitals where not met, so that it is seen in a page of what is.
 std::string status_text(RequirementStatus status) {
     return status == RequirementStatus::not_met ? upper_case(words_of(status))
                                                 : std::string(words_of(status));
@@ -21,33 +21,30 @@ Facts decision_facts(const ProfileVerdict& verdict) {
                  {"Rule", fmt::format("{}; SHA-256 of its text {}", rule_identity_text(verdict),
                                       verdict.rule.sha256)},
                  {"Because", verdict.reason}}};
-    const auto add = [&](const char* name, std::string value) {
-        facts.facts.push_back({name, std::move(value)});
-    };
     if (verdict.record)
-        add("Record", fmt::format("{} {}, by: {}", quantity_text(verdict.record->speed),
-                                  verdict.record->unit, verdict.record->source));
-    if (verdict.window) add("Window", span_text(*verdict.window));
+        facts.add("Record", fmt::format("{} {}, by: {}", quantity_text(verdict.record->speed),
+                                        verdict.record->unit, verdict.record->source));
+    if (verdict.window) facts.add("Window", span_text(*verdict.window));
     if (verdict.speed_m_s) {
         const ShownFigures shown = shown_of(verdict, "km/h");
-        add("Measured speed",
-            fmt::format("{}; in the file {}, expanded uncertainty {}",
-                        measured_speed_text(shown, verdict.coverage_factor),
-                        file_speed_text(*verdict.speed_m_s),
-                        file_speed_text(verdict.expanded_uncertainty_m_s.value_or(0.0))));
+        facts.add("Measured speed",
+                  fmt::format("{}; in the file {}, expanded uncertainty {}",
+                              measured_speed_text(shown, verdict.coverage_factor),
+                              file_speed_text(*verdict.speed_m_s),
+                              file_speed_text(verdict.expanded_uncertainty_m_s.value_or(0.0))));
         if (verdict.required_speed_m_s)
-            add("Required speed",
-                fmt::format("{} {}; in the file {}", shown.required_speed, shown.unit,
-                            file_speed_text(*verdict.required_speed_m_s)));
+            facts.add("Required speed",
+                      fmt::format("{} {}; in the file {}", shown.required_speed, shown.unit,
+                                  file_speed_text(*verdict.required_speed_m_s)));
         if (verdict.decision)
-            add("Conformance",
-                fmt::format("probability {} (at least {} required); acceptance limit {} {}",
-                            probability_text(verdict.decision->probability),
-                            level_text(verdict.decision->level), shown.acceptance_limit,
-                            shown.unit));
+            facts.add("Conformance",
+                      fmt::format("probability {} (at least {} required); acceptance limit {} {}",
+                                  probability_text(verdict.decision->probability),
+                                  level_text(verdict.decision->level), shown.acceptance_limit,
+                                  shown.unit));
     }
     if (verdict.current_subtracted_m_s)
-        add("Current", file_speed_text(*verdict.current_subtracted_m_s) + " subtracted");
+        facts.add("Current", file_speed_text(*verdict.current_subtracted_m_s) + " subtracted");
     return facts;
 }
 
@@ -66,8 +63,7 @@ std::string requirement_text(const Requirement& requirement) {
 
 FactTable replaced_table(const std::vector<Override>& overrides) {
     FactTable table{.caption = "Figures of the rule that the attempt replaced",
-                    .heads = {"figure", "the rule's", "used", "unit", "reason"},
-                    .rows = {}};
+                    .heads = {"figure", "the rule's", "used", "unit", "reason"}};
     for (const Override& each : overrides)
         table.rows.push_back({each.figure, quantity_text(each.rule), quantity_text(each.used),
                               each.unit, each.reason.empty() ? "none given" : each.reason});
@@ -76,8 +72,8 @@ FactTable replaced_table(const std::vector<Override>& overrides) {
 
 void add_list(Section& part, const char* heading, const std::vector<std::string>& items) {
     if (items.empty()) return;
-    part.blocks.emplace_back(Paragraph{heading});
-    part.blocks.emplace_back(Entries{.items = items});
+    part.add(Paragraph{heading});
+    part.add(Entries{.items = items});
 }
 
 Section rule_verdict(const ProfileVerdict& verdict) {
@@ -85,18 +81,18 @@ Section rule_verdict(const ProfileVerdict& verdict) {
         .title = fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body),
         .blocks = {decision_facts(verdict)}};
     if (verdict.overrides.empty())
-        part.blocks.emplace_back(Paragraph{"The attempt replaced no figure of the rule."});
+        part.add(Paragraph{"The attempt replaced no figure of the rule."});
     else
-        part.blocks.emplace_back(replaced_table(verdict.overrides));
+        part.add(replaced_table(verdict.overrides));
     std::vector<std::string> requirements;
     for (const Requirement& requirement : verdict.requirements)
         requirements.push_back(requirement_text(requirement));
     add_list(part, "Requirements:", requirements);
     if (verdict.indicated) {
-        part.blocks.emplace_back(Paragraph{fmt::format(
+        part.add(Paragraph{fmt::format(
             "A window that the recording shows as {} over {} was REFUSED, because:",
             file_speed_text(verdict.indicated->speed_m_s), span_text(verdict.indicated->span))});
-        part.blocks.emplace_back(Entries{.items = verdict.indicated->refusals, .nested = true});
+        part.add(Entries{.items = verdict.indicated->refusals, .nested = true});
     }
     std::vector<std::string> course;
     for (const Figure& figure : verdict.course)
@@ -112,13 +108,11 @@ Section check_section(const RunRecord& record, bool all) {
     const std::string title = stage_title("check", {});
     if (!record.verdict) return missing_section(title, record.verdict_file);
     const Verdict& verdict = *record.verdict;
-    Section section{.title = title,
-                    .blocks = file_blocks(record, verdict.header, record.verdict_file,
-                                          counted(std::ssize(verdict.profiles), "verdict") +
-                                              ", of receiver " + verdict.receiver,
-                                          all)};
-    for (Block& block : parameter_blocks(record.attempt, verdict.header, all))
-        section.blocks.push_back(std::move(block));
+    Section section = product_section(
+        record, title, verdict.header, record.verdict_file,
+        counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
+        all);
+    section.add(parameter_blocks(record.attempt, verdict.header, all));
     for (const ProfileVerdict& each : verdict.profiles)
         section.parts.push_back(rule_verdict(each));
     if (!verdict.statements.empty())

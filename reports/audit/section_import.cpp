@@ -5,6 +5,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/sections.h"
+#include "reports/words/recording.h"
 
 namespace runcert {
 namespace {
@@ -70,31 +71,29 @@ std::int64_t positions_of(const std::vector<Observation>& rows) {
 Facts facts_of(const Receiver& receiver, const Observations& observations) {
     const std::int64_t epochs = std::ssize(observations.rows);
     const std::int64_t positions = positions_of(observations.rows);
-    Facts facts{
-        {{"Format", format_text(receiver, observations)},
-         {"Device",
-          observations.device.empty() ? "the recording does not say" : observations.device},
-         {"Coordinates", frame_words(observations.frame)},
-         {"Time scale", scale_words(observations)},
-         {"Time stamps", clock_words(observations)},
-         {"Epochs",
-          fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
-                      counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
-         {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
-         {"Accuracy", accuracy_words(observations.accuracy_source)},
-         {"Fix type", std::string(words_of(observations.solution_source))},
-         {"Smallest steps", resolution_text(observations.facts)},
-         {"Records", fmt::format("{} read, {} could not be read",
-                                 counted(observations.records.total - observations.records.bad),
-                                 counted(observations.records.bad))}}};
-    return facts;
+    return {{{"Format", format_text(receiver, observations)},
+             {"Device",
+              observations.device.empty() ? "the recording does not say" : observations.device},
+             {"Coordinates", frame_words(observations.frame)},
+             {"Time scale", scale_words(observations)},
+             {"Time stamps", clock_words(observations)},
+             {"Epochs", fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
+                                    counted(positions),
+                                    format_fixed(observations.facts.nominal_interval_s, 3))},
+             {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
+             {"Accuracy", accuracy_words(observations.accuracy_source)},
+             {"Fix type", std::string(words_of(observations.solution_source))},
+             {"Smallest steps", resolution_text(observations.facts)},
+             {"Records", fmt::format("{} read, {} could not be read",
+                                     counted(observations.records.total - observations.records.bad),
+                                     counted(observations.records.bad))}}};
 }
 
 /// What the attempt says of the receiver that changes how its recording is read.
 Facts declared(const Receiver& receiver) {
     Facts facts;
     const auto add = [&](const char* name, const std::string& value) {
-        if (!value.empty()) facts.facts.push_back({name, value});
+        if (!value.empty()) facts.add(name, value);
     };
     const auto metres = [](const std::optional<double>& value) {
         return value ? quantity_text(*value) + " m" : std::string();
@@ -152,27 +151,82 @@ std::vector<Block> left_out_blocks(const RecordCount& records, bool all) {
     return {Paragraph{heading + ":"}, std::move(entries)};
 }
 
+Facts frame_facts(const EnuTable& table) {
+    if (!table.origin) return {{{"Frame", engineering_crs_text()}}};
+    const Geodetic& at = table.origin->position;
+    Facts facts{
+        {{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
+         {"Origin",
+          fmt::format("latitude {}, longitude {}, height {} m",
+                      format_fixed(at.latitude.degrees(), 9),
+                      format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3))},
+         {"Chosen by", table.origin->source == "attempt"
+                           ? "the attempt"
+                           : "the program: it is the first position of the recording"}}};
+    for (const FramePlace& place : table.origin->places)
+        facts.add("Another place, from", place_text(place));
+    return facts;
+}
+
+Entries ephemerides_of(const PhaseTable& phase) {
+    Entries entries;
+    for (const UsedEphemeris& each : phase.ephemerides)
+        entries.items.push_back(fmt::format("{}, issue {}, of {}, at {}{}", each.satellite,
+                                            each.issue, each.reference_gps, each.place,
+                                            each.healthy ? "" : "; the satellite is not healthy"));
+    return entries;
+}
+
+/// The part about the raw phases of a receiver that has some.
+std::vector<Section> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    if (!one.phase) return {};
+    const PhaseTable& phase = *one.phase;
+    Section section =
+        product_section(record, "Raw phases", phase.header, one.phase_file,
+                        fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), all);
+    if (!phase.notes.empty()) section.add(Entries{.items = phase.notes});
+    section.add(Paragraph{fmt::format(
+        "Satellites' places are computed from {} (line or byte of the navigation at the end).",
+        phase.ephemerides.size() == 1
+            ? "one broadcast ephemeris"
+            : counted(std::ssize(phase.ephemerides)) + " broadcast ephemerides")});
+    if (all) section.add(ephemerides_of(phase));
+    return {std::move(section)};
+}
+
 }  // namespace
 
 Section import_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
     const std::string title = stage_title("import", one.receiver.id);
     if (!one.observations) return missing_section(title, one.observations_file);
     const Observations& observations = *one.observations;
-    Section section{.title = title,
-                    .blocks = file_blocks(record, observations.header, one.observations_file,
-                                          counted(std::ssize(observations.rows), "epoch"), all)};
-    section.blocks.emplace_back(facts_of(one.receiver, observations));
-    if (Facts facts = declared(one.receiver); !facts.facts.empty())
-        section.blocks.emplace_back(std::move(facts));
-    for (Block& block : left_out_blocks(observations.records, all))
-        section.blocks.push_back(std::move(block));
+    Section section = product_section(record, title, observations.header, one.observations_file,
+                                      counted(std::ssize(observations.rows), "epoch"), all);
+    section.add(facts_of(one.receiver, observations));
+    if (Facts facts = declared(one.receiver); !facts.facts.empty()) section.add(std::move(facts));
+    section.add(left_out_blocks(observations.records, all));
     if (!observations.notes.empty()) {
-        section.blocks.emplace_back(Paragraph{"Noticed while reading:"});
-        section.blocks.emplace_back(Entries{.items = observations.notes});
+        section.add(Paragraph{"Noticed while reading:"});
+        section.add(Entries{.items = observations.notes});
     }
-    for (Block& block : parameter_blocks(record.attempt, observations.header, all))
-        section.blocks.push_back(std::move(block));
+    section.add(parameter_blocks(record.attempt, observations.header, all));
     section.parts = imported_phases(record, one, all);
+    return section;
+}
+
+Section enu_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    const std::string title = stage_title("enu", one.receiver.id);
+    if (!one.enu) return missing_section(title, one.enu_file);
+    const EnuTable& table = *one.enu;
+    const auto positions = std::ranges::count_if(
+        table.rows, [](const EnuEpoch& row) { return row.east_m.has_value(); });
+    Section section =
+        product_section(record, title, table.header, one.enu_file,
+                        fmt::format("{}, {} with a position",
+                                    counted(std::ssize(table.rows), "epoch"), counted(positions)),
+                        all);
+    section.add(frame_facts(table));
+    section.add(parameter_blocks(record.attempt, table.header, all));
     return section;
 }
 

@@ -52,8 +52,7 @@ std::string indicated_text(const ProfileWindows& windows) {
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
         "a time-correlated error of {} m is allowed for, with any correlation time from {} s to {} "
-        "s; decided by {} (fitted {} "
-        "m{}, stated {} m, floor {} m{})",
+        "s; decided by {} (fitted {} m{}, stated {} m, floor {} m{})",
         quantity_text(bound.sigma_m), quantity_text(bound.tau_min_s),
         quantity_text(bound.tau_max_s), to_text(bound.decided_by), quantity_text(bound.fitted_m),
         bound.along > 1.0
@@ -88,8 +87,7 @@ std::string selection_text(const SelectionBias& selection) {
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
         "as fitted, {} m/s with the time-correlated error at its bound (± {} m/s): {} ({} "
-        "trajectories "
-        "drawn, seed {})",
+        "trajectories drawn, seed {})",
         counted(selection.candidates), quantity_text(selection.fitted_bias_m_s),
         quantity_text(selection.bounded_bias_m_s), quantity_text(selection.bias_uncertainty_m_s),
         subtracted ? "the middle of the two is subtracted from the speed, half their difference "
@@ -109,8 +107,8 @@ std::string monte_carlo_text(const MonteCarloCheck& check) {
 
 std::string witness_text(const WitnessedSpeed& one) {
     std::string text = fmt::format(
-        "{} by {}, standard uncertainty {} m/s; positions less witness {} m/s, normalised "
-        "error {}: {}; the displacements differ by {} m{}; counts by {}",
+        "{} by {}, standard uncertainty {} m/s; positions less witness {} m/s, normalised error "
+        "{}: {}; the displacements differ by {} m{}; counts by {}",
         file_speed_text(one.speed_m_s),
         one.receiver.empty() ? std::string(words_of(one.kind))
                              : fmt::format("the positions of receiver \"{}\"", one.receiver),
@@ -130,33 +128,31 @@ std::string witness_text(const WitnessedSpeed& one) {
 
 Facts checks_of(const CertifiableWindow& best) {
     Facts facts;
-    const auto add = [&](const char* name, std::string value) {
-        facts.facts.push_back({name, std::move(value)});
-    };
     if (best.robust)
-        add("Robust batch", fmt::format("{}, {} m/s from the screened solution, limit {} m/s: {}",
-                                        file_speed_text(best.robust->speed_m_s),
-                                        quantity_text(best.robust->difference_m_s),
-                                        quantity_text(best.robust->limit_m_s),
-                                        best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
-    if (best.estimates) add("Other estimates", estimates_text(*best.estimates));
-    if (best.bound) add("Bound", bound_text(*best.bound));
-    if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
-    if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
+        facts.add("Robust batch",
+                  fmt::format("{}, {} m/s from the screened solution, limit {} m/s: {}",
+                              file_speed_text(best.robust->speed_m_s),
+                              quantity_text(best.robust->difference_m_s),
+                              quantity_text(best.robust->limit_m_s),
+                              best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
+    if (best.estimates) facts.add("Other estimates", estimates_text(*best.estimates));
+    if (best.bound) facts.add("Bound", bound_text(*best.bound));
+    if (best.selection) facts.add("Choice of the fastest", selection_text(*best.selection));
+    if (best.monte_carlo) facts.add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const WitnessedSpeed& one : best.witnesses)
-        add("Witness", witness_text(one));
+        facts.add("Witness", witness_text(one));
     for (const UndetectedError& error : best.reliability)
-        add("Undetected error", fmt::format("{}, {} {}: changes the speed by {} m/s",
-                                            tested_error_text(error.hypothesis), size_text(error),
-                                            where_text(error), quantity_text(error.speed_m_s)));
+        facts.add("Undetected error",
+                  fmt::format("{}, {} {}: changes the speed by {} m/s",
+                              tested_error_text(error.hypothesis), size_text(error),
+                              where_text(error), quantity_text(error.speed_m_s)));
     return facts;
 }
 
 FactTable budget_table(const std::vector<BudgetRow>& budget) {
     FactTable table{
         .caption = "Budget: standard uncertainties",
-        .heads = {"symbol", "standard uncertainty", "contribution to u", "type", "source"},
-        .rows = {}};
+        .heads = {"symbol", "standard uncertainty", "contribution to u", "type", "source"}};
     for (const BudgetRow& row : budget)
         table.rows.push_back({row.symbol,
                               fmt::format("{}{}{}", quantity_text(row.standard_uncertainty),
@@ -170,23 +166,21 @@ Section rule_windows(const ProfileWindows& windows) {
     Section part{.title = fmt::format("Rule {}", windows.profile)};
     Facts facts{{{"Looked for", rule_text(windows.rule)},
                  {"Compared", counted(windows.candidates, "certifiable window")},
-                 {"Best", windows.best              ? best_text(*windows.best)
-                          : windows.missing.empty() ? "none: breaks and epochs left out leave no "
-                                                      "stretch long enough"
-                                                    : "none: " + windows.missing}}};
+                 {"Best", windows.best ? best_text(*windows.best)
+                          : windows.missing.empty()
+                              ? "none: breaks and epochs left out leave no stretch long enough"
+                              : "none: " + windows.missing}}};
     for (const FurtherWindow& further : windows.further)
-        facts.facts.push_back(
-            {"Further", fmt::format("{} over {}", file_speed_text(further.speed_m_s),
-                                    span_text(further.span))});
-    if (windows.indicated) facts.facts.push_back({"Indicated", indicated_text(windows)});
-    part.blocks.emplace_back(std::move(facts));
+        facts.add("Further", fmt::format("{} over {}", file_speed_text(further.speed_m_s),
+                                         span_text(further.span)));
+    if (windows.indicated) facts.add("Indicated", indicated_text(windows));
+    part.add(std::move(facts));
     if (windows.indicated && !windows.indicated->refusals.empty())
-        part.blocks.emplace_back(Entries{.items = windows.indicated->refusals, .nested = true});
+        part.add(Entries{.items = windows.indicated->refusals, .nested = true});
     if (windows.best) {
         if (Facts checks = checks_of(*windows.best); !checks.facts.empty())
-            part.blocks.emplace_back(std::move(checks));
-        if (!windows.best->budget.empty())
-            part.blocks.emplace_back(budget_table(windows.best->budget));
+            part.add(std::move(checks));
+        if (!windows.best->budget.empty()) part.add(budget_table(windows.best->budget));
     }
     return part;
 }
@@ -197,13 +191,10 @@ Section window_section(const RunRecord& record, const ReceiverRecord& one, bool 
     const std::string title = stage_title("window", one.receiver.id);
     if (!one.windows) return missing_section(title, one.windows_file);
     const Windows& windows = *one.windows;
-    Section section{.title = title,
-                    .blocks = file_blocks(record, windows.header, one.windows_file,
-                                          counted(std::ssize(windows.profiles), "rule"), all)};
-    for (Block& block : parameter_blocks(record.attempt, windows.header, all))
-        section.blocks.push_back(std::move(block));
-    if (!windows.witness_notes.empty())
-        section.blocks.emplace_back(Entries{.items = windows.witness_notes});
+    Section section = product_section(record, title, windows.header, one.windows_file,
+                                      counted(std::ssize(windows.profiles), "rule"), all);
+    section.add(parameter_blocks(record.attempt, windows.header, all));
+    if (!windows.witness_notes.empty()) section.add(Entries{.items = windows.witness_notes});
     for (const ProfileWindows& each : windows.profiles)
         section.parts.push_back(rule_windows(each));
     return section;

@@ -10,9 +10,6 @@
 
 namespace runcert {
 
-/// What the run is, who made its files, and what is missing.
-Section run_section(const RunRecord& record, const WalkOptions& options);
-
 /// A stage's section where its product is there; else one that says that it is not.
 Section import_section(const RunRecord& record, const ReceiverRecord& one, bool all);
 Section enu_section(const RunRecord& record, const ReceiverRecord& one, bool all);
@@ -21,15 +18,10 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
 Section window_section(const RunRecord& record, const ReceiverRecord& one, bool all);
 Section check_section(const RunRecord& record, bool all);
 
-/// The parts of import's and of screening's sections about the raw phases of a receiver that has
-/// some.
-std::vector<Section> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all);
-std::vector<Section> screened_phases(const RunRecord& record, const ReceiverRecord& one, bool all);
-
-/// Where a product comes from and what became of it, for the head of a stage's section: a table of
-/// its inputs, and the facts of its own file. `contents` says what is in it ("601 epochs").
-std::vector<Block> file_blocks(const RunRecord& record, const Header& header,
-                               const std::string& file, const std::string& contents, bool all);
+/// The head of a stage's section: where its product comes from and what became of it, as a table of
+/// its inputs and the facts of its own file. `contents` says what is in it ("601 epochs").
+Section product_section(const RunRecord& record, const std::string& title, const Header& header,
+                        const std::string& file, const std::string& contents, bool all);
 
 /// The parameters of a stage that are not the default, each with it; with `all` every one.
 std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all);
@@ -39,9 +31,6 @@ Section missing_section(const std::string& title, const std::string& file);
 
 /// "3. screen, receiver primary"
 std::string stage_title(const std::string& stage, const std::string& receiver);
-
-/// The first digits of a hash, or all.
-std::string hash_text(const std::string& sha256, bool all);
 
 /// A speed as the file holds it, which is not how it is to be read: "62.130412 m/s".
 std::string file_speed_text(double speed_m_s);

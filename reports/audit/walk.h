@@ -33,14 +33,17 @@ struct Fact {
 struct Facts {
     std::vector<Fact> facts = {};
 
+    void add(std::string name, std::string value) {
+        facts.push_back({std::move(name), std::move(value)});
+    }
     bool operator==(const Facts&) const = default;
 };
 
 /// Every row has as many cells as there are heads; the first names the row.
 struct FactTable {
-    std::string caption;
-    std::vector<std::string> heads;
-    std::vector<std::vector<std::string>> rows;
+    std::string caption = {};
+    std::vector<std::string> heads = {};
+    std::vector<std::vector<std::string>> rows = {};
 
     bool operator==(const FactTable&) const = default;
 };
@@ -52,13 +55,22 @@ struct Section {
     std::vector<Block> blocks = {};
     std::vector<Section> parts = {};  ///< these have none of their own
 
+    void add(Block block) { blocks.push_back(std::move(block)); }
+    void add(std::vector<Block> more) {
+        for (Block& block : more)
+            blocks.push_back(std::move(block));
+    }
+    void add_parts(std::vector<Section> more) {
+        for (Section& part : more)
+            parts.push_back(std::move(part));
+    }
     bool operator==(const Section&) const = default;
 };
 
 /// A walk through a run: what it is, then stage by stage.
 struct Walk {
     std::string title;
-    std::vector<Section> sections;
+    std::vector<Section> sections = {};
 
     bool operator==(const Walk&) const = default;
 };

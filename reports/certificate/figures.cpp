@@ -1,5 +1,3 @@
-#include "reports/certificate/figures.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,7 +9,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
-#include "reports/certificate/gnuplot_script.h"
+#include "reports/certificate/report_run.h"
 
 namespace runcert {
 

@@ -1,5 +1,3 @@
-#include "reports/certificate/gnuplot_script.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "core/failure.h"
+#include "reports/certificate/report_run.h"
 
 namespace runcert {
 

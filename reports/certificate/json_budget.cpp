@@ -1,28 +1,23 @@
-#include "reports/certificate/json_budget.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "core/text.h"
 #include "core/uncertainty.h"
+#include "reports/certificate/json_parts.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-/// So many significant digits at most, and no exponent however large the figure is.
+/// At most that many significant digits, never with an exponent.
 std::string short_text(double value, int digits) {
     std::string text = fmt::format("{:.{}g}", value, digits);
     return text.find("e+") == std::string::npos ? text : significant_text(value, digits);
 }
 
-/// Above so many the normal distribution and Student's t are one.
+/// From here on Student's t is the normal distribution.
 constexpr double many_degrees_of_freedom = 10000.0;
 
 /// Decimals for every contribution of a budget: three digits of the combined uncertainty, no finer
@@ -148,8 +143,8 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
     };
     json["monte_carlo_words"] = fmt::format(
         "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = "
-        "{} {}, 95 % interval {} to {} {}; {}, "
-        "numerical tolerance {} {}. Its u {} with the budget's. {}",
+        "{} {}, 95 % interval {} to {} {}; {}, numerical tolerance {} {}. Its u {} with the "
+        "budget's. {}",
         check.trials, check.seed, text(check.mean_m_s), scale.unit.name,
         contribution_text(check.standard_uncertainty_m_s, window, scale.unit), scale.unit.name,
         text(check.lower_m_s), text(check.upper_m_s), scale.unit.name,

@@ -1,20 +1,13 @@
-#include "reports/certificate/json_certificate.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "files/program.h"
-#include "reports/certificate/json_facts.h"
-#include "reports/certificate/json_rule.h"
+#include "reports/certificate/json_parts.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 /// A unit of speed as D-SI writes it (https://doi.org/10.5281/zenodo.3522631); it has none for the
@@ -31,7 +24,7 @@ const SpeedUnit& certificate_unit(const Profile& profile) {
     return own.name == "mph" ? speed_unit("km/h") : own;
 }
 
-/// That an interval of so many standard uncertainties holds a normal variable ([GUM] G.1.3).
+/// With which probability so many standard uncertainties hold a normal variable ([GUM] G.1.3).
 double coverage_probability(double nominal_factor) {
     return std::erf(nominal_factor / std::sqrt(2.0));
 }
@@ -109,7 +102,7 @@ void set_times(Json& json, const ReceiverResults& judged) {
     json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
 }
 
-/// The programs of others that ran on what was handed in, not shut in by a sandbox.
+/// Other programs that ran on files handed in without a sandbox.
 std::string unconfined_programs(const ReportInputs& inputs) {
     std::string names;
     for (const ReceiverResults& results : inputs.receivers)
@@ -122,16 +115,15 @@ std::string unconfined_programs(const ReportInputs& inputs) {
 Json certificate_facts(const Json& certificate) {
     Json facts = Json::array();
     const auto add = [&](const char* label, const char* key) {
-        if (certificate.contains(key)) facts.push_back(fact(label, certificate[key]));
+        if (certificate.contains(key)) add_fact(facts, label, certificate[key]);
     };
     add("Measured from, UTC", "begin_performance");
     add("until", "end_performance");
     const std::size_t deviations = certificate["deviations"].size();
-    facts.push_back(fact(
-        "Deviations from method and rules",
-        deviations == 0
-            ? "none"
-            : counted(static_cast<std::int64_t>(deviations), "figure") + ", each listed below"));
+    add_fact(facts, "Deviations from method and rules",
+             deviations == 0 ? "none"
+                             : counted(static_cast<std::int64_t>(deviations), "figure") +
+                                   ", each listed below");
     return facts;
 }
 
@@ -170,7 +162,7 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id) 
     json["deviations"] = deviations_json(inputs);
     json["facts"] = certificate_facts(json);
     if (const std::string programs = unconfined_programs(inputs); !programs.empty())
-        json["facts"].push_back(fact("Run without a sandbox", programs));
+        add_fact(json["facts"], "Run without a sandbox", programs);
     return json;
 }
 

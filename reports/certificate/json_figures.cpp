@@ -5,16 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <iterator>
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
-#include "reports/certificate/curve.h"
 #include "reports/certificate/json_parts.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 constexpr std::size_t points_of_a_line = 1000;
@@ -98,14 +93,11 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
         arc = row->arc;
         if (!(row->*speed)) continue;
         const double value = *(row->*speed) * kmh_per_m_s;
-        if (speed == &TrajectoryEpoch::speed_m_s && row->sigma_speed_m_s) {
-            const double band = 2.0 * *row->sigma_speed_m_s * kmh_per_m_s;
-            curve.add(row->time.seconds(), value, value - band, value + band);
-            methods.speeds.widen(value - band);
-            methods.speeds.widen(value + band);
-        } else {
+        if (speed == &TrajectoryEpoch::speed_m_s && row->sigma_speed_m_s)
+            curve.add(row->time.seconds(), value, 2.0 * *row->sigma_speed_m_s * kmh_per_m_s,
+                      methods.speeds);
+        else
             curve.add(row->time.seconds(), value);
-        }
         if (speed != &TrajectoryEpoch::speed_kalman_m_s) methods.speeds.widen(value);
     }
     if (!curve.empty()) methods.curves.push_back(curve.json());
@@ -165,11 +157,111 @@ void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, doubl
     const double room = std::max(speeds.span(), 0.1);
     if (required_speed < *speeds.least - room || required_speed > *speeds.most + room) return;
     speeds.widen(required_speed);
-    figure["levels"].push_back(
-        {{"level_name", "required speed, " + profile_name_of(profile)}, {"level", required_speed}});
+    add_level(figure, "required speed, " + profile_name_of(profile), required_speed);
+}
+
+/// The horizontal speed over the whole run.
+Json speed_figure(const ReceiverResults& results, const Json& profiles) {
+    const auto rows = estimated(results.trajectory);
+    const std::size_t every = thinning(results.trajectory.rows.size());
+    Json figure = empty_figure(
+        "speed", "Horizontal speed over the whole run",
+        "Smoothed speed; the line is broken where the recording is. Marked at the foot: epochs "
+        "that were not used. Shaded: the windows, the certified and the fastest of the raw "
+        "positions where that one was refused. Dashed: the required speed." +
+            thinning_words(every),
+        time_label, "horizontal speed (km/h)");
+    Curve curve({"smoothed speed", "line", "blue"});
+    Range times, speeds;
+    speeds.widen(0.0);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
+        times.widen(rows[i]->time.seconds());
+        speeds.widen(*rows[i]->speed_m_s * kmh_per_m_s);
+        if (begins) curve.interrupt();
+        if (begins || i % every == 0)
+            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * kmh_per_m_s);
+    }
+    figure["curves"].push_back(curve.json());
+    for (const Json& profile : profiles) {
+        if (!profile.contains("required_speed_km_h") || !is_horizontal(profile)) continue;
+        const double required_speed = profile["required_speed_km_h"].get<double>();
+        speeds.widen(required_speed);
+        add_level(figure, "required speed, " + profile_name_of(profile), required_speed);
+    }
+    figure["spans"] = window_spans(profiles);
+    add_unused_spans(figure["spans"], results.screened.rows);
+    const auto& screened = results.screened.rows;
+    for (const auto& row : {screened.begin(), std::prev(screened.end())})
+        times.widen(row->time.seconds());
+    set_axes(figure, *times.least, *times.most, 0.0, *speeds.most);
+    return figure;
+}
+
+/// Around the window of one profile, with all methods.
+Json window_figure(const TrajectoryTable& table, const Json& profile) {
+    const Json& window = profile["window"];
+    const double start = window["start_time_s"].get<double>();
+    const double end = start + window["duration_s"].get<double>();
+    const double pad = std::max(0.5 * (end - start), 1.0);
+    Json figure = empty_figure("window", "The window under the rule " + profile_name_of(profile),
+                               window_caption(profile), time_label, "horizontal speed (km/h)");
+    figure["figure_profile"] = profile["profile"];
+    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad));
+    figure["curves"] = std::move(methods.curves);
+    add_window_span(figure["spans"], window, "window, " + profile_name_of(profile), "window");
+    add_counting_speeds(figure, methods.speeds, profile, start, end);
+    set_axes(figure, start - pad, end + pad, methods.speeds.least.value_or(0.0),
+             methods.speeds.most.value_or(0.0));
+    return figure;
 }
 
 }  // namespace
+
+Curve::Curve(const CurveStyle& style)
+    : json_{{"curve_name", style.name},
+            {"curve_kind", style.kind},
+            {"colour", style.colour},
+            {"x", Json::array()},
+            {"y", Json::array()}},
+      style_(style) {}
+
+void Curve::add(double x, double y) {
+    if (interrupted_) {
+        json_["x"].push_back(rounded(x, style_.x_decimals));
+        for (const char* values : {"y", "lower", "upper"})
+            if (json_.contains(values)) json_[values].push_back(nullptr);
+    }
+    interrupted_ = false;
+    json_["x"].push_back(rounded(x, style_.x_decimals));
+    json_["y"].push_back(rounded(y, style_.y_decimals));
+}
+
+void Curve::add(double x, double y, double lower, double upper) {
+    if (empty()) json_["lower"] = json_["upper"] = Json::array();
+    add(x, y);
+    json_["lower"].push_back(rounded(lower, style_.y_decimals));
+    json_["upper"].push_back(rounded(upper, style_.y_decimals));
+}
+
+void Curve::add(double x, double y, double half_width, Range& range) {
+    add(x, y, y - half_width, y + half_width);
+    range.widen(y - half_width);
+    range.widen(y + half_width);
+}
+
+void Curve::add_to(Json& figure) const {
+    if (!empty()) figure["curves"].push_back(json_);
+}
+
+void Curve::interrupt() {
+    interrupted_ = !empty();
+}
+
+void Range::widen(double value) {
+    least = least ? std::min(*least, value) : value;
+    most = most ? std::max(*most, value) : value;
+}
 
 void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind) {
     const double start = window["start_time_s"].get<double>();
@@ -201,58 +293,12 @@ void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_m
     figure["y_max"] = rounded(y_max + y_room, 6);
 }
 
-Json speed_figure(const ReceiverResults& results, const Json& profiles) {
-    const auto rows = estimated(results.trajectory);
-    const std::size_t every = thinning(results.trajectory.rows.size());
-    Json figure = empty_figure(
-        "speed", "Horizontal speed over the whole run",
-        "Smoothed speed; the line is broken where the recording is. Marked at the foot: epochs "
-        "that were not used. Shaded: the windows, the certified and the fastest of the raw "
-        "positions where that one was refused. Dashed: the required speed." +
-            thinning_words(every),
-        time_label, "horizontal speed (km/h)");
-    Curve curve({"smoothed speed", "line", "blue"});
-    Range times, speeds;
-    speeds.widen(0.0);
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
-        times.widen(rows[i]->time.seconds());
-        speeds.widen(*rows[i]->speed_m_s * kmh_per_m_s);
-        if (begins) curve.interrupt();
-        if (begins || i % every == 0)
-            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * kmh_per_m_s);
-    }
-    figure["curves"].push_back(curve.json());
-    for (const Json& profile : profiles) {
-        if (!profile.contains("required_speed_km_h") || !is_horizontal(profile)) continue;
-        speeds.widen(profile["required_speed_km_h"].get<double>());
-        figure["levels"].push_back({{"level_name", "required speed, " + profile_name_of(profile)},
-                                    {"level", profile["required_speed_km_h"]}});
-    }
-    figure["spans"] = window_spans(profiles);
-    add_unused_spans(figure["spans"], results.screened.rows);
-    const auto& screened = results.screened.rows;
-    for (const auto& row : {screened.begin(), std::prev(screened.end())})
-        times.widen(row->time.seconds());
-    set_axes(figure, *times.least, *times.most, 0.0, *speeds.most);
-    return figure;
+void add_level(Json& figure, const std::string& name, double level) {
+    figure["levels"].push_back({{"level_name", name}, {"level", level}});
 }
 
-Json window_figure(const TrajectoryTable& table, const Json& profile) {
-    const Json& window = profile["window"];
-    const double start = window["start_time_s"].get<double>();
-    const double end = start + window["duration_s"].get<double>();
-    const double pad = std::max(0.5 * (end - start), 1.0);
-    Json figure = empty_figure("window", "The window under the rule " + profile_name_of(profile),
-                               window_caption(profile), time_label, "horizontal speed (km/h)");
-    figure["figure_profile"] = profile["profile"];
-    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad));
-    figure["curves"] = std::move(methods.curves);
-    add_window_span(figure["spans"], window, "window, " + profile_name_of(profile), "window");
-    add_counting_speeds(figure, methods.speeds, profile, start, end);
-    set_axes(figure, start - pad, end + pad, methods.speeds.least.value_or(0.0),
-             methods.speeds.most.value_or(0.0));
-    return figure;
+void add_mark(Json& figure, const std::string& name, double x, double y) {
+    figure["marks"].push_back({{"mark_name", name}, {"x", rounded(x, 3)}, {"y", rounded(y, 3)}});
 }
 
 Json figures_json(const ReportInputs& inputs, const Json& profiles) {

@@ -1,47 +1,83 @@
 #pragma once
 
+#include <cstddef>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "reports/certificate/report_data.h"
 
+// The figures of a report, `figures[]` of its predicate; `figures_json` puts them together.
+
 namespace runcert {
 
-/// The horizontal speed over the whole run.
-nlohmann::ordered_json speed_figure(const ReceiverResults& results,
-                                    const nlohmann::ordered_json& profiles);
-/// Around the window of one profile, with all methods.
-nlohmann::ordered_json window_figure(const TrajectoryTable& table,
-                                     const nlohmann::ordered_json& profile);
-/// The track on its course, in the plane.
-nlohmann::ordered_json track_figure(const ReportInputs& inputs,
-                                    const nlohmann::ordered_json& profiles);
-/// Measured less smoothed positions; null where no epoch has both.
-nlohmann::ordered_json residual_figure(const ReceiverResults& results);
-/// The statistics of screening's tests over their thresholds; null where there are none.
-nlohmann::ordered_json test_figure(const ScreenedTable& table);
+using Json = nlohmann::ordered_json;
 
-/// Adds the stretch of a window to a figure's spans, of kind "window" or "refused".
-void add_window_span(nlohmann::ordered_json& spans, const nlohmann::ordered_json& window,
-                     const std::string& name, const char* kind);
+/// The track on its course, in the plane.
+Json track_figure(const ReportInputs& inputs, const Json& profiles);
+/// Measured less smoothed positions; null where no epoch has both.
+Json residual_figure(const ReceiverResults& results);
+/// The statistics of screening's tests over their thresholds; null where there are none.
+Json test_figure(const ScreenedTable& table);
 /// Adds the speed by carrier phases to the figure of a window.
-void add_phase_speed(nlohmann::ordered_json& figure, const PhaseView& view);
+void add_phase_speed(Json& figure, const PhaseView& view);
 /// Sky, satellites over time, residuals, and displacements beside the positions'; none where the
 /// phases say nothing.
-std::vector<nlohmann::ordered_json> phase_figures(const PhaseView& view,
-                                                  const nlohmann::ordered_json& window);
+std::vector<Json> phase_figures(const PhaseView& view, const Json& window);
 
-/// What the page of the raw signals says; null where there are none.
-nlohmann::ordered_json raw_signals_json(const ReceiverResults& results);
+/// Least and largest of what was seen.
+struct Range {
+    std::optional<double> least, most;
+
+    void widen(double value);
+    double span() const { return least ? *most - *least : 0.0; }
+};
+
+/// How a curve of a figure looks.
+struct CurveStyle {
+    std::string name;
+    std::string kind;    ///< "line", "dashed", "points"
+    std::string colour;  ///< of Okabe and Ito's, by name: "blue", "vermilion", ...
+    int x_decimals = 3;
+    int y_decimals = 3;
+};
+
+/// Collects the points of a curve, as `figures[].curves[]` of the report holds them: in order, a
+/// null where the line breaks.
+class Curve {
+  public:
+    explicit Curve(const CurveStyle& style);
+
+    void add(double x, double y);
+    /// With a band around it.
+    void add(double x, double y, double lower, double upper);
+    /// With a band of that half width, which widens the range.
+    void add(double x, double y, double half_width, Range& range);
+    /// The line does not go on to the next point. Nothing happens before the first point.
+    void interrupt();
+    /// Adds the curve to a figure, where it has a point.
+    void add_to(Json& figure) const;
+
+    bool empty() const { return json_["x"].empty(); }
+    std::size_t size() const { return json_["x"].size(); }
+    const Json& json() const { return json_; }
+
+  private:
+    Json json_;
+    CurveStyle style_;
+    bool interrupted_ = false;
+};
 
 /// Begins a figure: its kind ("speed", "window", ...), words and axes; nothing is drawn yet.
-nlohmann::ordered_json empty_figure(const std::string& kind, const std::string& title,
-                                    const std::string& caption, const std::string& x_label,
-                                    const std::string& y_label);
+Json empty_figure(const std::string& kind, const std::string& title, const std::string& caption,
+                  const std::string& x_label, const std::string& y_label);
 /// What the axes show at least, with a margin of a twentieth on either side of y.
-void set_axes(nlohmann::ordered_json& figure, double x_min, double x_max, double y_min,
-              double y_max);
+void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_max);
+/// Adds the stretch of a window to a figure's spans, of kind "window" or "refused".
+void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind);
+void add_level(Json& figure, const std::string& name, double level);
+void add_mark(Json& figure, const std::string& name, double x, double y);
 
 /// A line is thinned to about as many points as a page can show: of so many rows one is drawn.
 std::size_t thinning(std::size_t rows);

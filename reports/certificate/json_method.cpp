@@ -1,15 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
-#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_parts.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 std::string value_text(const Json& value) {
@@ -69,11 +64,11 @@ void describe_tests(Json& words, const ScreeningBasis& basis) {
         "adjustment with that error as an unknown would.",
         basis.burst_epochs_max));
     words.push_back(
-        "The best supported error is adapted to: outliers are left out; a step, a drift or "
-        "a jump of the time stamps ends the arc. Where the attempt requires it, a step is bridged "
-        "with its offset as an unknown of the estimate. The tests are repeated until they find "
-        "nothing more. If the noise is as estimated, all of them together raise a false alarm at "
-        "most at the family-wise rate.");
+        "The best supported error is adapted to: outliers are left out; a step, a drift or a jump "
+        "of the time stamps ends the arc. Where the attempt requires it, a step is bridged with "
+        "its offset as an unknown of the estimate. The tests are repeated until they find nothing "
+        "more. If the noise is as estimated, all of them together raise a false alarm at most at "
+        "the family-wise rate.");
     words.push_back(
         "Witnesses beside the positions follow: the displacements by carrier phases, where raw "
         "signals were handed in; the recorded velocities, whose delay is estimated first; the "
@@ -83,33 +78,29 @@ void describe_tests(Json& words, const ScreeningBasis& basis) {
 
 void describe_estimated_noise(Json& words) {
     words.push_back(
-        "The noise is estimated from the recording unless the attempt requires the stated one. "
-        "It is the most likely one given all usable epochs: the jerk density of the motion, the "
-        "scale of the stated standard deviations, and the size and correlation time of a "
-        "time-correlated position error. Where the recording does not determine them, the stated "
-        "noise is used. Its variances are multiplied by the a posteriori variance of unit weight "
-        "where that exceeds one.");
+        "The noise is estimated from the recording unless the attempt requires the stated one. It "
+        "is the most likely one given all usable epochs: the jerk density of the motion, the scale "
+        "of the stated standard deviations, and the size and correlation time of a time-correlated "
+        "position error. Where the recording does not determine them, the stated noise is used. "
+        "Its variances are multiplied by the a posteriori variance of unit weight where that "
+        "exceeds one.");
     words.push_back(
-        "Within each arc position, velocity and acceleration are estimated from all usable "
-        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
-        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that the "
-        "tests rejected too, is the check on screening.");
+        "Within each arc position, velocity and acceleration are estimated from all usable epochs "
+        "at once, in two ways that must agree: batch least squares, and a Kalman filter with "
+        "Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that the tests "
+        "rejected too, is the check on screening.");
     words.push_back(
-        "Every window of the rule's length that lies within one arc and holds usable epochs "
-        "only is compared; the fastest gives the measured speed. Its speed is estimated with a "
-        "bound "
-        "on time-correlated position errors in place of the fitted ones. Its standard uncertainty "
-        "is that of "
-        "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
-        "Carlo propagation of the same distributions checks it.");
+        "Every window of the rule's length that lies within one arc and holds usable epochs only "
+        "is compared; the fastest gives the measured speed. Its speed is estimated with a bound on "
+        "time-correlated position errors in place of the fitted ones. Its standard uncertainty is "
+        "that of the budget, one row for each source, by the law of propagation of uncertainty; a "
+        "Monte Carlo propagation of the same distributions checks it.");
     words.push_back(
-        "The undetected error is bounded by the external reliability of the speed "
-        "(Baarda 1968). For each kind of error, at every epoch and in every direction, it is "
-        "the size that its test finds with the stated power only. What that size does to the speed "
-        "is the undetected effect. The "
-        "largest that is not a drift is a row of the budget. Where a witness agrees, that row is "
-        "what "
-        "screening and the witness together would have missed, drifts included.");
+        "The undetected error is bounded by the external reliability of the speed (Baarda 1968). "
+        "For each kind of error, at every epoch and in every direction, it is the size that its "
+        "test finds with the stated power only. What that size does to the speed is the undetected "
+        "effect. The largest that is not a drift is a row of the budget. Where a witness agrees, "
+        "that row is what screening and the witness together would have missed, drifts included.");
 }
 
 Json description(const ReportInputs& inputs) {
@@ -117,9 +108,8 @@ Json description(const ReportInputs& inputs) {
     if (inputs.receivers.front().screened.facts.georeferenced)
         words.push_back(
             "Positions are taken from the recording as they are. They are expressed as east, north "
-            "and "
-            "up at the origin given above, on the WGS 84 ellipsoid; their covariances are rotated "
-            "with them.");
+            "and up at the origin given above, on the WGS 84 ellipsoid; their covariances are "
+            "rotated with them.");
     else
         words.push_back("Engineering coordinates are taken from the recording as they are.");
     describe_tests(words, inputs.receivers.front().screened.basis);

@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "core/rounding.h"
-#include "reports/certificate/curve.h"
 #include "reports/certificate/json_figures.h"
-#include "reports/words/phases.h"
+#include "reports/words/recording.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 constexpr double mm_per_m = 1000.0;
 constexpr std::size_t points_of_a_cloud = 1500;
+constexpr double longest_step_s = 1.5;  ///< between epochs of a line that is not broken
 
 /// The sky from above: zenith in the middle, north up, the horizon around it.
 Eigen::Vector2d on_the_sky(double azimuth_deg, double elevation_deg) {
@@ -42,10 +38,6 @@ Json rings() {
         {"segment_name", "horizon, 30 and 60 degrees"}, {"x", std::move(x)}, {"y", std::move(y)}};
 }
 
-Json mark_at(const std::string& name, double x, double y) {
-    return {{"mark_name", name}, {"x", rounded(x, 3)}, {"y", rounded(y, 3)}};
-}
-
 Json sky_figure(const PhaseView& view) {
     Json figure = empty_figure(
         "sky", "Satellites in the sky around the window",
@@ -66,17 +58,30 @@ Json sky_figure(const PhaseView& view) {
         }
         const SatelliteInView& middle = track.epochs[track.epochs.size() / 2];
         const Eigen::Vector2d at = on_the_sky(middle.azimuth_deg, middle.elevation_deg);
-        figure["marks"].push_back(mark_at(to_text(track.satellite), at.x(), at.y()));
+        add_mark(figure, to_text(track.satellite), at.x(), at.y());
     }
-    for (const Curve* curve : {&used, &others})
-        if (!curve->empty()) figure["curves"].push_back(curve->json());
+    used.add_to(figure);
+    others.add_to(figure);
     figure["segments"].push_back(rings());
     set_axes(figure, -95.0, 95.0, -90.0, 90.0);
     return figure;
 }
 
+/// Values between two times, `factor` times themselves, with bands of twice their standard
+/// uncertainty; the line breaks where they are further apart than epochs are.
+void add_values(Curve& curve, Range& range, const std::vector<ViewedValue>& values, double from_s,
+                double to_s, double factor) {
+    const ViewedValue* last = nullptr;
+    for (const ViewedValue& one : values) {
+        if (one.time_s < from_s || one.time_s > to_s) continue;
+        if (last && one.time_s - last->time_s > longest_step_s) curve.interrupt();
+        curve.add(one.time_s, one.value * factor, 2.0 * one.standard_uncertainty * factor, range);
+        last = &one;
+    }
+}
+
 /// A bar of a satellite, broken where its phase is not used.
-void add_bar(Curve& curve, const SatelliteTrack& track, double row, double longest_step_s) {
+void add_bar(Curve& curve, const SatelliteTrack& track, double row) {
     curve.interrupt();
     const SatelliteInView* last = nullptr;
     for (const SatelliteInView& seen : track.epochs) {
@@ -102,14 +107,13 @@ Json bars_figure(const PhaseView& view, const Json& window, double from_s, doubl
     for (const SatelliteTrack& track : view.satellites) {
         if (!is_used(track)) continue;
         row += 1.0;
-        add_bar(bars, track, row, 1.5);
+        add_bar(bars, track, row);
         for (const double time_s : track.slips_s)
             slips.add(time_s, row);
-        figure["marks"].push_back(
-            mark_at(to_text(track.satellite), from_s + 0.06 * (to_s - from_s), row));
+        add_mark(figure, to_text(track.satellite), from_s + 0.06 * (to_s - from_s), row);
     }
-    for (const Curve* curve : {&bars, &slips})
-        if (!curve->empty()) figure["curves"].push_back(curve->json());
+    bars.add_to(figure);
+    slips.add_to(figure);
     add_window_span(figure["spans"], window, "window", "window");
     for (const double time_s : view.refused_s)
         figure["spans"].push_back({{"span_name", "pair of epochs that could not be judged"},
@@ -144,9 +148,8 @@ Json residuals_figure(const PhaseView& view, double from_s, double to_s) {
     values.widen(bound);
     figure["curves"].push_back(residuals.json());
     for (const double sign : {1.0, -1.0})
-        figure["levels"].push_back(
-            {{"level_name", sign > 0.0 ? "+ 2 standard deviations" : "- 2 standard deviations"},
-             {"level", rounded(sign * bound, 3)}});
+        add_level(figure, sign > 0.0 ? "+ 2 standard deviations" : "- 2 standard deviations",
+                  rounded(sign * bound, 3));
     set_axes(figure, from_s, to_s, -*values.most, *values.most);
     return figure;
 }
@@ -162,22 +165,12 @@ Json apart_figure(const PhaseView& view, const Json& window, double from_s, doub
     Range values;
     const auto add = [&](const char* name, const char* colour, const std::vector<ViewedValue>& of) {
         Curve curve({name, "line", colour, 3, 2});
-        const ViewedValue* last = nullptr;
-        for (const ViewedValue& one : of) {
-            if (one.time_s < from_s || one.time_s > to_s) continue;
-            if (last && one.time_s - last->time_s > 1.5) curve.interrupt();
-            const double value = one.value * mm_per_m;
-            const double band = 2.0 * one.standard_uncertainty * mm_per_m;
-            curve.add(one.time_s, value, value - band, value + band);
-            values.widen(value - band);
-            values.widen(value + band);
-            last = &one;
-        }
-        if (!curve.empty()) figure["curves"].push_back(curve.json());
+        add_values(curve, values, of, from_s, to_s, mm_per_m);
+        curve.add_to(figure);
     };
     add("east", "blue", view.apart_east_m);
     add("north", "orange", view.apart_north_m);
-    figure["levels"].push_back({{"level_name", "no difference"}, {"level", 0.0}});
+    add_level(figure, "no difference", 0.0);
     add_window_span(figure["spans"], window, "window", "window");
     set_axes(figure, from_s, to_s, values.least.value_or(0.0), values.most.value_or(0.0));
     return figure;
@@ -188,20 +181,10 @@ Json apart_figure(const PhaseView& view, const Json& window, double from_s, doub
 void add_phase_speed(Json& figure, const PhaseView& view) {
     Curve curve({"by carrier phases, ± 2 standard uncertainties", "line", "vermilion"});
     const double from_s = figure["x_min"].get<double>(), to_s = figure["x_max"].get<double>();
-    const ViewedValue* last = nullptr;
     Range speeds;
-    for (const ViewedValue& one : view.speed_m_s) {
-        if (one.time_s < from_s || one.time_s > to_s) continue;
-        if (last && one.time_s - last->time_s > 1.5) curve.interrupt();
-        const double speed = one.value * kmh_per_m_s;
-        const double band = 2.0 * one.standard_uncertainty * kmh_per_m_s;
-        curve.add(one.time_s, speed, speed - band, speed + band);
-        speeds.widen(speed - band);
-        speeds.widen(speed + band);
-        last = &one;
-    }
+    add_values(curve, speeds, view.speed_m_s, from_s, to_s, kmh_per_m_s);
     if (curve.empty()) return;
-    figure["curves"].push_back(curve.json());
+    curve.add_to(figure);
     figure["y_min"] = rounded(std::min(figure["y_min"].get<double>(), *speeds.least), 6);
     figure["y_max"] = rounded(std::max(figure["y_max"].get<double>(), *speeds.most), 6);
     figure["caption"] = figure["caption"].get<std::string>() +

@@ -2,24 +2,84 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/json_facts.h"
-#include "reports/certificate/json_noise.h"
 #include "reports/certificate/json_parts.h"
-#include "reports/certificate/json_rule.h"
-#include "reports/certificate/json_screening.h"
-#include "reports/words/estimation.h"
-#include "reports/words/phases.h"
 #include "reports/words/recording.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+std::string innovations_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{}: mean square {} of {}, limits {} to {}; {} of {} outside, {} allowed",
+                       health.consistent ? "passed" : "not passed",
+                       format_fixed(health.mean_statistic, 3),
+                       counted(health.innovations, "innovation"), format_fixed(health.lower, 3),
+                       format_fixed(health.upper, 3), health.spans_outside,
+                       counted(health.spans, "span"), health.spans_allowed);
+}
+
+std::string autocorrelation_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{} with noise as stated, {} with the noise used: {}",
+                       format_fixed(health.autocorrelation_stated, 3),
+                       format_fixed(health.autocorrelation, 3),
+                       health.white ? "white" : "not white");
+}
+
+/// The lines of the table of noise, with their cells for one set of axes.
+std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimation& axes) {
+    const NoiseSummary& noise = axes.noise;
+    const FilterHealth& health = axes.health;
+    const bool fitted = noise.status == NoiseBasis::fitted;
+    const auto parameter = [&](const NoiseParameter& value, const char* unit) {
+        return noise_parameter_text(value, noise, unit);
+    };
+    const auto of_error = [&](const std::optional<NoiseParameter>& value, const char* unit) {
+        if (noise.correlated_error_detected && value) return parameter(*value, unit);
+        return std::string(fitted ? "not determined by the data" : "not looked for");
+    };
+    return {
+        {"Noise", noise_status_text(noise)},
+        {"Jerk density of the motion", parameter(noise.jerk_density, "m s^-2.5")},
+        {"Correlation time of the acceleration", noise.acceleration_time_s
+                                                     ? parameter(*noise.acceleration_time_s, "s")
+                                                     : "acceleration persists"},
+        {"Scale of the stated standard deviations",
+         fmt::format("{}; stated {} m, {}", parameter(noise.measurement_scale, ""),
+                     significant_text(noise.stated_sigma_m, 2),
+                     noise.stated_all_equal ? "equal at all epochs" : "root mean square")},
+        {"Time-correlated position error, standard deviation", of_error(noise.error_sigma_m, "m")},
+        {"its correlation time", of_error(noise.error_tau_s, "s")},
+        {"its diffusion over short times", of_error(noise.error_diffusion, "m s^-0.5")},
+        {"Search", fitted
+                       ? fmt::format("{} after {} of the likelihood",
+                                     noise.converged ? "converged" : "stopped before it converged",
+                                     counted(noise.evaluations, "evaluation"))
+                       : "none"},
+        {"Autocorrelation of the innovations, lag 1", autocorrelation_text(health)},
+        {"Innovation test", innovations_text(health)},
+        {"Covariances", fmt::format("condition at most {}, asymmetry at most {}, {} repaired",
+                                    significant_text(health.largest_condition, 3),
+                                    scientific_text(health.largest_asymmetry), health.repaired)}};
+}
+
+/// The estimated noise, and whether filter and smoother behaved by it, as shown: a column for the
+/// horizontal axes, and one for the vertical one where heights were measured.
+Json noise_table(const EstimationSummary& estimation) {
+    Json table{{"axes", Json::array({"Horizontal"})}, {"lines", Json::array()}};
+    for (const auto& [label, text] : noise_lines(estimation.horizontal))
+        table["lines"].push_back(
+            {{"label", label}, {"cells", Json::array({{{"axis", "Horizontal"}, {"text", text}}})}});
+    if (!estimation.vertical) return table;
+    table["axes"].push_back("Vertical");
+    std::size_t line = 0;
+    for (const auto& [label, text] : noise_lines(*estimation.vertical))
+        table["lines"][line++]["cells"].push_back({{"axis", "Vertical"}, {"text", text}});
+    return table;
+}
 
 std::string accuracy_words(const std::string& source) {
     if (source == "recording") return "in the recording";
@@ -37,14 +97,15 @@ Json official_json(const Official& official) {
 /// What is stated of the receiver in the attempt.
 Json stated_json(const Receiver& receiver) {
     Json json = Json::object();
-    if (receiver.antenna_height_m) json["antenna_height_m"] = *receiver.antenna_height_m;
-    if (receiver.height_m) json["height_m"] = *receiver.height_m;
-    if (receiver.accuracy) {
-        const AttemptAccuracy& accuracy = *receiver.accuracy;
-        if (accuracy.horizontal_m) json["accuracy_horizontal_m"] = *accuracy.horizontal_m;
-        if (accuracy.vertical_m) json["accuracy_vertical_m"] = *accuracy.vertical_m;
-        if (accuracy.velocity_m_s) json["accuracy_velocity_m_s"] = *accuracy.velocity_m_s;
-    }
+    const auto set = [&](const char* key, const std::optional<double>& value) {
+        if (value) json[key] = *value;
+    };
+    set("antenna_height_m", receiver.antenna_height_m);
+    set("height_m", receiver.height_m);
+    const AttemptAccuracy accuracy = receiver.accuracy.value_or(AttemptAccuracy{});
+    set("accuracy_horizontal_m", accuracy.horizontal_m);
+    set("accuracy_vertical_m", accuracy.vertical_m);
+    set("accuracy_velocity_m_s", accuracy.velocity_m_s);
     return json;
 }
 
@@ -58,85 +119,80 @@ ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
 Json recording_facts(const ReceiverResults& results, const Json& recording) {
     const Observations& observations = results.observations;
     Json facts = Json::array();
-    facts.push_back(fact("Recording", recording["recording"].get<std::string>()));
-    facts.push_back(fact("Format", observations.format));
+    const auto add = [&](const char* label, std::string value) {
+        add_fact(facts, label, std::move(value));
+    };
+    add("Recording", recording["recording"].get<std::string>());
+    add("Format", observations.format);
     if (const auto& processing = observations.processing; processing && !observations.simulated) {
-        facts.push_back(fact("Positions", processing_text(*processing)));
+        add("Positions", processing_text(*processing));
         if (!processing->begin.empty() && !processing->end.empty())
-            facts.push_back(
-                fact("Solved from, to", fmt::format("{}, {}", processing->begin, processing->end)));
+            add("Solved from, to", fmt::format("{}, {}", processing->begin, processing->end));
         if (!processing->options.empty())
-            facts.push_back(fact("Options of the solution",
-                                 fmt::format("{}", fmt::join(processing->options, "; "))));
+            add("Options of the solution", fmt::format("{}", fmt::join(processing->options, "; ")));
     }
-    facts.push_back(fact("Coordinates", observations.frame));
-    facts.push_back(fact("Time scale", observations.time_scale));
-    if (!observations.time_origin.empty())
-        facts.push_back(fact("Time stamps", observations.time_origin));
-    facts.push_back(fact("Fix type", std::string(words_of(observations.solution_source))));
+    add("Coordinates", observations.frame);
+    add("Time scale", observations.time_scale);
+    if (!observations.time_origin.empty()) add("Time stamps", observations.time_origin);
+    add("Fix type", std::string(words_of(observations.solution_source)));
     if (const auto& first = observations.facts.first_epoch) {
-        facts.push_back(fact("First epoch, UTC", utc_text(*first)));
-        facts.push_back(fact("First epoch, GPS time", gps_text(*first)));
+        add("First epoch, UTC", utc_text(*first));
+        add("First epoch, GPS time", gps_text(*first));
     }
-    facts.push_back(fact("Epochs", counted(recording["screening"]["epochs"].get<int>(), "epoch")));
+    add("Epochs", counted(recording["screening"]["epochs"].get<int>(), "epoch"));
     if (const double interval = observations.facts.nominal_interval_s; interval > 0.0)
-        facts.push_back(fact("Rate", format_fixed(1.0 / interval, 2) + " Hz"));
-    facts.push_back(fact("Length", format_fixed(recording["length_s"].get<double>(), 3) + " s"));
-    facts.push_back(fact("Heights", observations.facts.vertical_measured
-                                        ? "measured"
-                                        : "not measured: the estimate is in the plane"));
-    if (const Json& stated = recording["stated"];
-        stated.contains("height_m") && !observations.facts.vertical_measured)
-        facts.push_back(
-            fact("Height of the course stated by the attempt", stated["height_m"].dump() + " m"));
-    facts.push_back(fact("Accuracy stated", accuracy_words(observations.accuracy_source)));
+        add("Rate", format_fixed(1.0 / interval, 2) + " Hz");
+    add("Length", format_fixed(recording["length_s"].get<double>(), 3) + " s");
+    add("Heights", observations.facts.vertical_measured
+                       ? "measured"
+                       : "not measured: the estimate is in the plane");
     const Json& stated = recording["stated"];
-    if (stated.contains("accuracy_horizontal_m"))
-        facts.push_back(fact("Horizontal accuracy stated, each coordinate",
-                             stated["accuracy_horizontal_m"].dump() + " m"));
-    if (stated.contains("accuracy_vertical_m"))
-        facts.push_back(
-            fact("Vertical accuracy stated", stated["accuracy_vertical_m"].dump() + " m"));
-    if (stated.contains("accuracy_velocity_m_s"))
-        facts.push_back(fact("Accuracy of velocities stated by the attempt",
-                             stated["accuracy_velocity_m_s"].dump() + " m/s"));
-    if (stated.contains("antenna_height_m"))
-        facts.push_back(fact("Antenna above the ground", stated["antenna_height_m"].dump() + " m"));
+    const auto add_stated = [&](const char* label, const char* key, const char* unit = " m") {
+        if (stated.contains(key)) add(label, stated[key].dump() + unit);
+    };
+    if (!observations.facts.vertical_measured)
+        add_stated("Height of the course stated by the attempt", "height_m");
+    add("Accuracy stated", accuracy_words(observations.accuracy_source));
+    add_stated("Horizontal accuracy stated, each coordinate", "accuracy_horizontal_m");
+    add_stated("Vertical accuracy stated", "accuracy_vertical_m");
+    add_stated("Accuracy of velocities stated by the attempt", "accuracy_velocity_m_s", " m/s");
+    add_stated("Antenna above the ground", "antenna_height_m");
     return facts;
 }
 
 Json estimation_facts(const Json& estimation) {
     Json facts = Json::array();
-    facts.push_back(fact("Degrees of freedom", estimation["degrees_of_freedom"].dump()));
-    facts.push_back(fact("Variance of unit weight, a posteriori",
-                         format_fixed(estimation["variance_factor"].get<double>(), 2)));
+    const auto add = [&](const char* label, std::string value) {
+        add_fact(facts, label, std::move(value));
+    };
+    add("Degrees of freedom", estimation["degrees_of_freedom"].dump());
+    add("Variance of unit weight, a posteriori",
+        format_fixed(estimation["variance_factor"].get<double>(), 2));
     const bool estimated = estimation.contains("horizontal");
-    facts.push_back(fact(estimated ? "Factor on the stated covariances, horizontal"
-                                   : "Factor applied to all covariances",
-                         format_fixed(estimation["variance_factor_applied"].get<double>(), 2)));
+    add_fact(facts,
+             estimated ? "Factor on the stated covariances, horizontal"
+                       : "Factor applied to all covariances",
+             format_fixed(estimation["variance_factor_applied"].get<double>(), 2));
     if (estimated) {
-        facts.push_back(
-            fact("Stretches solved by batch least squares", estimation["batch_stretches"].dump()));
-        facts.push_back(fact("Epochs at less than half weight in the robust estimate",
-                             estimation["robust_downweighted"].dump()));
+        add("Stretches solved by batch least squares", estimation["batch_stretches"].dump());
+        add("Epochs at less than half weight in the robust estimate",
+            estimation["robust_downweighted"].dump());
     }
-    facts.push_back(
-        fact("Smoother and batch least squares, largest difference of position",
-             scientific_text(estimation["largest_position_difference_m"].get<double>()) + " m"));
-    facts.push_back(fact(
-        "and of velocity",
-        scientific_text(estimation["largest_velocity_difference_m_s"].get<double>()) + " m/s"));
+    add("Smoother and batch least squares, largest difference of position",
+        scientific_text(estimation["largest_position_difference_m"].get<double>()) + " m");
+    add("and of velocity",
+        scientific_text(estimation["largest_velocity_difference_m_s"].get<double>()) + " m/s");
     return facts;
 }
 
 /// Who says what the recordings do not.
 void add_sources(Json& facts, const Attempt& attempt) {
-    if (attempt.wind) facts.push_back(fact("Wind, by", attempt.wind->source));
-    if (attempt.current) facts.push_back(fact("Current, by", attempt.current->source));
+    if (attempt.wind) add_fact(facts, "Wind, by", attempt.wind->source);
+    if (attempt.current) add_fact(facts, "Current, by", attempt.current->source);
     if (attempt.secondary_method)
-        facts.push_back(
-            fact("Second method", fmt::format("{} ({})", attempt.secondary_method->method,
-                                              attempt.secondary_method->source)));
+        add_fact(facts, "Second method",
+                 fmt::format("{} ({})", attempt.secondary_method->method,
+                             attempt.secondary_method->source));
 }
 
 }  // namespace
@@ -152,17 +208,17 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
         json["officials"].push_back(official_json(official));
     if (verdict.record) json["record"] = record_json(*verdict.record);
     Json facts = Json::array();
-    facts.push_back(fact("Attempt", attempt.id));
-    facts.push_back(fact("Craft", attempt.craft.name));
-    facts.push_back(fact("Class", attempt.craft.kind));
-    if (!attempt.place.empty()) facts.push_back(fact("Place", attempt.place));
-    if (!attempt.date.empty()) facts.push_back(fact("Date", attempt.date));
+    add_fact(facts, "Attempt", attempt.id);
+    add_fact(facts, "Craft", attempt.craft.name);
+    add_fact(facts, "Class", attempt.craft.kind);
+    if (!attempt.place.empty()) add_fact(facts, "Place", attempt.place);
+    if (!attempt.date.empty()) add_fact(facts, "Date", attempt.date);
     if (verdict.record)
-        facts.push_back(
-            fact("Record to beat", fmt::format("{} {} ({})", Json(verdict.record->speed).dump(),
-                                               verdict.record->unit, verdict.record->source)));
+        add_fact(facts, "Record to beat",
+                 fmt::format("{} {} ({})", Json(verdict.record->speed).dump(), verdict.record->unit,
+                             verdict.record->source));
     else
-        facts.push_back(fact("Record to beat", "none is named"));
+        add_fact(facts, "Record to beat", "none is named");
     add_sources(facts, attempt);
     json["facts"] = std::move(facts);
     return json;
@@ -173,28 +229,22 @@ Json frame_json(const ReportInputs& inputs) {
     Json json{{"georeferenced", table.facts.georeferenced}};
     Json facts = Json::array();
     if (!table.facts.georeferenced)
-        facts.push_back(
-            fact("Coordinates",
-                 "engineering CRS: its place, orientation and scale on the Earth are not "
-                 "stated"));
+        add_fact(facts, "Coordinates",
+                 "engineering CRS: its place, orientation and scale on the Earth are not stated");
     if (table.origin) {
         const Geodetic& position = table.origin->position;
         json["origin"] = {{"latitude_deg", rounded(position.latitude.degrees(), 11)},
                           {"longitude_deg", rounded(position.longitude.degrees(), 11)},
                           {"height_m", rounded(position.height_m, 6)},
                           {"chosen_by", table.origin->source}};
-        facts.push_back(fact("Coordinates", "east, north, up on the WGS 84 ellipsoid"));
-        facts.push_back(
-            fact("Origin, latitude", format_fixed(position.latitude.degrees(), 9) + "°"));
-        facts.push_back(
-            fact("Origin, longitude", format_fixed(position.longitude.degrees(), 9) + "°"));
-        facts.push_back(
-            fact("Origin, ellipsoidal height", format_fixed(position.height_m, 3) + " m"));
-        facts.push_back(fact("Chosen by", table.origin->source == "attempt"
-                                              ? "the attempt"
-                                              : "the first usable position"));
+        add_fact(facts, "Coordinates", "east, north, up on the WGS 84 ellipsoid");
+        add_fact(facts, "Origin, latitude", format_fixed(position.latitude.degrees(), 9) + "°");
+        add_fact(facts, "Origin, longitude", format_fixed(position.longitude.degrees(), 9) + "°");
+        add_fact(facts, "Origin, ellipsoidal height", format_fixed(position.height_m, 3) + " m");
+        add_fact(facts, "Chosen by",
+                 table.origin->source == "attempt" ? "the attempt" : "the first usable position");
         for (const FramePlace& place : table.origin->places)
-            facts.push_back(fact("Another place, from", place_text(place)));
+            add_fact(facts, "Another place, from", place_text(place));
     }
     json["facts"] = std::move(facts);
     return json;
@@ -231,8 +281,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     json["recording_facts"] = recording_facts(results, json);
     json["screening_facts"] = screening_facts(results.screened);
     json["estimation_facts"] = estimation_facts(json["estimation"]);
-    if (Json table = noise_table(results.trajectory.estimation); !table.is_null())
-        json["noise_table"] = std::move(table);
+    json["noise_table"] = noise_table(results.trajectory.estimation);
     return json;
 }
 

@@ -1,18 +1,38 @@
-#include "reports/certificate/json_rule.h"
-
 #include <fmt/format.h>
-
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "core/text.h"
+#include "reports/certificate/json_parts.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
+
+/// km/h, m/s, kn, mph, the rule's own in front.
+std::vector<const SpeedUnit*> units_in_order(const Profile& profile) {
+    std::vector<const SpeedUnit*> units{&rule_unit(profile)};
+    for (const SpeedUnit& unit : speed_units())
+        if (&unit != units.front()) units.push_back(&unit);
+    return units;
+}
+
+/// The decimals that the rule gives speeds in its own unit.
+std::optional<int> rule_decimals(const Profile& profile, const SpeedUnit& unit) {
+    const auto& rule = profile.result ? profile.result : profile.rounding;
+    if (!rule || &unit != &rule_unit(profile)) return std::nullopt;
+    return rule->decimals;
+}
+
+std::string speed_cell(const SpeedRow& row, const Profile& profile,
+                       const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
+    const double speed = *row.speed_m_s * unit.per_m_s;
+    if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
+    if (row.kind == SpeedRow::stated || !uncertainty_m_s)
+        return speed_text(*row.speed_m_s, std::nullopt, unit);
+    return shown_figure(speed,
+                        decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(profile, unit)),
+                        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
+}
 
 std::string dimension_words(const Profile& profile) {
     if (profile.dimension == Dimension::horizontal) return "Speed";
@@ -40,8 +60,7 @@ std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile)
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     return fmt::format(
         "Conformance probability: that the true speed reaches the required speed. At least {} "
-        "counts "
-        "as beaten, at most {} as not beaten, and anything between as not proven (guarded "
+        "counts as beaten, at most {} as not beaten, and anything between as not proven (guarded "
         "acceptance and rejection, JCGM 106).",
         level_text(level), level_text(1.0 - level));
 }
@@ -94,6 +113,44 @@ Json override_json(const Override& figure) {
 
 }  // namespace
 
+void add_fact(Json& facts, std::string_view label, std::string value) {
+    facts.push_back({{"label", label}, {"value", std::move(value)}});
+}
+
+void set_speeds(Json& json, const std::string& name, const std::optional<double>& speed_m_s) {
+    if (!speed_m_s) return;
+    for (const SpeedUnit& unit : speed_units())
+        json[fmt::format("{}_{}", name, unit.key)] =
+            rounded(*speed_m_s * unit.per_m_s, unit.decimals_kept);
+}
+
+void set_end(Json& json, const WindowSpan& span) {
+    if (!span.start_gps) return;
+    const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
+    json["end_gps"] = to_iso(end, 3);
+    json["end_utc"] = to_utc_iso(end, 3);
+}
+
+const SpeedUnit& rule_unit(const Profile& profile) {
+    return speed_unit(rule_unit_name(profile));
+}
+
+Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
+                 std::optional<double> uncertainty_m_s) {
+    Json table{{"units", Json::array()}, {"rows", Json::array()}};
+    const auto units = units_in_order(profile);
+    for (const SpeedUnit* unit : units)
+        table["units"].push_back(unit->name);
+    for (const SpeedRow& row : rows) {
+        if (!row.speed_m_s) continue;
+        Json entry{{"label", row.label}, {"cells", Json::array()}};
+        for (const SpeedUnit* unit : units)
+            entry["cells"].push_back(speed_cell(row, profile, uncertainty_m_s, *unit));
+        table["rows"].push_back(std::move(entry));
+    }
+    return table;
+}
+
 Json record_json(const RecordToBeat& record) {
     Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
     set_speeds(json, "speed", record.speed_m_s);
@@ -102,19 +159,11 @@ Json record_json(const RecordToBeat& record) {
     return json;
 }
 
-const SpeedUnit& rule_unit(const Profile& profile) {
-    return speed_unit(rule_unit_name(profile));
-}
-
-std::string definition_words(SpeedDefinition definition) {
-    return capitalised(words_of(definition));
-}
-
 std::string rule_words(const Profile& profile) {
     const bool recorded = profile.speed_source == SpeedSource::velocity;
     return fmt::format(
         "{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
-        window_words(profile), count_words(profile), definition_words(profile.definition),
+        window_words(profile), count_words(profile), capitalised(words_of(profile.definition)),
         recorded ? ", from the velocities that the recording states" : "", ends_words(profile),
         profile.current == CurrentUse::subtracted
             ? " The current's component along the course is subtracted."

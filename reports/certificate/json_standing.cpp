@@ -1,11 +1,10 @@
-#include "reports/certificate/json_standing.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/prose.h"
+#include "reports/certificate/report_html.h"
 
 namespace runcert {
 

@@ -1,19 +1,12 @@
-#include "reports/certificate/json_uncertainty.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/json_budget.h"
-#include "reports/certificate/json_rule.h"
+#include "reports/certificate/json_parts.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 std::string difference_text(double difference_m_s, const UncertaintyScale& scale) {
@@ -85,9 +78,8 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
     Json json = members_json(bound);
     json["bound_words"] = fmt::format(
         "allowed for up to a standard deviation of {}, with any correlation time from {:g} s to "
-        "{:g} "
-        "s. Decided by {}: fitted {}{}, stated times its scale {}, floor {}. The positions alone "
-        "so give u = {}",
+        "{:g} s. Decided by {}: fitted {}{}, stated times its scale {}, floor {}. The positions "
+        "alone so give u = {}",
         metres(bound.sigma_m), bound.tau_min_s, bound.tau_max_s, decided_words(bound),
         metres(bound.fitted_m),
         bound.along > 1.0
@@ -101,8 +93,8 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
 std::string treatment_words(const SelectionBias& selection, const UncertaintyScale& scale) {
     return selection.treatment == SelectionTreatment::subtracted
                ? fmt::format(
-                     "the middle, {}, is subtracted from the speed, and half the "
-                     "difference, {}, added to the expanded uncertainty",
+                     "the middle, {}, is subtracted from the speed, and half the difference, {}, "
+                     "added to the expanded uncertainty",
                      difference_text(selection.bias_m_s, scale),
                      uncertainty_with_unit(selection.bias_half_range_m_s, scale))
                : "the larger is added to the expanded uncertainty";
@@ -171,11 +163,11 @@ Json comparison_facts(const Json& uncertainty) {
     Json facts = Json::array();
     const auto add = [&](const char* label, const char* part, const char* words) {
         if (uncertainty.contains(part))
-            facts.push_back(fact(label, uncertainty[part][words].get<std::string>()));
+            add_fact(facts, label, uncertainty[part][words].get<std::string>());
     };
     if (uncertainty.contains("witnesses"))
         for (const Json& one : uncertainty["witnesses"])
-            facts.push_back(fact("A second measurement", one["witness_words"].get<std::string>()));
+            add_fact(facts, "A second measurement", one["witness_words"].get<std::string>());
     add("With the fitted noise alone", "fitted", "fitted_words");
     add("Robust estimate", "robust", "robust_words");
     add("Other models of the motion", "estimates", "estimates_words");

@@ -1,42 +1,27 @@
-#include "reports/certificate/json_window.h"
-
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/json_reliability.h"
-#include "reports/certificate/json_rule.h"
-#include "reports/certificate/json_uncertainty.h"
+#include "reports/certificate/json_parts.h"
+#include "reports/words/screening.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
-
-/// km/h, m/s, kn, mph, the rule's own in front.
-std::vector<const SpeedUnit*> units_in_order(const Profile& profile) {
-    std::vector<const SpeedUnit*> units{&rule_unit(profile)};
-    for (const SpeedUnit& unit : speed_units())
-        if (&unit != units.front()) units.push_back(&unit);
-    return units;
-}
 
 /// When a window was, on the clock.
 Json time_facts(const WindowSpan& span) {
     Json facts = Json::array();
     if (span.start_gps) {
         const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-        facts.push_back(
-            fact("UTC", fmt::format("{} to {}", utc_text(*span.start_gps), utc_text(end))));
-        facts.push_back(
-            fact("GPS time", fmt::format("{} to {}", gps_text(*span.start_gps), gps_text(end))));
+        add_fact(facts, "UTC", fmt::format("{} to {}", utc_text(*span.start_gps), utc_text(end)));
+        add_fact(facts, "GPS time",
+                 fmt::format("{} to {}", gps_text(*span.start_gps), gps_text(end)));
     } else {
-        facts.push_back(fact("UTC", "not known: the recording's time is relative"));
+        add_fact(facts, "UTC", "not known: the recording's time is relative");
     }
-    facts.push_back(fact("Length", seconds_text(span.duration)));
+    add_fact(facts, "Length", seconds_text(span.duration));
     return facts;
 }
 
@@ -44,9 +29,9 @@ Json time_facts(const WindowSpan& span) {
 Json place_facts(const WindowSpan& span) {
     Json facts = Json::array();
     const ElapsedTime end{span.start.nanoseconds + span.duration.nanoseconds};
-    facts.push_back(fact("From the first epoch",
-                         fmt::format("{} to {}", seconds_text(span.start), seconds_text(end))));
-    facts.push_back(fact("Epochs", fmt::format("{} to {}", span.first_epoch, span.last_epoch)));
+    add_fact(facts, "From the first epoch",
+             fmt::format("{} to {}", seconds_text(span.start), seconds_text(end)));
+    add_fact(facts, "Epochs", fmt::format("{} to {}", span.first_epoch, span.last_epoch));
     return facts;
 }
 
@@ -56,24 +41,6 @@ std::string other_definition(const Profile& profile) {
     if (profile.speed_source == SpeedSource::velocity)
         return fmt::format("Recorded velocities, {}", words_of(profile.definition));
     return {};
-}
-
-/// The decimals that the rule gives speeds in its own unit.
-std::optional<int> rule_decimals(const Profile& profile, const SpeedUnit& unit) {
-    const auto& rule = profile.result ? profile.result : profile.rounding;
-    if (!rule || &unit != &rule_unit(profile)) return std::nullopt;
-    return rule->decimals;
-}
-
-std::string speed_cell(const SpeedRow& row, const Profile& profile,
-                       const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
-    const double speed = *row.speed_m_s * unit.per_m_s;
-    if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
-    if (row.kind == SpeedRow::stated || !uncertainty_m_s)
-        return speed_text(*row.speed_m_s, std::nullopt, unit);
-    return shown_figure(speed,
-                        decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(profile, unit)),
-                        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
 }
 
 /// To which speeds beside the measured one are rounded.
@@ -110,7 +77,7 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
         set_speeds(entry, "speed", speed_by(all, name));
         json["definitions"].push_back(std::move(entry));
         rows.push_back(
-            {definition_words(name) + (counts ? " – the rule's" : ""), speed_by(all, name)});
+            {capitalised(words_of(name)) + (counts ? " – the rule's" : ""), speed_by(all, name)});
     }
     const std::string note = definition_note(best, profile);
     if (!note.empty()) json["definition_note"] = note;
@@ -162,30 +129,80 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
     json["method_table"] = speed_table(rows, profile, shown_uncertainty(best, profile));
 }
 
+/// What of an error that nothing found is in the interval, and what is not.
+std::string drift_words(const CertifiableWindow& window, const SpeedUnit& unit,
+                        const WitnessedSpeed* heard, double coverage_factor) {
+    if (!window.evidence || window.evidence->fault_probability == 0.0) return {};
+    const SpeedEvidence& evidence = *window.evidence;
+    const auto expanded = [&](double standard_m_s) {
+        return shown_in({.expanded_uncertainty_m_s =
+                             coverage_factor * standard_m_s + window.bias_limit_m_s},
+                        unit)
+            .expanded_uncertainty;
+    };
+    const std::string taken = fmt::format(
+        "In one window of {:.0f} the positions are taken to err unseen, by up to {} {}. The "
+        "interval carries that risk on average (row d), and would not hold the speed of such a "
+        "window. Taken a fifth as often, the expanded uncertainty would be {} {}; five times as "
+        "often, {} {}.",
+        1.0 / evidence.fault_probability, significant_text(evidence.fault_m_s * unit.per_m_s, 3),
+        unit.name, expanded(evidence.at_a_fifth_m_s), unit.name,
+        expanded(evidence.at_five_times_m_s), unit.name);
+    if (heard == nullptr) return taken;
+    return fmt::format(
+        "{} Beside the {} an error of more than {} {} would have been found with a probability of "
+        "80 %.",
+        taken, words_of(heard->kind), significant_text(heard->undetected_m_s * unit.per_m_s, 3),
+        unit.name);
+}
+
+Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
+    Json json = members_json(error);
+    const bool nothing = is_harmless(error);
+    const bool unlimited = is_unlimited(error);
+    json["kind_text"] = tested_error_text(error.hypothesis);
+    json["where_text"] = nothing ? "–" : where_text(error);
+    json["size_text"] = nothing ? "–" : unlimited ? "any" : size_text(error);
+    json["change_text"] = nothing     ? "0"
+                          : unlimited ? "no limit"
+                                      : significant_text(error.speed_m_s * unit.per_m_s, 3);
+    return json;
+}
+
+/// The largest that is not a drift, and what all of them together are taken to do.
+Json shown_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
+    const SpeedUnit& unit = scale.unit;
+    const auto& errors = window.reliability;
+    const auto worst = std::ranges::find_if(
+        errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
+    const auto heard = std::ranges::max_element(window.witnesses, {}, &WitnessedSpeed::share);
+    const bool shared = heard != window.witnesses.end() && heard->share > 0.0;
+    Json json = Json::object();
+    if (worst != errors.end())
+        json["reliability_words"] =
+            capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + ".";
+    if (std::string words =
+            drift_words(window, unit, shared ? &*heard : nullptr, scale.coverage_factor);
+        !words.empty())
+        json["drift_words"] = std::move(words);
+    json["reliability_unit"] = unit.name;
+    return json;
+}
+
+/// Sets what errors that screening finds with less than its stated power could have changed the
+/// speed by: `repaired_steps`, `detection_power`, `reliability`, and `reliability_shown`, the same
+/// in words. Nothing where the window's file does not say it.
+void set_reliability(Json& json, const CertifiableWindow& window, const UncertaintyScale& scale) {
+    if (!window.detection_power) return;
+    json["repaired_steps"] = window.repaired_steps;
+    json["detection_power"] = rounded(*window.detection_power, 6);
+    json["reliability"] = Json::array();
+    for (const UndetectedError& error : window.reliability)
+        json["reliability"].push_back(error_json(error, scale.unit));
+    if (!window.reliability.empty()) json["reliability_shown"] = shown_json(window, scale);
+}
+
 }  // namespace
-
-void set_end(Json& json, const WindowSpan& span) {
-    if (!span.start_gps) return;
-    const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-    json["end_gps"] = to_iso(end, 3);
-    json["end_utc"] = to_utc_iso(end, 3);
-}
-
-Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
-                 std::optional<double> uncertainty_m_s) {
-    Json table{{"units", Json::array()}, {"rows", Json::array()}};
-    const auto units = units_in_order(profile);
-    for (const SpeedUnit* unit : units)
-        table["units"].push_back(unit->name);
-    for (const SpeedRow& row : rows) {
-        if (!row.speed_m_s) continue;
-        Json entry{{"label", row.label}, {"cells", Json::array()}};
-        for (const SpeedUnit* unit : units)
-            entry["cells"].push_back(speed_cell(row, profile, uncertainty_m_s, *unit));
-        table["rows"].push_back(std::move(entry));
-    }
-    return table;
-}
 
 Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
                  const Profile& profile) {
@@ -197,16 +214,14 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         json["arc"] = best.arc;
         json["candidates"] = windows->candidates;
         json["displacement_m"] = rounded(best.displacement_m, 6);
-        facts.push_back(
-            fact("Distance between its ends", format_fixed(best.displacement_m, 3) + " m"));
+        add_fact(facts, "Distance between its ends", format_fixed(best.displacement_m, 3) + " m");
         json["position_r95_m"] = rounded(best.position_r95_m, 6);
-        facts.push_back(
-            fact("Position at its ends, 95 % radius", format_fixed(best.position_r95_m, 3) + " m"));
-        facts.push_back(fact("Windows compared", Json(windows->candidates).dump()));
+        add_fact(facts, "Position at its ends, 95 % radius",
+                 format_fixed(best.position_r95_m, 3) + " m");
+        add_fact(facts, "Windows compared", Json(windows->candidates).dump());
         if (best.length_m) {
             json["length_m"] = rounded(*best.length_m, 6);
-            facts.push_back(
-                fact("Length that the speed is of", format_fixed(*best.length_m, 3) + " m"));
+            add_fact(facts, "Length that the speed is of", format_fixed(*best.length_m, 3) + " m");
         }
         set_definitions(json, best, profile);
         set_further(json, *windows, profile);
@@ -214,8 +229,8 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         json["uncertainty"] = uncertainty_json(verdict, *windows, profile);
         set_reliability(json, best, {rule_unit(profile), verdict.coverage_factor});
         if (best.repaired_steps > 0)
-            facts.push_back(fact("Steps inside it, bridged with their offsets as unknowns",
-                                 Json(best.repaired_steps).dump()));
+            add_fact(facts, "Steps inside it, bridged with their offsets as unknowns",
+                     Json(best.repaired_steps).dump());
     }
     json["window_time"] = time_facts(*verdict.window);
     json["window_facts"] = std::move(facts);

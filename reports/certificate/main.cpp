@@ -5,9 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "files/atomic_file.h"
-#include "reports/certificate/json_standing.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
+#include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"

@@ -1,10 +1,9 @@
-#include "reports/certificate/phase_view.h"
-
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
+#include "reports/certificate/report_data.h"
 #include "satellites/line_of_sight.h"
 
 namespace runcert {

@@ -11,8 +11,7 @@
 #include "core/plain_text.h"
 #include "files/base64.h"
 #include "files/sha256.h"
-#include "reports/certificate/json_standing.h"
-#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_json.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
 
@@ -25,7 +24,7 @@ using TemplateData = kainjow::mustache::data;
 
 namespace {
 
-/// Libraries first; the last one begins.
+/// Libraries first; last `page.js`, which starts the page.
 constexpr std::string_view page_scripts[] = {
     "mustache.min.js", "noble-hashes.min.js", "uPlot.iife.min.js", "signatures.js",
     "shown_text.js",   "self_check.js",       "elements.js",       "tables.js",

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
 
 #include "core/failure.h"
 #include "files/arithmetic.h"
@@ -10,21 +10,15 @@
 #include "files/program.h"
 #include "files/sha256.h"
 #include "files/yaml_output.h"
-#include "reports/certificate/figures.h"
-#include "reports/certificate/json_certificate.h"
-#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_figures.h"
 #include "reports/certificate/json_parts.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
-#include "reports/words/inputs.h"
+#include "reports/certificate/report_run.h"
+#include "reports/words/outcome.h"
 #include "schemas/common/document.h"
 #include "schemas/products/products.h"
 
 namespace runcert {
-
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 constexpr const char* statement_type = "https://in-toto.io/Statement/v1";
@@ -100,7 +94,50 @@ void set_origins(Json& predicate, const Verdict& verdict) {
         predicate["origins"].push_back(members_json(input));
     predicate["origin_facts"] = Json::array();
     for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
-        predicate["origin_facts"].push_back(fact(said.label, said.text));
+        add_fact(predicate["origin_facts"], said.label, said.text);
+}
+
+constexpr std::size_t indentation = 2;
+
+bool is_list_of_numbers(const Json& json) {
+    return json.is_array() && !json.empty() &&
+           std::all_of(json.begin(), json.end(),
+                       [](const Json& item) { return item.is_number() || item.is_null(); });
+}
+
+std::string one_line(const Json& json) {
+    const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string out;
+    out.reserve(text.size());
+    for (const char c : text)
+        if (c == '<')
+            out += "\\u003c";
+        else if (c == '>')
+            out += "\\u003e";
+        else if (c == '&')
+            out += "\\u0026";
+        else
+            out += c;
+    return out;
+}
+
+void append(std::string& out, const Json& json, std::size_t depth) {
+    if (!json.is_structured() || json.empty() || is_list_of_numbers(json)) {
+        out += one_line(json);
+        return;
+    }
+    const std::string indent(indentation * (depth + 1), ' ');
+    const bool object = json.is_object();
+    out += object ? "{\n" : "[\n";
+    bool first = true;
+    for (const auto& [key, value] : json.items()) {
+        if (!first) out += ",\n";
+        first = false;
+        out += indent;
+        if (object) out += one_line(Json(key)) + ": ";
+        append(out, value, depth + 1);
+    }
+    out += '\n' + std::string(indentation * depth, ' ') + (object ? '}' : ']');
 }
 
 }  // namespace
@@ -169,6 +206,12 @@ Json parse_report(const std::string& text, const std::string& where) {
                       "that made it");
     check_predicate(report.at("predicate"), where);
     return report;
+}
+
+std::string report_text_of(const Json& report) {
+    std::string out;
+    append(out, report, 0);
+    return out + '\n';
 }
 
 }  // namespace runcert

@@ -1,11 +1,10 @@
-#include "reports/certificate/report_pdf.h"
-
 #include <fmt/format.h>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
+#include "reports/certificate/report_run.h"
 
 namespace runcert {
 

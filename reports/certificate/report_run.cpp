@@ -8,10 +8,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
-#include "reports/certificate/figures.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
-#include "reports/certificate/report_pdf.h"
 
 namespace runcert {
 

@@ -10,12 +10,36 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
-#include "reports/explain/words.h"
-#include "reports/words/inputs.h"
+#include "reports/words/outcome.h"
+#include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
+
+constexpr std::size_t label_columns = 20;
+
+/// A clause of this program's own, and who answers for it.
+std::string with_role(const Clause& own) {
+    return fmt::format("{} ({})", own.id, own.answered_by.role);
+}
+
+/// The clause of this program's own that the computation decides, or what a rule's is about.
+std::string clause_by(const std::string& computation) {
+    for (const Clause& own : own_clauses())
+        if (to_text(own.decided_by) == computation) return with_role(own);
+    return fmt::format("the rule's by `{}`", computation);
+}
+
+std::string answered_in(const FieldOrigin& origin) {
+    std::vector<std::string> clauses;
+    for (const std::string& computation : origin.decides)
+        clauses.push_back(clause_by(computation));
+    for (const Clause& own : own_clauses())
+        if (own.id == origin.clause)
+            clauses.push_back((clauses.empty() ? "" : "else ") + with_role(own));
+    return fmt::format("{}", fmt::join(clauses, ", "));
+}
 
 std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
                                   const ExplainOptions& options) {
@@ -107,6 +131,29 @@ std::string in_short(const ProfileView& view) {
 }
 
 }  // namespace
+
+std::string labelled(std::string_view label, std::string_view text) {
+    return fmt::format("  {:<{}}{}", label, label_columns - 2,
+                       wrapped(text, label_columns, label_columns));
+}
+
+std::string heading(std::string_view outcome, std::string_view text) {
+    const std::string word = upper_case(outcome);
+    return fmt::format("{}  {}", word, wrapped(text, word.size() + 2, word.size() + 2));
+}
+
+std::string inputs_table_text() {
+    std::string text =
+        "| input | origin | can change | answered for in (by) |\n|---|---|---|---|\n";
+    for (const FieldRule& rule : attempt_schema().fields()) {
+        if (!rule.origin || rule.origin->changes.empty()) continue;
+        std::string origin = rule.origin->origin;
+        std::ranges::replace(origin, '_', ' ');
+        text += fmt::format("| `{}` | {} | {} | {} |\n", rule.path, origin,
+                            fmt::join(rule.origin->changes, ", "), answered_in(*rule.origin));
+    }
+    return text;
+}
 
 std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
                          const ExplainOptions& options) {

@@ -7,7 +7,7 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "reports/explain/explain.h"
-#include "reports/explain/words.h"
+#include "reports/explain/parts.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "trust/attestation.h"

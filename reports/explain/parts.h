@@ -4,9 +4,11 @@
 #include <string_view>
 #include <vector>
 
+#include "core/prose.h"
 #include "reports/explain/explain.h"
+#include "reports/words/figures.h"
 
-// The parts of an explanation; `explain_text` puts them together.
+// The parts of an explanation, which `explain_text` puts together, and the words that they share.
 
 namespace runcert {
 
@@ -40,23 +42,21 @@ std::string decision_text(const ProfileView& view);
 /// Outcome, speed and reason.
 std::string decision_in_short(const ProfileView& view);
 
-/// How a computation makes its figure and compares it, in sentences.
-std::string computation_words(const ClauseView& view);
-
 /// By how much the record must be beaten: "by 1 mph".
 std::string margin_words(const Profile& profile);
 /// How the body rounds the required speed.
 std::string rounding_words(const Profile& profile);
-/// The unit that the verdict shows speeds in, else the rule's.
-std::string unit_of(const ProfileView& view);
-/// The speed as it is to be read: "216.00 km/h ± 0.02 km/h (k = 2)"; empty where there is none.
-std::string speed_shown(const ProfileView& view);
-
 /// The replaced figures whose names are among these, or all: "margin.value is 2 mph in place of the
 /// rule's 1 mph. Reason: agreed".
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names);
 /// The notes without those on a replaced figure, which `override_words` tells.
 std::vector<std::string> notes_of(const ProfileVerdict& verdict);
+
+/// "  Its source        headings of a published report": a line of a block, with its label.
+std::string labelled(std::string_view label, std::string_view text);
+
+/// "NOT MET  nalsa/flat-course": the first line of a block, its outcome in capitals.
+std::string heading(std::string_view outcome, std::string_view text);
 
 }  // namespace runcert

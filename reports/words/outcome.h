@@ -45,4 +45,14 @@ std::string positions_alone_text(double unseen_drift_m_s);
 /// "complete", or "awaiting 5 attestations and 2 signatures; 1 requirement answered no".
 std::string standing_text(const Standing& standing);
 
+/// What one origin says: "Claimed", and what.
+struct InputsOfOrigin {
+    std::string label;
+    std::string text;
+};
+
+/// What the figures of a verdict rest on, by who says it: each input with its value, several of one
+/// part of the attempt by their number. Origins that say nothing are left out.
+std::vector<InputsOfOrigin> inputs_by_origin(const std::vector<VerdictInput>& inputs);
+
 }  // namespace runcert

@@ -12,9 +12,9 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "fuzz_target.h"
-#include "reports/certificate/gnuplot_script.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
+#include "reports/certificate/report_run.h"
 #include "trust/bundle.h"
 #include "trust/verification.h"
 

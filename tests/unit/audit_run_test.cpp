@@ -6,7 +6,6 @@
 
 #include "core/failure.h"
 #include "reports/audit/record.h"
-#include "reports/audit/report_record.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -7,7 +7,6 @@
 
 #include "files/atomic_file.h"
 #include "reports/audit/screening.h"
-#include "reports/audit/words.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -10,7 +10,7 @@
 #include "approved.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/explain/words.h"
+#include "reports/explain/parts.h"
 #include "reports/words/outcome.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -7,7 +7,6 @@
 #include "core/failure.h"
 #include "files/base64.h"
 #include "files/sha256.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"

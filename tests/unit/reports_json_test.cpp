@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
 #include "reports_sample.h"

@@ -4,8 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/certificate/json_rule.h"
-#include "reports/certificate/json_text.h"
+#include "reports/certificate/json_parts.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"

@@ -6,7 +6,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"

@@ -7,7 +7,6 @@
 #include <regex>
 
 #include "core/failure.h"
-#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"

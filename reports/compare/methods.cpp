@@ -17,15 +17,6 @@ namespace {
 using Column = std::optional<double> TrajectoryEpoch::*;
 using Motion = NoiseFitOptions::Motion;
 
-MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows) {
-    MethodTrack track;
-    track.name = name;
-    track.window_speed = window_speed;
-    track.positions.resize(rows);
-    track.speeds_m_s.resize(rows);
-    return track;
-}
-
 /// Positions from two columns of the trajectory, speeds from a third where there is one.
 MethodTrack of_positions(const std::string& name, const TrajectoryTable& trajectory, Column east,
                          Column north, Column speed) {
@@ -135,6 +126,15 @@ void note_fits(const FittedSmoother& constant, const FittedSmoother& singer,
 }
 
 }  // namespace
+
+MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows) {
+    MethodTrack track;
+    track.name = name;
+    track.window_speed = window_speed;
+    track.positions.resize(rows);
+    track.speeds_m_s.resize(rows);
+    return track;
+}
 
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config) {

@@ -23,6 +23,9 @@ struct MethodTrack {
     std::string unavailable;  ///< why the method has no value at all; else empty
 };
 
+/// One that has no value at any of so many rows yet.
+MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows);
+
 /// The methods, and what is to be said of them, a sentence a line.
 struct Methods {
     std::vector<MethodTrack> tracks;
@@ -44,5 +47,18 @@ struct CompareConfig {
 /// Failure where the trajectory does not say what noise it was estimated with.
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config);
+
+/// The horizontal speed (m/s, over east and north) that the receiver recorded, at the epochs of the
+/// arcs; none at an epoch without a recorded velocity.
+MethodTrack recorded_speed(const ScreenedTable& screened);
+
+/// The filter of [EKF] over the arcs, and what was taken for the accuracy of the recorded velocity
+/// where the recording does not state it. Needs velocities, and geodetic coordinates. Heights
+/// that were not measured are those of the frame's plane.
+struct EnhancedKalmanTrack {
+    MethodTrack track;
+    std::string note;  ///< empty where there is nothing to say
+};
+EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened);
 
 }  // namespace runcert

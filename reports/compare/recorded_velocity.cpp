@@ -1,11 +1,10 @@
-#include "reports/compare/recorded_velocity.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "reports/compare/enhanced_kalman.h"
+#include "reports/compare/methods.h"
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
@@ -104,11 +103,7 @@ bool any_velocity(const ScreenedTable& screened) {
 
 MethodTrack track_of_velocities(const std::string& name, SpeedDefinition window_speed,
                                 const ScreenedTable& screened) {
-    MethodTrack track;
-    track.name = name;
-    track.window_speed = window_speed;
-    track.positions.resize(screened.rows.size());
-    track.speeds_m_s.resize(screened.rows.size());
+    MethodTrack track = empty_track(name, window_speed, screened.rows.size());
     if (!any_velocity(screened)) track.unavailable = "the recording has no velocities";
     return track;
 }

@@ -1,5 +1,3 @@
-#include "reports/compare/truth.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
+#include "reports/compare/compare.h"
 
 namespace runcert {
 namespace {

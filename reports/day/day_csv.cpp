@@ -11,12 +11,10 @@ namespace runcert {
 namespace {
 
 constexpr std::string_view columns =
-    "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
-    "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_uncertainty_m_"
-    "s,coverage_factor,"
-    "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
-    "window_start_utc,"
-    "window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
+    "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,tied_down_to_rank,outcome,to_be_"
+    "attested,signatures_required,speed_m_s,expanded_uncertainty_m_s,coverage_factor,required_"
+    "speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,window_start_"
+    "utc,window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
     "remedy,notes,report_id,report\n";
 
 /// Places by attempt.
@@ -37,7 +35,7 @@ std::string cell(const std::optional<std::int64_t>& value) {
     return value ? fmt::format("{}", *value) : "";
 }
 
-/// The columns from `profile` to `shown_required_speed`'s successors that belong to one rule.
+/// The columns of one rule, from `profile` to `window_duration_s`.
 std::string result_cells(const DayResult& result, const DayPlace& place) {
     const ShownFigures shown = result.shown.value_or(ShownFigures{});
     return fmt::format(

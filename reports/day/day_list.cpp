@@ -142,7 +142,7 @@ DayList read_day_list(std::string_view text, const std::string& where) {
     if (json.is_discarded()) throw Failure(where, "the list is not JSON", remedy);
     const Value document(json, "", where);
     document.holds_only({"day", "attempts", "notes"});
-    DayList list{.day = document["day"].text(), .attempts = {}, .notes = document.texts("notes")};
+    DayList list{.day = document["day"].text(), .notes = document.texts("notes")};
     std::set<std::string> done;
     for (const Value& value : document["attempts"].list()) {
         list.attempts.push_back(listed_attempt(value));

@@ -6,6 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "schemas/day_results/day_results.h"
+#include "schemas/verdict/verdict.h"
+
 namespace runcert {
 
 /// A file of a run, as it was when its run was done.
@@ -33,13 +36,37 @@ struct ListedAttempt {
 /// The attempts of a day, in the day's own order.
 struct DayList {
     std::string day;
-    std::vector<ListedAttempt> attempts;
-    std::vector<std::string> notes;
+    std::vector<ListedAttempt> attempts = {};
+    std::vector<std::string> notes = {};
 };
 
 /// Reads the list that `runcert batch` hands over, JSON. `where` names it in messages. Failure,
 /// with the path of the value, where anything is missing, unknown or of another type; where a file
 /// would lie outside of the day's folder; where two attempts with one id are done.
 DayList read_day_list(std::string_view text, const std::string& where);
+
+/// What the day takes from a report.json.
+struct ReportIdentity {
+    std::string report_id;
+    std::string attempt;
+    std::string craft_name;
+    std::string craft_class;
+    std::string verdict_sha256 = {};  ///< of the verdict that it reports
+};
+
+/// Reads that much of a report, without holding the rest of it in memory. Failure, with `where`,
+/// where it is none.
+ReportIdentity read_report_identity(std::string_view text, const std::string& where);
+
+/// An attempt that is done, from its verdict and its report. Failure where the two, or the id under
+/// which the day lists it, do not belong together.
+AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
+                         const ReportIdentity& report);
+
+/// An attempt that is not done.
+AttemptResult summary_of(const ListedAttempt& listed);
+
+/// Adds the rules of a verdict that are not among these, without counts and ranking.
+void add_rules(std::vector<DayProfile>& profiles, const Verdict& verdict);
 
 }  // namespace runcert

@@ -9,7 +9,6 @@
 #include "files/sha256.h"
 #include "reports/day/day.h"
 #include "reports/day/page_parts.h"
-#include "reports/day/page_words.h"
 
 namespace runcert {
 

@@ -8,9 +8,8 @@
 #include "files/program.h"
 #include "files/sha256.h"
 #include "reports/day/day.h"
-#include "reports/day/ranking.h"
+#include "reports/day/day_list.h"
 #include "reports/day/shared_recordings.h"
-#include "reports/day/summary.h"
 #include "run/stage_main.h"
 #include "trust/run_standing.h"
 

@@ -8,7 +8,7 @@
 #include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/speed_unit.h"
-#include "reports/day/page_words.h"
+#include "core/text.h"
 
 namespace runcert {
 namespace {
@@ -73,8 +73,33 @@ TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptR
     return row;
 }
 
+/// The speeds of a ranking, of the first places that have one.
+Picture picture_of(const DayProfile& profile, const AttemptsById& attempts) {
+    Picture picture{.title = fmt::format("Speeds by {} with their expanded uncertainties, in the "
+                                         "order of the ranking; the table has the figures",
+                                         profile.profile)};
+    for (const DayPlace& place : profile.ranking) {
+        const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
+        const auto& shown = result.shown;
+        if (!shown) continue;
+        if (picture.lines.size() == drawn_at_most) break;
+        if (picture.unit.empty()) picture.unit = shown->unit;
+        const double unit_m_s = metres_per_second(picture.unit);
+        PictureLine line{
+            .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
+            .figure = fmt::format("{} ± {}", shown->speed, shown->expanded_uncertainty),
+            .tone = outcome_words(state_of(result)).tone,
+            .speed = *result.speed_m_s / unit_m_s,
+            .expanded_uncertainty = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s};
+        if (result.required_speed_m_s) line.required_speed = *result.required_speed_m_s / unit_m_s;
+        if (shown->unit != picture.unit) line.figure += " " + shown->unit;
+        picture.lines.push_back(std::move(line));
+    }
+    return picture;
+}
+
 void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsById& attempts) {
-    const Picture picture = picture_of(profile, attempts, drawn_at_most);
+    const Picture picture = picture_of(profile, attempts);
     data.set("has_picture", TemplateData(!picture.lines.empty()));
     data.set("picture", picture_svg(picture));
     const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
@@ -83,8 +108,7 @@ void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsBy
     const auto drawn = std::ssize(picture.lines);
     set_text(data, "cut",
              drawn < with_speed
-                 ? fmt::format("The first {} of {} speeds are drawn; the table below "
-                               "has them all.",
+                 ? fmt::format("The first {} of {} speeds are drawn; the table below has them all.",
                                drawn, counted(with_speed))
                  : "");
 }
@@ -120,6 +144,67 @@ TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
 }
 
 }  // namespace
+
+OutcomeState state_of(const DayResult& result) {
+    return {.outcome = result.outcome,
+            .standing = result.standing,
+            .record_named = result.required_speed_m_s.has_value(),
+            .rule_altered = !result.replaced.empty() || result.rule_origin != RuleOrigin::built_in};
+}
+
+std::string window_words(const DayResult& result) {
+    if (!result.start_utc.empty()) {
+        std::string text = result.start_utc;
+        if (const std::size_t t = text.find('T'); t != std::string::npos) text[t] = ' ';
+        if (text.ends_with('Z')) text.pop_back();
+        return text + " UTC";
+    }
+    if (!result.start_time_s) return {};
+    return format_fixed(*result.start_time_s, 3) + " s after the first epoch";
+}
+
+std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
+                             std::optional<std::int64_t> below) {
+    const auto& up = place.tied_up_to_rank;
+    const auto& down = place.tied_down_to_rank;
+    if (!up && !down) return {};
+    const auto range = [](std::int64_t first, std::int64_t last) {
+        return first == last ? fmt::format("rank {}", first)
+                             : fmt::format("ranks {} to {}", first, last);
+    };
+    const std::string begin = "cannot be separated from ";
+    if (up && down) {
+        if (up == above && down == below) return begin + fmt::format("ranks {} and {}", *up, *down);
+        return begin + range(*up, *down);
+    }
+    return begin + (up ? range(*up, above.value_or(*up)) : range(below.value_or(*down), *down));
+}
+
+std::string best_words(const BestOfDay& best) {
+    const bool alone = best.attempts == 1;
+    return fmt::format(
+        "{} a conformance probability of at least {}. {} has {}: {}.",
+        alone ? std::string("One attempt was made; it requires")
+              : fmt::format("{} attempts were made; the best of that many requires", best.attempts),
+        level_text(best.level), best.id, probability_text(best.probability),
+        !best.beaten
+            ? "it may be the luckiest of them, so as the best of that many it is not proven"
+        : alone ? "it exceeds the record"
+                : "as the best of that many it exceeds the record too");
+}
+
+std::string link_to(std::string_view file) {
+    std::string link;
+    for (const char c : file) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                           (c >= '0' && c <= '9') ||
+                           std::string_view("-._~/").find(c) != std::string_view::npos;
+        link += plain
+                    ? std::string(1, c)
+                    : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return link;
+}
 
 TemplateData texts_of(const std::vector<std::string>& texts) {
     TemplateData data = template_list();
@@ -159,32 +244,6 @@ void set_text(TemplateData& map, const std::string& name, const std::string& tex
         map.set(name, TemplateData(false));
     else
         map.set(name, plain_text(text));
-}
-
-Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std::size_t at_most) {
-    Picture picture{.title = fmt::format("Speeds by {} with their expanded uncertainties, in the "
-                                         "order of the ranking; the table has the figures",
-                                         profile.profile),
-                    .unit = {},
-                    .lines = {}};
-    for (const DayPlace& place : profile.ranking) {
-        const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
-        const auto& shown = result.shown;
-        if (!shown) continue;
-        if (picture.lines.size() == at_most) break;
-        if (picture.unit.empty()) picture.unit = shown->unit;
-        const double unit_m_s = metres_per_second(picture.unit);
-        PictureLine line{
-            .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
-            .figure = fmt::format("{} ± {}", shown->speed, shown->expanded_uncertainty),
-            .tone = outcome_words(state_of(result)).tone,
-            .speed = *result.speed_m_s / unit_m_s,
-            .expanded_uncertainty = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s};
-        if (result.required_speed_m_s) line.required_speed = *result.required_speed_m_s / unit_m_s;
-        if (shown->unit != picture.unit) line.figure += " " + shown->unit;
-        picture.lines.push_back(std::move(line));
-    }
-    return picture;
 }
 
 TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <kainjow/mustache.hpp>
 #include <map>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "reports/day/picture.h"
+#include "reports/words/outcome.h"
 #include "schemas/day_results/day_results.h"
 
 namespace runcert {
@@ -27,7 +31,43 @@ TemplateData texts_of(const std::vector<std::string>& texts);
 TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,
                           std::size_t number);
 
-/// The speeds of a ranking, its first `at_most` places that have one.
-Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std::size_t at_most);
+/// What the title of a result speaks of.
+OutcomeState state_of(const DayResult& result);
+
+/// "2022-03-18 08:51:22.300 UTC", or "12.340 s after the first epoch"; empty where there is no
+/// window.
+std::string window_words(const DayResult& result);
+
+/// "cannot be separated from rank 2", "... from ranks 1 to 4"; empty where both neighbours are.
+/// `above` and `below` are the ranks next to its own.
+std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
+                             std::optional<std::int64_t> below);
+
+/// What the best of the day's attempts is as the best of so many, in a sentence.
+std::string best_words(const BestOfDay& best);
+
+/// A file's name as a relative link: every byte but letters, digits and - . _ ~ / as %NN.
+std::string link_to(std::string_view file);
+
+/// One line of the picture of a ranking.
+struct PictureLine {
+    std::string label;   ///< "1  sail-3"
+    std::string figure;  ///< "202.91 ± 0.32"
+    std::string tone;    ///< as OutcomeWords
+    double speed = 0.0;  ///< all three in one unit
+    double expanded_uncertainty = 0.0;
+    std::optional<double> required_speed = {};
+};
+
+struct Picture {
+    std::string title;  ///< for those who do not see it
+    std::string unit = {};
+    std::vector<PictureLine> lines = {};
+};
+
+/// Speeds with their uncertainties as bars, line by line, and the speeds to reach: SVG for a page
+/// whose style has the classes of `template/day.css`. As wide as where it stands, in letters that
+/// keep their size.
+std::string picture_svg(const Picture& picture);
 
 }  // namespace runcert

@@ -1,5 +1,3 @@
-#include "reports/day/picture.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "core/plain_text.h"
 #include "core/text.h"
+#include "reports/day/page_parts.h"
 
 namespace runcert {
 namespace {
@@ -100,10 +99,9 @@ std::string ticks(const Axis& axis, const std::string& unit, int bottom) {
         svg += fmt::format("<text class=\"tick\" x=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>\n",
                            axis.at(value), bottom + 14, anchor, format_fixed(value, axis.decimals));
     }
-    return svg + fmt::format(
-                     "<text class=\"tick\" x=\"50%\" y=\"{}\" text-anchor=\"middle\">{}"
-                     "</text>\n",
-                     bottom + 29, escaped(unit));
+    return svg +
+           fmt::format("<text class=\"tick\" x=\"50%\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                       bottom + 29, escaped(unit));
 }
 
 /// A sign of another shape for each outcome.

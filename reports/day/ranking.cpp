@@ -1,9 +1,9 @@
-#include "reports/day/ranking.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <tuple>
+
+#include "reports/day/day.h"
 
 namespace runcert {
 namespace {
@@ -21,7 +21,7 @@ struct Entry {
     bool is_ranked() const {
         return result->speed_m_s.has_value() && result->outcome != Outcome::not_certifiable;
     }
-    /// Less is ahead.
+    /// The smaller is ahead.
     auto merit() const {
         return std::tuple(outcome(), !result->speed_m_s.has_value(), -speed(), uncertainty());
     }

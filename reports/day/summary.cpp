@@ -1,5 +1,3 @@
-#include "reports/day/summary.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "reports/day/day_list.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -41,7 +40,7 @@ DayResult result_of(const ProfileVerdict& verdict) {
     return result;
 }
 
-/// Of a report's members those that are read below: a report holds every curve of its figures.
+/// Keeps of a report, which holds every curve of its figures, what is read below.
 bool is_kept(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
     static const std::set<std::string> of_statement{"predicate", "subject"};
     static const std::set<std::string> of_predicate{"report_id", "attempt"};
@@ -60,8 +59,7 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
         ReportIdentity identity{.report_id = predicate.at("report_id").get<std::string>(),
                                 .attempt = attempt.at("id").get<std::string>(),
                                 .craft_name = attempt.at("craft_name").get<std::string>(),
-                                .craft_class = attempt.at("craft_class").get<std::string>(),
-                                .verdict_sha256 = {}};
+                                .craft_class = attempt.at("craft_class").get<std::string>()};
         for (const nlohmann::json& subject : report.at("subject"))
             if (subject.at("name") == products::verdict_file)
                 identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();

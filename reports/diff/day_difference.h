@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "reports/diff/run_causes.h"
+#include "reports/diff/run_difference.h"
 #include "schemas/day_results/day_results.h"
 
 namespace runcert {
@@ -44,7 +44,7 @@ struct ChangeCauses {
     std::string unknown = {};  ///< why the causes could not be found out
 };
 
-/// All that a day has otherwise than the same day processed before.
+/// How a day differs from the same day as it was processed before.
 struct DayComparison {
     std::vector<std::string> only_old, only_new;
     std::vector<StateChange> states;

@@ -1,5 +1,3 @@
-#include "reports/diff/run_causes.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +9,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
 #include "run/attempt_files.h"
 #include "run/stage_run.h"
@@ -123,29 +122,13 @@ Json header_in(const RunFolder& run, const std::string& product) {
     return json_from_yaml(YamlValue(parse_yaml(*text, file.string()), file.string()));
 }
 
-/// Files that a run was made from, by name, with their hashes.
-using Claims = std::map<std::string, std::string>;
-
-void add_claims(Claims& claims, const Json& header) {
+void add_claims(HashesByName& claims, const Json& header) {
     for (const Json& input : header.value("inputs", Json::array())) {
         const std::string file = input.value("file", "");
         // The attempt is compared key by key, and products are no causes.
         if (file != attempt_copy_name && !is_product_name(file))
             claims[file] = input.value("sha256", "");
     }
-}
-
-std::vector<Change> claim_changes(const Claims& a, const Claims& b) {
-    Claims names = a;
-    names.insert(b.begin(), b.end());
-    const auto hash = [](const Claims& claims, const std::string& name) {
-        const auto found = claims.find(name);
-        return found == claims.end() ? std::string("not used") : found->second;
-    };
-    std::vector<Change> changes;
-    for (const auto& [name, unused] : names)
-        if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
-    return changes;
 }
 
 }  // namespace
@@ -159,8 +142,7 @@ RunFolder read_run_folder(const fs::path& folder) {
     RunFolder run{.folder = folder,
                   .attempt = read_attempt(text, attempt_file.string()),
                   .attempt_document = json_from_yaml(
-                      YamlValue(parse_yaml(text, attempt_file.string()), attempt_file.string())),
-                  .products = {}};
+                      YamlValue(parse_yaml(text, attempt_file.string()), attempt_file.string()))};
     run.attempt_document.erase("parameters");
     for (const std::string& name : product_files(run.attempt))
         if (fs::exists(folder / name)) run.products.push_back(name);
@@ -174,6 +156,19 @@ std::vector<Change> attempt_changes(const RunFolder& a, const RunFolder& b) {
     return as_changes(value_differences(a.attempt_document, b.attempt_document));
 }
 
+std::vector<Change> hash_changes(const HashesByName& a, const HashesByName& b, const char* absent) {
+    const auto hash = [absent](const HashesByName& hashes, const std::string& name) {
+        const auto found = hashes.find(name);
+        return found == hashes.end() ? absent : found->second;
+    };
+    HashesByName names = a;
+    names.insert(b.begin(), b.end());
+    std::vector<Change> changes;
+    for (const auto& [name, unused] : names)
+        if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
+    return changes;
+}
+
 void add_header_changes(RunCauses& causes, const std::string& product, const Json& header_a,
                         const Json& header_b) {
     add_makers(causes, product, header_a, header_b);
@@ -184,13 +179,13 @@ RunCauses causes_between(const fs::path& folder_a, const fs::path& folder_b) {
     const RunFolder a = read_run_folder(folder_a);
     const RunFolder b = read_run_folder(folder_b);
     std::map<std::string, Json> headers_a, headers_b;
-    Claims claims_a, claims_b;
+    HashesByName claims_a, claims_b;
     for (const std::string& product : a.products)
         add_claims(claims_a, headers_a[product] = header_in(a, product));
     for (const std::string& product : b.products)
         add_claims(claims_b, headers_b[product] = header_in(b, product));
     RunCauses causes;
-    causes.inputs = claim_changes(claims_a, claims_b);
+    causes.inputs = hash_changes(claims_a, claims_b, "not used");
     causes.attempt = attempt_changes(a, b);
     for (const auto& [product, header] : headers_a)
         if (const auto other = headers_b.find(product); other != headers_b.end())

@@ -17,11 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// File to SHA-256, or "missing".
-using HashesByName = std::map<std::string, std::string>;
-
-constexpr const char* missing = "missing";
-
 std::vector<std::string> attempt_file_names(const Attempt& attempt) {
     std::vector<std::string> names;
     for (const Receiver& receiver : attempt.receivers) {
@@ -41,7 +36,7 @@ HashesByName hashes_of(const RunFolder& run) {
     HashesByName hashes;
     for (const std::string& name : attempt_file_names(run.attempt))
         hashes[name] =
-            fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : missing;
+            fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : "missing";
     return hashes;
 }
 
@@ -56,21 +51,6 @@ std::vector<std::string> in_either(const std::vector<std::string>& a,
         if (!holds(names, name)) names.push_back(name);
     std::ranges::sort(names);
     return names;
-}
-
-std::vector<Change> input_changes(const RunFolder& run_a, const RunFolder& run_b) {
-    const HashesByName a = hashes_of(run_a);
-    const HashesByName b = hashes_of(run_b);
-    std::vector<Change> changes;
-    const auto hash = [](const HashesByName& hashes, const std::string& name) {
-        const auto found = hashes.find(name);
-        return found == hashes.end() ? std::string("not named") : found->second;
-    };
-    HashesByName names = a;
-    names.insert(b.begin(), b.end());
-    for (const auto& [name, unused] : names)
-        if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
-    return changes;
 }
 
 /// One product in both runs.
@@ -94,7 +74,7 @@ class ProductPair {
     std::string stage() const { return header_a_.at("stage").value("name", ""); }
 
     void add_results(RunDifference& difference) const {
-        ProductDifference product{.file = name_, .stage = stage(), .table = {}, .values = {}};
+        ProductDifference product{.file = name_};
         if (name_.ends_with(".ecsv")) {
             product.table = compare_tables(text_a_, text_b_, where_a_, where_b_);
             if (stage() == "screen") {
@@ -144,14 +124,14 @@ RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folde
     const RunFolder a = read_run_folder(folder_a);
     const RunFolder b = read_run_folder(folder_b);
     RunDifference difference;
-    difference.inputs = input_changes(a, b);
+    difference.inputs = hash_changes(hashes_of(a), hashes_of(b), "not named");
     difference.attempt = attempt_changes(a, b);
     for (const std::string& name : in_either(a.products, b.products)) {
         if (holds(a.products, name) && holds(b.products, name)) {
             ProductPair(a, b, name).add_to(difference);
             continue;
         }
-        ProductDifference product{.file = name, .stage = {}, .table = {}, .values = {}};
+        ProductDifference product{.file = name};
         (holds(a.products, name) ? product.only_a : product.only_b) = true;
         difference.products.push_back(std::move(product));
     }

@@ -7,10 +7,63 @@
 #include <string>
 #include <vector>
 
-#include "reports/diff/run_causes.h"
 #include "reports/diff/table_comparison.h"
+#include "schemas/attempt/attempt.h"
 
 namespace runcert {
+
+/// Something that differs between two runs.
+struct Change {
+    std::string what;  ///< "smooth.robust_scale", "recording.primary.pos"
+    std::string a;
+    std::string b;
+    std::string note = {};  ///< how large it is, where that can be said
+
+    bool operator==(const Change&) const = default;
+};
+
+/// Why the results of two runs may differ.
+struct RunCauses {
+    std::vector<Change> programs;
+    std::vector<Change> inputs;
+    std::vector<Change> parameters;
+    std::vector<Change> attempt;  ///< but for its parameters
+
+    bool none() const {
+        return programs.empty() && inputs.empty() && parameters.empty() && attempt.empty();
+    }
+    bool operator==(const RunCauses&) const = default;
+};
+
+/// A run folder, and what its attempt says.
+struct RunFolder {
+    std::filesystem::path folder;
+    Attempt attempt;
+    nlohmann::ordered_json attempt_document;  ///< but for its parameters
+    std::vector<std::string> products = {};   ///< those that are there
+};
+
+/// Failure where it is not a run folder, or holds what cannot be read.
+RunFolder read_run_folder(const std::filesystem::path& folder);
+
+/// Files by name, each with its SHA-256 or a word for what is not there.
+using HashesByName = std::map<std::string, std::string>;
+/// Those that differ, by name; `absent` is said of a file that one of the two does not have.
+std::vector<Change> hash_changes(const HashesByName& a, const HashesByName& b, const char* absent);
+
+/// How the attempts differ, but for their parameters.
+std::vector<Change> attempt_changes(const RunFolder& a, const RunFolder& b);
+
+/// Adds what the headers of a product in both runs say of its programs and parameters. Files of the
+/// same two programs stand together; what all receivers' files say stands once.
+void add_header_changes(RunCauses& causes, const std::string& product,
+                        const nlohmann::ordered_json& header_a,
+                        const nlohmann::ordered_json& header_b);
+
+/// Why the results of two run folders may differ, from attempts and headers alone: no table is read
+/// beyond its header, and no recording. Inputs are compared by the hashes that the headers claim,
+/// so that it is those which the results were made from. Failure as `read_run_folder`.
+RunCauses causes_between(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// What became of an epoch.
 struct EpochChange {
@@ -20,9 +73,9 @@ struct EpochChange {
 };
 
 struct EpochDifference {
-    std::string receiver;
+    std::string receiver = {};
     std::int64_t rows_a = 0, rows_b = 0, joined = 0;
-    std::vector<EpochChange> changes;
+    std::vector<EpochChange> changes = {};
 
     /// How many changed from what to what: "used -> left out: outlier".
     std::map<std::string, std::int64_t> counts() const;
@@ -32,9 +85,8 @@ struct EpochDifference {
 /// The largest changes of one product.
 struct ProductDifference {
     std::string file;
-    std::string stage;
-    std::optional<TableComparison> table;  ///< of a table
-    std::vector<ValueDifference> values;   ///< of a document
+    std::optional<TableComparison> table = {};  ///< of a table
+    std::vector<ValueDifference> values = {};   ///< of a document
     bool only_a = false;
     bool only_b = false;
 
@@ -65,7 +117,7 @@ std::string difference_text(const RunDifference& difference, const std::filesyst
 /// For machines, complete.
 nlohmann::ordered_json difference_json(const RunDifference& difference);
 
-/// What the windows of two runs (5-windows.yaml) have otherwise, rule by rule, with the difference
+/// How the windows of two runs (5-windows.yaml) differ, rule by rule, with the difference
 /// of speeds in units of their combined expanded uncertainty (k = 2).
 std::vector<Change> window_changes(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b,
                                    const std::string& receiver);
@@ -75,8 +127,5 @@ std::vector<Change> verdict_changes(const nlohmann::ordered_json& a,
 /// The epochs whose state differs (3-screened.ecsv), whose names in messages are given.
 EpochDifference epoch_difference(std::string_view a, std::string_view b, const std::string& where_a,
                                  const std::string& where_b);
-
-/// An item of a list in the text for people, set in.
-std::string list_item(const std::string& text);
 
 }  // namespace runcert

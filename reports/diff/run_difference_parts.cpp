@@ -111,6 +111,43 @@ std::string refusals_of(const Json* indicated) {
     return text.empty() ? "not refused" : "refused: " + text;
 }
 
+/// The columns of a screened table that say what became of an epoch.
+class Screening {
+  public:
+    Screening(std::string_view text, const std::string& where)
+        : table_(text, where),
+          epoch_(column("epoch")),
+          time_(column("time")),
+          usable_(column("usable")),
+          reason_(column("reason")),
+          break_(column("break_before")) {}
+
+    void step_to(std::size_t row) {
+        for (; next_ <= row; ++next_)
+            (void)table_.next_row();
+    }
+    std::string state() const {
+        std::string text = table_.boolean(usable_) ? "used" : "left out: " + table_.text(reason_);
+        if (!table_.is_missing(break_)) text += fmt::format("; {} before it", table_.text(break_));
+        return text;
+    }
+    std::int64_t epoch() const { return table_.integer(epoch_); }
+    double time_s() const { return table_.real(time_); }
+    std::size_t line() const { return table_.line(); }
+
+  private:
+    std::size_t column(const std::string& name) const {
+        for (std::size_t i = 0; i < table_.columns().size(); ++i)
+            if (table_.columns()[i].name == name) return i;
+        throw Failure(table_.where(), fmt::format("the table has no column \"{}\"", name),
+                      "The file is not as the program writes it; take the original");
+    }
+
+    EcsvReader table_;
+    std::size_t epoch_, time_, usable_, reason_, break_;
+    std::size_t next_ = 0;
+};
+
 void append(std::vector<Change>& all, std::vector<Change> some) {
     std::ranges::move(some, std::back_inserter(all));
 }
@@ -171,58 +208,14 @@ std::vector<Change> verdict_changes(const Json& a, const Json& b) {
     return changes;
 }
 
-namespace {
-
-/// The columns of a screened table that say what became of an epoch.
-class Screening {
-  public:
-    Screening(std::string_view text, const std::string& where)
-        : table_(text, where),
-          epoch_(column("epoch")),
-          time_(column("time")),
-          usable_(column("usable")),
-          reason_(column("reason")),
-          break_(column("break_before")) {}
-
-    void step_to(std::size_t row) {
-        for (; next_ <= row; ++next_)
-            (void)table_.next_row();
-    }
-    std::string state() const {
-        std::string text = table_.boolean(usable_) ? "used" : "left out: " + table_.text(reason_);
-        if (!table_.is_missing(break_)) text += fmt::format("; {} before it", table_.text(break_));
-        return text;
-    }
-    std::int64_t epoch() const { return table_.integer(epoch_); }
-    double time_s() const { return table_.real(time_); }
-    std::size_t line() const { return table_.line(); }
-
-  private:
-    std::size_t column(const std::string& name) const {
-        for (std::size_t i = 0; i < table_.columns().size(); ++i)
-            if (table_.columns()[i].name == name) return i;
-        throw Failure(table_.where(), fmt::format("the table has no column \"{}\"", name),
-                      "The file is not as the program writes it; take the original");
-    }
-
-    EcsvReader table_;
-    std::size_t epoch_, time_, usable_, reason_, break_;
-    std::size_t next_ = 0;
-};
-
-}  // namespace
-
 EpochDifference epoch_difference(std::string_view a, std::string_view b, const std::string& where_a,
                                  const std::string& where_b) {
     const bool absolute = says_first_epoch(a, where_a) && says_first_epoch(b, where_b);
     const auto times_a = row_times(a, where_a, absolute);
     const auto times_b = row_times(b, where_b, absolute);
     const auto pairs = join_by_time(times_a, times_b);
-    EpochDifference found{.receiver = {},
-                          .rows_a = std::ssize(times_a),
-                          .rows_b = std::ssize(times_b),
-                          .joined = std::ssize(pairs),
-                          .changes = {}};
+    EpochDifference found{
+        .rows_a = std::ssize(times_a), .rows_b = std::ssize(times_b), .joined = std::ssize(pairs)};
     Screening one(a, where_a);
     Screening other(b, where_b);
     for (const RowPair& pair : pairs) {

@@ -64,8 +64,7 @@ std::optional<CellDifference> compare_cells(const EcsvReader& a, const EcsvReade
     if (missing ? a.is_missing(column.a) == b.is_missing(column.b)
                 : a.text(column.a) == b.text(column.b))
         return std::nullopt;
-    CellDifference cell{
-        .row = {}, .column = described.name, .a = shown(a, column.a), .b = shown(b, column.b)};
+    CellDifference cell{.column = described.name, .a = shown(a, column.a), .b = shown(b, column.b)};
     const bool number = described.type == CellType::real || described.type == CellType::integer;
     if (missing || !number || b.columns()[column.b].type != described.type) return cell;
     const double difference = b.real(column.b) - a.real(column.a);

@@ -22,7 +22,7 @@ struct JoinedRow {
 
 /// A cell that differs.
 struct CellDifference {
-    JoinedRow row;
+    JoinedRow row = {};
     std::string column;
     std::string a;  ///< as written; "empty" where missing
     std::string b;

@@ -7,7 +7,6 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
-#include "reports/words/outcome.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -117,13 +116,7 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
         return windows.emplace_back(
             TrackWindow{.kind = kind,
                         .rule = rule,
-                        .profile = verdict.profile,
-                        .body = verdict.body,
-                        .title = verdict.title,
-                        .definition = verdict.definition,
-                        .outcome = verdict.outcome,
-                        .outcome_title = outcome_words(state_of(verdict)).title,
-                        .reason = verdict.reason,
+                        .verdict = &verdict,
                         .span = span,
                         .points = points_between(*input.trajectory, span, earth)});
     };
@@ -143,7 +136,6 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
         TrackWindow& best = add(TrackWindowKind::best, *verdict.window);
         best.speed_m_s = *verdict.speed_m_s;
         best.expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s;
-        best.shown = verdict.shown;
     }
 }
 
@@ -189,7 +181,6 @@ Track track_of(const TrackInput& input) {
                 .receiver = trajectory.facts.receiver,
                 .heights_measured = trajectory.facts.vertical_measured,
                 .arcs = arcs_of(input, earth),
-                .windows = {},
                 .gates = gates_of(*input.attempt)};
     if (input.windows != nullptr && input.verdict != nullptr &&
         input.verdict->receiver == trajectory.facts.receiver)

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "reports/export/track.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
@@ -36,18 +38,11 @@ std::string_view to_text(TrackWindowKind kind);
 /// A window of a rule on the track.
 struct TrackWindow {
     TrackWindowKind kind = TrackWindowKind::best;
-    std::size_t rule = 0;  ///< number of its rule in the verdict, for its style
-    std::string profile;
-    std::string body;
-    std::string title;
-    SpeedDefinition definition = SpeedDefinition::displacement;
-    Outcome outcome = Outcome::not_certifiable;  ///< of the rule
-    std::string outcome_title;                   ///< as pages call it
-    std::string reason;                          ///< the outcome in one sentence
+    std::size_t rule = 0;                     ///< number of its rule in the verdict, for its style
+    const ProfileVerdict* verdict = nullptr;  ///< of its rule
     WindowSpan span = {};
     double speed_m_s = 0.0;
     std::optional<double> expanded_uncertainty_m_s = {};  ///< k = 2; none for a refused one
-    std::optional<ShownFigures> shown = {};               ///< of the best one
     std::vector<std::string> refusals = {};
     std::vector<TrackPoint> points = {};
 };
@@ -86,5 +81,44 @@ struct TrackInput {
 /// where the run is in engineering coordinates, or a window names an epoch that the trajectory does
 /// not have.
 Track track_of(const TrackInput& input);
+
+/// A fact of a feature on the map, its value as text.
+struct MapFact {
+    std::string name;   ///< for programs
+    std::string label;  ///< for people; empty where the feature's name says it already
+    std::string value;
+};
+
+/// What a feature on the map is called, "nalsa: 232.17 km/h ± 0.17 km/h".
+std::string name_of(const TrackWindow& window);
+std::string name_of(const TrackArc& arc);
+std::string name_of(const TrackGate& gate);
+
+/// What is to be known about a window: rule, outcome, speed, uncertainty, times.
+std::vector<MapFact> facts_of(const TrackWindow& window);
+std::vector<MapFact> facts_of(const TrackArc& arc);
+
+/// How a window is drawn: colours of Okabe and Ito [OI08], which the colour-blind tell apart.
+/// Windows of several rules lie over one another, and get narrower from the first on.
+struct LineStyle {
+    std::string rgb;  ///< six hexadecimal digits
+    int width = 2;
+};
+LineStyle style_of(const TrackWindow& window);
+inline const LineStyle track_style{"333333", 2};
+inline const LineStyle gate_style{"000000", 4};
+
+/// What is drawn on the map.
+struct MapFeature {
+    std::string name;
+    LineStyle style;
+    std::vector<MapFact> facts = {};
+};
+
+inline constexpr int degree_decimals = 9;  ///< 0.1 mm
+inline constexpr int height_decimals = 3;
+
+/// The file's own words on what it is: craft, place, receiver, heights, thinning.
+std::vector<std::string> about(const Track& track);
 
 }  // namespace runcert

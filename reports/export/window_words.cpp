@@ -1,5 +1,3 @@
-#include "reports/export/window_words.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -8,7 +6,9 @@
 #include <cmath>
 
 #include "core/text.h"
+#include "reports/export/track.h"
 #include "reports/words/figures.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 namespace {
@@ -22,7 +22,8 @@ constexpr int narrowest = 4;
 
 /// The speed for people: as the verdict shows it, or in km/h.
 std::string speed_words(const TrackWindow& window) {
-    if (window.shown) return measured_speed_text(*window.shown);
+    if (window.kind == TrackWindowKind::best && window.verdict->shown)
+        return measured_speed_text(*window.verdict->shown);
     const SpeedUnit& unit = speed_unit("km/h");
     return fmt::format("{} {}", speed_text(window.speed_m_s, std::nullopt, unit), unit.name);
 }
@@ -35,17 +36,16 @@ void add_time(std::vector<MapFact>& facts, const std::string& name, const std::s
 }  // namespace
 
 std::string name_of(const TrackWindow& window) {
+    const std::string name = fmt::format("{}: {}", window.verdict->profile, speed_words(window));
     switch (window.kind) {
-        case TrackWindowKind::best:
-            return fmt::format("{}: {}", window.profile, speed_words(window));
         case TrackWindowKind::further:
-            return fmt::format("{}: {}, another window of the mean", window.profile,
-                               speed_words(window));
+            return name + ", another window of the mean";
         case TrackWindowKind::refused:
-            return fmt::format("{}: {} REFUSED, not certified", window.profile,
-                               speed_words(window));
+            return name + " REFUSED, not certified";
+        case TrackWindowKind::best:
+            break;
     }
-    return {};
+    return name;
 }
 
 std::string name_of(const TrackArc& arc) {
@@ -60,14 +60,15 @@ std::vector<MapFact> facts_of(const TrackWindow& window) {
     const bool certified = window.kind != TrackWindowKind::refused;
     std::vector<MapFact> facts{
         {"kind", "", std::string(to_text(window.kind))},
-        {"rule", "Rule", window.profile},
-        {"body", "Body", window.body},
-        {"title", "Title", window.title},
-        {"definition", "Speed defined as", std::string(to_text(window.definition))},
-        {"rule_outcome", "", std::string(to_text(window.outcome))}};
+        {"rule", "Rule", window.verdict->profile},
+        {"body", "Body", window.verdict->body},
+        {"title", "Title", window.verdict->title},
+        {"definition", "Speed defined as", std::string(to_text(window.verdict->definition))},
+        {"rule_outcome", "", std::string(to_text(window.verdict->outcome))}};
     if (certified) {
-        facts.push_back({"outcome_title", "Outcome", window.outcome_title});
-        facts.push_back({"reason", "Why", window.reason});
+        facts.push_back(
+            {"outcome_title", "Outcome", outcome_words(state_of(*window.verdict)).title});
+        facts.push_back({"reason", "Why", window.verdict->reason});
     }
     facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_m_s, speed_decimals)});
     if (window.expanded_uncertainty_m_s)

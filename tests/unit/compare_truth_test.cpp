@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "reports/compare/truth.h"
+#include "reports/compare/compare.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

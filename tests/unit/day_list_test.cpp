@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/day/summary.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -8,7 +8,7 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "reports/day/day.h"
-#include "reports/day/page_words.h"
+#include "reports/day/page_parts.h"
 
 // The page and the table of a day: complete, escaped, and of the results' own numbers.
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "reports/day/ranking.h"
+#include "reports/day/day.h"
 #include "reports/words/figures.h"
 
 namespace runcert::day {

@@ -1,20 +1,22 @@
 #include <nlohmann/json.hpp>
 
+#include "reports/diff/day_difference.h"
 #include "reports/diff/run_difference.h"
 
 namespace runcert {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 void set(Json& json, const char* key, const std::optional<double>& value) {
     if (value) json[key] = *value;
 }
 
-Json json_of(const std::vector<Change>& changes) {
+Json json_of(const std::vector<Change>& changes, const char* a = "a", const char* b = "b") {
     Json list = Json::array();
     for (const Change& change : changes) {
-        Json entry{{"what", change.what}, {"a", change.a}, {"b", change.b}};
+        Json entry{{"what", change.what}, {a, change.a}, {b, change.b}};
         if (!change.note.empty()) entry["note"] = change.note;
         list.push_back(std::move(entry));
     }
@@ -92,6 +94,46 @@ Json json_of(const ProductDifference& product) {
     return json;
 }
 
+Json json_of(const std::optional<DayFailure>& failure) {
+    if (!failure) return nullptr;
+    return {{"step", failure->step},
+            {"problem", failure->problem},
+            {"where", failure->where},
+            {"remedy", failure->remedy}};
+}
+
+Json json_of(const std::optional<DayResult>& result) {
+    if (!result) return nullptr;
+    Json json{{"outcome", to_text(result->outcome)}, {"reason", result->reason}};
+    if (result->speed_m_s) json["speed_m_s"] = *result->speed_m_s;
+    if (result->expanded_uncertainty_m_s)
+        json["expanded_uncertainty_m_s"] = *result->expanded_uncertainty_m_s;
+    json["coverage_factor"] = result->coverage_factor;
+    return json;
+}
+
+Json json_of(const ResultChange& change) {
+    Json json{{"id", change.id},
+              {"profile", change.profile},
+              {"outcome_changed", change.outcome_changed},
+              {"speed_moved", change.speed_moved},
+              {"uncertainty_moved", change.uncertainty_moved},
+              {"old", json_of(change.old_result)},
+              {"new", json_of(change.new_result)}};
+    if (change.moved_by) json["of_standard_uncertainty"] = *change.moved_by;
+    return json;
+}
+
+Json json_of(const ChangeCauses& causes) {
+    Json json{{"id", causes.id},
+              {"programs", json_of(causes.causes.programs, "old", "new")},
+              {"inputs", json_of(causes.causes.inputs, "old", "new")},
+              {"parameters", json_of(causes.causes.parameters, "old", "new")},
+              {"attempt", json_of(causes.causes.attempt, "old", "new")}};
+    if (!causes.unknown.empty()) json["unknown"] = causes.unknown;
+    return json;
+}
+
 }  // namespace
 
 Json difference_json(const RunDifference& difference) {
@@ -109,6 +151,25 @@ Json difference_json(const RunDifference& difference) {
         json["epochs"].push_back(json_of(epochs));
     for (const ProductDifference& product : difference.products)
         json["products"].push_back(json_of(product));
+    return json;
+}
+
+Json comparison_json(const DayComparison& comparison) {
+    Json json{{"schema", "day-comparison/1.0"},  {"equal", comparison.equal()},
+              {"in_both", comparison.in_both},   {"unchanged", comparison.unchanged},
+              {"only_old", comparison.only_old}, {"only_new", comparison.only_new},
+              {"states", Json::array()},         {"results", Json::array()},
+              {"causes", Json::array()}};
+    for (const StateChange& change : comparison.states)
+        json["states"].push_back({{"id", change.id},
+                                  {"old", change.old_state},
+                                  {"new", change.new_state},
+                                  {"old_failure", json_of(change.old_failure)},
+                                  {"new_failure", json_of(change.new_failure)}});
+    for (const ResultChange& change : comparison.results)
+        json["results"].push_back(json_of(change));
+    for (const ChangeCauses& causes : comparison.causes)
+        json["causes"].push_back(json_of(causes));
     return json;
 }
 

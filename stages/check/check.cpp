@@ -11,10 +11,8 @@
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
-#include "stages/check/context.h"
-#include "stages/check/inputs.h"
 #include "stages/check/notes.h"
-#include "stages/check/statements.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
@@ -91,8 +89,8 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
     }
     return fmt::format(
         "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "
-        "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
-        "displacements differ by {:.3f} m{}.",
+        "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The displacements "
+        "differ by {:.3f} m{}.",
         capitalised(witness_name(*one)), -one->difference_m_s * 3.6, compared_with(one->kind),
         one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
@@ -160,8 +158,8 @@ std::string refused_for_times(const ClauseContext& context) {
     return refused;
 }
 
-/// Why recorded velocities that are not those of these positions forbid a certificate by them: that
-/// there are no windows follows from it.
+/// Why recorded velocities that are not those of these positions forbid a certificate by them; that
+/// there are no windows follows from that.
 std::string refused_for_unfit(const ClauseContext& context,
                               const std::vector<Requirement>& requirements) {
     const auto& velocity = context.input.judged.tests.velocity;
@@ -173,45 +171,40 @@ std::string refused_for_unfit(const ClauseContext& context,
 
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
-    const auto failed = failed_clauses(requirements);
+    const ReceiverFindings& judged = context.input.judged;
     const auto& best = context.windows.best;
+    std::string refused;
+    const auto is_refused = [&](std::string why) {
+        refused = std::move(why);
+        return !refused.empty();
+    };
     // What cannot be read makes every other finding doubtful.
-    if (best)
-        if (std::string refused = first_refusal(context.windows,
-                                                [&](const auto& window) {
-                                                    return refused_for_records(
-                                                        context.input.judged.records, window.span);
-                                                });
-            !refused.empty())
-            return refused;
-    // What made the other requirements fail comes first.
-    if (const auto& velocity = context.input.judged.tests.velocity;
-        velocity && is_another_speed(*velocity))
-        return another_speed_text(*velocity);
-    if (std::string refused = refused_for_times(context); !refused.empty()) return refused;
-    if (std::string refused = refused_for_unfit(context, requirements); !refused.empty())
+    if (best && is_refused(first_refusal(context.windows, [&](const auto& window) {
+            return refused_for_records(judged.records, window.span);
+        })))
         return refused;
-    if (std::string refused = refused_for_decision(context); !refused.empty()) return refused;
-    if (!failed.empty()) return "Not met: " + failed.front();
+    // What made the other requirements fail comes first.
+    if (const auto& velocity = judged.tests.velocity; velocity && is_another_speed(*velocity))
+        return another_speed_text(*velocity);
+    if (is_refused(refused_for_times(context)) ||
+        is_refused(refused_for_unfit(context, requirements)) ||
+        is_refused(refused_for_decision(context)))
+        return refused;
+    if (const auto failed = failed_clauses(requirements); !failed.empty())
+        return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
     if (!context.speed)
         return figure_of(context.windows)
                    ? "The rule subtracts the current, which is not known for the window: give "
                      "current: in the attempt, with a series that covers it."
                    : "There are too few certifiable windows for the mean that the rule takes.";
-    if (std::string refused = first_refusal(context.windows,
-                                            [&](const auto& window) {
-                                                return refused_for_robust(
-                                                    window.robust, context.input.judged.estimation);
-                                            });
-        !refused.empty())
-        return refused;
-    if (std::string refused = first_refusal(context.windows,
-                                            [](const auto& window) {
-                                                return refused_for_witnesses(window.witnesses,
-                                                                             window.evidence);
-                                            });
-        !refused.empty())
+    if (is_refused(first_refusal(context.windows,
+                                 [&](const auto& window) {
+                                     return refused_for_robust(window.robust, judged.estimation);
+                                 })) ||
+        is_refused(first_refusal(context.windows, [](const auto& window) {
+            return refused_for_witnesses(window.witnesses, window.evidence);
+        })))
         return refused;
     if (context.declared && context.declared->contradicts())
         return fmt::format(
@@ -298,29 +291,28 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));
     const bool alone = !context.observed && context.profile.speed_source == SpeedSource::position;
-    const auto beginning = [&](const char* finding) {
-        return fmt::format("{}{}: {}", alone ? "By positions alone, t" : "T", finding, figures);
+    const auto sentence = [&](const char* finding) {
+        return fmt::format("{} {}: {}", alone ? "By positions alone, the" : "The", finding,
+                           figures);
     };
     switch (outcome) {
         case Outcome::beaten:
-            return beginning(
-                       "he measured speed exceeds the required speed with the required "
-                       "probability") +
+            return sentence(
+                       "measured speed exceeds the required speed with the required probability") +
                    drift_words(*context.decision, context) + fault_words(context);
         case Outcome::not_beaten:
-            return beginning(
-                "he measured speed is below the required speed beyond its uncertainty");
+            return sentence("measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
             if (context.decision->by_uncertainty.value_or(0.0) >= context.decision->level)
-                return beginning(
-                           "he measured speed exceeds the required speed beyond its uncertainty, "
-                           "but an error that nothing found is too probable") +
+                return sentence(
+                           "measured speed exceeds the required speed beyond its uncertainty, but "
+                           "an error that nothing found is too probable") +
                        fault_words(context);
-            return beginning(fastest_might_reach(context)
-                                 ? "he window of the best proof is below the required speed, but a "
-                                   "faster one, which proves less, may reach it"
-                                 : "he required speed lies within the uncertainty of the measured "
-                                   "speed");
+            return sentence(
+                fastest_might_reach(context)
+                    ? "window of the best proof is below the required speed, but a faster one, "
+                      "which proves less, may reach it"
+                    : "required speed lies within the uncertainty of the measured speed");
         case Outcome::not_certifiable:
             break;
     }

@@ -1,5 +1,3 @@
-#include "stages/check/context.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,16 +7,17 @@
 #include "core/rounding.h"
 #include "core/uncertainty.h"
 #include "reports/words/figures.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
 
 std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rule) {
     if (!rule) return std::nullopt;
-    return DecimalRounding{.mode = rule->mode == DecimalMode::truncate ? RoundingMode::truncate
-                                                                       : RoundingMode::nearest,
-                           .unit_m_s = metres_per_second(rule->unit),
-                           .decimals = static_cast<int>(rule->decimals)};
+    return DecimalRounding{
+        .mode = rule->mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest,
+        .unit_m_s = metres_per_second(rule->unit),
+        .decimals = static_cast<int>(rule->decimals)};
 }
 
 Threshold required_speed_over(const Profile& profile, const Record& record) {
@@ -58,19 +57,13 @@ CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
                          const CertifiableWindow& best) {
     const auto first = row_of(judged.trajectory, best.span.first_epoch);
     const auto last = row_of(judged.trajectory, best.span.last_epoch);
-    if (!first || !last)
-        return {.facts = std::nullopt,
-                .run = std::nullopt,
-                .missing = "the trajectory does not hold the window"};
+    if (!first || !last) return {.missing = "the trajectory does not hold the window"};
     for (const CraftRun& run : runs_under(profile, judged))
         if (run.first_row <= *first && *last <= run.last_row)
             return {.facts = course_facts(judged.trajectory, run, *first, *last,
                                           errors_of(judged, best)),
-                    .run = run,
-                    .missing = {}};
-    return {.facts = std::nullopt,
-            .run = std::nullopt,
-            .missing =
+                    .run = run};
+    return {.missing =
                 "the window is not within one run of the craft, as the profile's thresholds "
                 "cut them"};
 }
@@ -123,7 +116,7 @@ void set_drift(ClauseContext& context) {
     if (found_m_s > 0.0) context.decision->drift_found_m_s = found_m_s;
 }
 
-/// The risk of which the speed is printed that the true one is then below.
+/// The speed that the true one is below with this risk is printed beside the decision.
 constexpr double tail_risk = 1e-4;
 
 void set_decision(ClauseContext& context) {
@@ -180,10 +173,15 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-/// Whether it is of recorded velocities that contradict too many positions: they confirm nothing.
+/// Whether it is recorded velocities that contradict too many positions: those confirm nothing.
 bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     return one.kind == WitnessKind::velocities && velocity && velocity->unfit;
+}
+
+/// Whether a receiver's recording says it, not a file that was handed in beside one.
+bool is_observed(const WitnessedSpeed& one) {
+    return origin_of(one.kind).front() == to_text(InputOrigin::observed);
 }
 
 /// What else than the positions speaks for the window. What the attempt states does not.
@@ -208,10 +206,6 @@ bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& con
             compared_m_s, context.required_speed->speed_m_s -
                               context.record->speed * metres_per_second(context.record->unit));
     return expanded_uncertainty_m_s <= times * compared_m_s;
-}
-
-bool is_observed(const WitnessedSpeed& one) {
-    return origin_of(one.kind).front() == to_text(InputOrigin::observed);
 }
 
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
@@ -260,7 +254,6 @@ std::string indicated_text(const ClauseContext& context) {
                        unit.name, beginning_text(indicated.span));
 }
 
-/// The drift that positions alone could not have shown, where nothing else was heard.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
     if (context.observed || context.profile.speed_source != SpeedSource::position ||
         !context.windows.best)

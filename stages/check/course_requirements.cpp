@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "stages/check/against_limit.h"
+#include "reports/words/figures.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
@@ -24,9 +27,8 @@ Finding with_facts(const ClauseContext& context, Find&& find) {
     return find(*context.course.facts);
 }
 
-/// Whether the recording holds the craft at its slowest before the run: not where it was faster, by
-/// more than the uncertainty, ever after the first second of what there is. It may have been slower
-/// before.
+/// Whether the recording shows the craft at its slowest before the run. Where it was always faster,
+/// by more than the uncertainty, after the first second there is, it may have been slower before.
 bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
                     const ClauseContext& context) {
     constexpr double beginning_s = 1.0;
@@ -40,6 +42,34 @@ bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
             std::hypot(*rows[i].velocity_east_m_s, *rows[i].velocity_north_m_s) <= least_m_s)
             return true;
     return false;
+}
+
+Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
+    if (!context.wind) return unknown("the attempt gives no series of the wind");
+    if (!context.wind->missing.empty()) return {RequirementStatus::not_met, context.wind->missing};
+    return against_limit({.name = gust ? "strongest wind in the window" : "mean wind in the window",
+                          .value = (gust ? context.wind->gust_m_s : context.wind->mean_m_s) /
+                                   metres_per_second(clause.unit),
+                          .note = fmt::format("{} {} in the window", context.wind->samples,
+                                              context.wind->samples == 1 ? "sample" : "samples")},
+                         clause);
+}
+
+/// Standard uncertainty of the recorded velocity, all axes together; NaN where it is not stated.
+double velocity_accuracy(const ScreenedEpoch& row) {
+    double sum = 0.0;
+    for (const OptionalReal& sigma :
+         {row.sigma_recorded_velocity_east_m_s, row.sigma_recorded_velocity_north_m_s,
+          row.sigma_recorded_velocity_up_m_s})
+        sum += sigma ? *sigma * *sigma : std::nan("");
+    return std::sqrt(sum);
+}
+
+/// Stated standard uncertainty of the height, or horizontally of both coordinates together.
+double position_accuracy(const ScreenedEpoch& row, bool vertical) {
+    const auto stated = [](const auto& sigma) { return sigma ? *sigma : std::nan(""); };
+    return vertical ? stated(row.sigma_up_m)
+                    : std::hypot(stated(row.sigma_east_m), stated(row.sigma_north_m));
 }
 
 }  // namespace
@@ -111,10 +141,74 @@ Finding computation::run_up(const Clause& clause, const ClauseContext& context) 
     return with_facts(context, [&](const CourseFacts& facts) {
         return against_limit({.name = "run-up",
                               .value = facts.run_up_m,
-                              .expanded_uncertainty = std::nullopt,
                               .note = fmt::format("in {:.1f} s", facts.run_up_s)},
                              clause);
     });
+}
+
+Finding computation::wind_mean(const Clause& clause, const ClauseContext& context) {
+    return wind(clause, context, false);
+}
+
+Finding computation::wind_gust(const Clause& clause, const ClauseContext& context) {
+    return wind(clause, context, true);
+}
+
+Finding computation::current(const Clause& clause, const ClauseContext& context) {
+    if (!context.current) return unknown("the attempt gives no series of the current");
+    if (!context.current->missing.empty())
+        return {RequirementStatus::not_met, context.current->missing};
+    const double unit = metres_per_second(clause.unit);
+    return against_limit(
+        {.name = "strongest current in the window",
+         .value = context.current->gust_m_s / unit,
+         .expanded_uncertainty = context.input.attempt.current->expanded_uncertainty_m_s / unit},
+        clause);
+}
+
+/// Largest time between neighbouring epochs of the window.
+Finding computation::sampling_rate(const Clause& clause, const ClauseContext& context) {
+    const auto& rows = context.input.judged.epochs_of(context.profile.id);
+    if (rows.size() < 2) return unknown("there is no certifiable window");
+    double longest_s = 0.0;
+    double before_s = rows.front().time.seconds();
+    for (const ScreenedEpoch& row : rows) {
+        if (is_out_of_time(row)) continue;
+        longest_s = std::max(longest_s, row.time.seconds() - before_s);
+        before_s = row.time.seconds();
+    }
+    // Stamps are written in decimals of a second: 0.2 s apart, as a difference, is not exactly so.
+    const double rate_hz = 1.0 / (longest_s - 1e-9);
+    return against_limit({.name = "lowest rate of epochs in the window", .value = rate_hz}, clause);
+}
+
+/// The accuracy of a speed over the window from two positions as accurate as an epoch's is stated
+/// to be; and that of its recorded velocity, where one is stated. The worst of all counts.
+Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& context) {
+    const auto& rows = context.input.judged.epochs_of(context.profile.id);
+    if (rows.size() < 2) return unknown("there is no certifiable window");
+    const double of_two = std::numbers::sqrt2 / context.windows.best->span.duration.seconds();
+    double of_positions = 0.0;
+    double of_velocities = 0.0;
+    for (const ScreenedEpoch& row : rows) {
+        const bool vertical = context.profile.dimension == Dimension::vertical;
+        const double position_m = position_accuracy(row, vertical);
+        if (std::isnan(position_m)) return unknown("an epoch's accuracy is not stated");
+        of_positions = std::max(of_positions, of_two * position_m);
+        const double velocity = velocity_accuracy(row);
+        of_velocities = velocity > of_velocities || std::isnan(velocity) ? velocity : of_velocities;
+    }
+    const double unit = metres_per_second(clause.unit);
+    const bool stated = !std::isnan(of_velocities);
+    return against_limit(
+        {.name = "worst accuracy of a sample in the window",
+         .value = (stated ? std::max(of_positions, of_velocities) : of_positions) / unit,
+         .note = fmt::format(
+             "of two positions over the window {} {}; of the recorded velocity {}",
+             significant_text(of_positions / unit, 3), clause.unit,
+             stated ? fmt::format("{} {}", significant_text(of_velocities / unit, 3), clause.unit)
+                    : std::string("not stated throughout"))},
+        clause);
 }
 
 }  // namespace runcert

@@ -1,10 +1,9 @@
-#include "stages/check/course_speed.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "core/failure.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 

@@ -35,7 +35,7 @@ struct Difference {
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
-/// Which place in the range of the bias.
+/// Where in its range the bias is taken.
 enum class Bias { lowest, none, highest };
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
@@ -45,7 +45,7 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
     if (posterior.bias_limit_m_s < 0.0)
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
-    // A difference counts on its own side alone.
+    // The difference from the witnesses counts on its own side alone.
     const bool on_that_side = bias == Bias::none || posterior.difference_m_s == 0.0 ||
                               (bias == Bias::lowest) == (posterior.difference_m_s > 0.0);
     const double uncertainty_m_s =
@@ -80,7 +80,7 @@ double probability_below_zero(const Difference& d) {
     return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
-/// By the mixture, with the bias at a place; nothing where there is none.
+/// By the mixture, with this bias; nothing where there is no evidence to make one of.
 struct MixtureTails {
     double not_below = 0.0, below = 0.0;
 };

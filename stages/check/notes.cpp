@@ -10,12 +10,33 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
-#include "stages/check/context.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
 
 using Notes = std::vector<std::string>;
+
+/// A definition of speed as a note compares it with others; its own words are longer of a mean.
+std::string_view definition_in_prose(SpeedDefinition definition) {
+    if (definition == SpeedDefinition::mean_n_plus_1) return "the mean of all speeds";
+    if (definition == SpeedDefinition::mean_n) return "the mean without the first speed";
+    return words_of(definition);
+}
+
+/// What a rule's speed is, in the few words of a list.
+std::string_view speed_in_short(const Profile& profile) {
+    if (profile.speed_source == SpeedSource::velocity) return "recorded velocities";
+    switch (profile.definition) {
+        case SpeedDefinition::displacement:
+        case SpeedDefinition::path_length:
+            return words_of(profile.definition);
+        case SpeedDefinition::elapsed_time:
+            return "length over elapsed time";
+        default:
+            return "mean of speeds";
+    }
+}
 
 /// Where the definitions of speed do not agree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
@@ -27,37 +48,29 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
         return;
     Notes above, below;
     const ShownFigures& shown = *context.shown;
-    const auto sort = [&](const char* words, double speed_m_s) {
+    for (const SpeedDefinition one : {SpeedDefinition::displacement, SpeedDefinition::path_length,
+                                      SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
+        const double speed_m_s = speed_by(best->definitions, one);
         (speed_m_s >= context.required_speed->speed_m_s ? above : below)
-            .push_back(fmt::format("{} ({} {})", words, beside(shown, speed_m_s, SafeSide::down),
-                                   shown.unit));
-    };
-    const SpeedDefinitions& all = best->definitions;
-    sort("displacement over time", all.displacement_m_s);
-    sort("path length over time", all.path_length_m_s);
-    sort("the mean of all speeds", all.mean_n_plus_1_m_s);
-    sort("the mean without the first speed", all.mean_n_m_s);
+            .push_back(fmt::format("{} ({} {})", definition_in_prose(one),
+                                   beside(shown, speed_m_s, SafeSide::down), shown.unit));
+    }
     if (above.empty() || below.empty()) return;
-    notes.push_back(fmt::format(
+    say(notes,
         "The definition of speed matters here: {} would reach the required {} {}, {} would not. "
-        "The "
-        "rule counts {}.",
+        "The rule counts {}.",
         fmt::join(above, ", "), shown.required_speed, shown.unit, fmt::join(below, ", "),
-        context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
-        : context.profile.definition == SpeedDefinition::path_length ? "path length over time"
-        : context.profile.definition == SpeedDefinition::mean_n_plus_1
-            ? "the mean of all speeds"
-            : "the mean without the first speed"));
+        definition_in_prose(context.profile.definition));
 }
 
 /// What every reader must know before any figure.
 void add_simulated(const ClauseContext& context, Notes& notes) {
     for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary})
         if (receiver && receiver->simulated)
-            notes.push_back(
-                fmt::format("The recording of receiver \"{}\" says that it was simulated: this is "
-                            "an example of a report, and no craft was measured.",
-                            receiver->receiver));
+            say(notes,
+                "The recording of receiver \"{}\" says that it was simulated: this is "
+                "an example of a report, and no craft was measured.",
+                receiver->receiver);
 }
 
 void add_windows(const ClauseContext& context, Notes& notes) {
@@ -65,40 +78,37 @@ void add_windows(const ClauseContext& context, Notes& notes) {
     if (!windows.missing.empty() && !windows.best)
         notes.push_back("There is no window because " + windows.missing + ".");
     if (windows.fastest)
-        notes.push_back(fmt::format(
+        say(notes,
             "Another window is faster and proves less: {}, {}. Certified is the window of the "
             "highest speed that can be claimed, its expanded uncertainty taken off.",
             speed_with_uncertainty_text(
                 windows.fastest->speed_m_s,
                 expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor),
                 speed_unit("km/h")),
-            beginning_text(windows.fastest->span)));
+            beginning_text(windows.fastest->span));
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
         std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_m_s * 3.6)};
         for (const FurtherWindow& one : windows.further)
             speeds.push_back(fmt::format("{:.3f}", one.speed_m_s * 3.6));
-        notes.push_back(fmt::format(
-            "The speed is the mean of {} windows ({} km/h); their errors are taken as equal, so "
-            "averaging does not reduce the uncertainty.",
-            speeds.size(), fmt::join(speeds, ", ")));
+        say(notes,
+            "The speed is the mean of {} windows ({} km/h); their errors are taken as "
+            "equal, so averaging does not reduce the uncertainty.",
+            speeds.size(), fmt::join(speeds, ", "));
     }
     if (windows.indicated && windows.indicated->mean_m_s)
-        notes.push_back(fmt::format(
-            "The unscreened recording shows a mean of {:.3f} km/h over as many windows.",
-            *windows.indicated->mean_m_s * 3.6));
+        say(notes, "The unscreened recording shows a mean of {:.3f} km/h over as many windows.",
+            *windows.indicated->mean_m_s * 3.6);
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
     if (context.profile.current == CurrentUse::subtracted && context.current &&
         context.current->missing.empty())
-        notes.push_back(
-            fmt::format("The current along the course, {:+.3f} kn, is subtracted from the speed.",
-                        context.current->along_m_s / metres_per_second("kn")));
+        say(notes, "The current along the course, {:+.3f} kn, is subtracted from the speed.",
+            context.current->along_m_s / metres_per_second("kn"));
     for (const auto* flow : {&context.wind, &context.current})
         if (*flow && !(*flow)->missing.empty())
-            notes.push_back(fmt::format("The series of the {} gives no figure for the window: {}.",
-                                        flow == &context.wind ? "wind" : "current",
-                                        (*flow)->missing));
+            say(notes, "The series of the {} gives no figure for the window: {}.",
+                flow == &context.wind ? "wind" : "current", (*flow)->missing);
 }
 
 /// What the second method says, whether the rule asks for one or not.
@@ -106,18 +116,16 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
     if (!context.declared) return;
     const DeclaredAgreement& second = *context.declared;
     if (!second.missing.empty())
-        notes.push_back(fmt::format("The second method ({}) gives no figure: {}.", second.method,
-                                    second.missing));
+        say(notes, "The second method ({}) gives no figure: {}.", second.method, second.missing);
     else
-        notes.push_back(
-            fmt::format("By the attempt's own statement, {}.", second_method_text(second)));
+        say(notes, "By the attempt's own statement, {}.", second_method_text(second));
 }
 
 void add_unsure_witnesses(const ClauseContext& context, Notes& notes) {
     for (const std::string& one : context.unsure_witnesses)
         notes.push_back(capitalised(one) +
-                        ". That is too uncertain to confirm the speed: it would "
-                        "have agreed with another, too.");
+                        ". That is too uncertain to confirm the speed: it would have agreed with "
+                        "another, too.");
 }
 
 /// What would make the next run's speed known well enough, where this one's was not.
@@ -134,34 +142,32 @@ void add_next_time(const ClauseContext& context, Notes& notes) {
     if (!not_proven && !(limit_m_s && u_m_s > *limit_m_s)) return;
     if (2.0 * *best->expected_beside_velocities_m_s > u_m_s) return;
     const SpeedUnit& unit = speed_unit("km/h");
-    notes.push_back(fmt::format(
-        "Velocities by the receiver's own Doppler measurement, recorded beside the positions, "
-        "would bring this speed to about ± {} km/h in the next run.",
-        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s)));
+    say(notes,
+        "Velocities by the receiver's own Doppler measurement, recorded beside the "
+        "positions, would bring this speed to about ± {} km/h in the next run.",
+        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s));
 }
 
 void add_rule(const ClauseContext& context, Notes& notes) {
     if (context.profile.origin == RuleOrigin::own)
-        notes.push_back(fmt::format(
-            "The rule {} is the attempt's own. It does not come with the program, and no body's "
-            "authority for it was checked.",
-            context.profile.id));
+        say(notes,
+            "The rule {} is the attempt's own. It does not come with the program, and "
+            "no body's authority for it was checked.",
+            context.profile.id);
 }
 
 void add_overrides(const ClauseContext& context, Notes& notes) {
     for (const FigureOverride& one : context.profile.overrides)
-        notes.push_back(fmt::format(
-            "The attempt replaces a figure of the rule: {} is {:g}{}, not "
-            "{:g}{}{}.",
+        say(notes, "The attempt replaces a figure of the rule: {} is {:g}{}, not {:g}{}{}.",
             one.figure, one.used, one.unit.empty() ? "" : " " + one.unit, one.rule,
             one.unit.empty() ? "" : " " + one.unit,
-            one.reason.empty() ? std::string(" (no reason is given)") : " (" + one.reason + ")"));
+            one.reason.empty() ? std::string(" (no reason is given)") : " (" + one.reason + ")");
 }
 
 void add_unconfirmed(const ClauseContext& context, Notes& notes) {
     for (const Clause& clause : context.profile.clauses)
         if (clause.certainty == Certainty::unconfirmed)
-            notes.push_back(fmt::format("Not confirmed: {}: {}", clause.id, clause.text));
+            say(notes, "Not confirmed: {}: {}", clause.id, clause.text);
 }
 
 void add_flow_figures(const FlowInWindow& flow, const std::string& what, const char* from,
@@ -278,11 +284,7 @@ std::string compared_rules(const std::vector<Profile>& profiles,
             profile.dimension == Dimension::horizontal
                 ? ""
                 : fmt::format(", {}", to_text(profile.dimension)),
-            profile.speed_source == SpeedSource::velocity         ? "recorded velocities"
-            : profile.definition == SpeedDefinition::displacement ? "displacement over time"
-            : profile.definition == SpeedDefinition::path_length  ? "path length over time"
-            : profile.definition == SpeedDefinition::elapsed_time ? "length over elapsed time"
-                                                                  : "mean of speeds"));
+            speed_in_short(profile)));
     }
     if (speeds.size() < 2) return {};
     return fmt::format("The rules do not measure the same: {}.", fmt::join(speeds, "; "));

@@ -1,11 +1,20 @@
 #pragma once
 
+#include <fmt/format.h>
+
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "stages/check/requirements.h"
 
 namespace runcert {
+
+/// Adds a sentence, formatted.
+template <class... Args>
+void say(std::vector<std::string>& sentences, fmt::format_string<Args...> text, Args&&... args) {
+    sentences.push_back(fmt::format(text, std::forward<Args>(args)...));
+}
 
 /// What must be read with a profile's verdict, a sentence each: definitions of speed on both sides
 /// of the required speed, a mean of several windows, the current, figures replaced, clauses that
@@ -21,5 +30,17 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context);
 /// One sentence that compares the rules' speeds; empty for one rule.
 std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts);
+
+/// What must be read with every figure of the measurement, a sentence or two each: what the
+/// uncertainty covers, how the noise was estimated and where it could not be, how the filter fared,
+/// what the recording does not say.
+std::vector<std::string> statements_of(const CheckInput& input);
+
+/// Whether the recorded velocities are of another speed than the positions show, all over the
+/// recording: by more than 2 % and four standard uncertainties of their ratio.
+bool is_another_speed(const VelocityComparison& velocity);
+
+/// By how much, a sentence.
+std::string another_speed_text(const VelocityComparison& velocity);
 
 }  // namespace runcert

@@ -6,9 +6,8 @@
 
 #include "core/gps_time.h"
 #include "reports/words/recording.h"
-#include "stages/check/against_limit.h"
-#include "stages/check/inputs.h"
-#include "stages/check/overshoot.h"
+#include "stages/check/course.h"
+#include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
@@ -68,7 +67,7 @@ std::string evidence_of_measuring(const ClauseContext& context) {
     return text;
 }
 
-/// In what the steps of the stamps are not those of a receiver, in words; empty where they are.
+/// How the steps of the time stamps differ from those of a receiver; empty where they do not.
 std::string unusual_steps(const ReceiverFindings& judged) {
     const TimeStampSummary& time = judged.tests.time;
     constexpr double allowed_s = 2e-3;
@@ -146,13 +145,13 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                                        what + ", by the format; but " + steps, figures};
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
-        return {RequirementStatus::not_met,
-                fmt::format("{}; their steps are on average {:.3f} % {} than those of a usual "
-                            "rate; either the clock or the rate is not what it seems: write "
-                            "time_source: satellites in the attempt if they "
-                            "are the satellites' time",
-                            what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
-                figures};
+        return {
+            RequirementStatus::not_met,
+            fmt::format("{}; their steps are on average {:.3f} % {} than those of a usual rate; "
+                        "either the clock or the rate is not what it seems: write time_source: "
+                        "satellites in the attempt if they are the satellites' time",
+                        what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
+            figures};
     if (source == "attempt")
         return {RequirementStatus::attest,
                 fmt::format("{}; the attempt states that they are the satellites' time{}{}", what,
@@ -169,19 +168,19 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
         const DeviceSigns& device = *judged.tests.device;
         const auto moving = static_cast<double>(device.moving);
         if (static_cast<double>(device.held) > std::max(3.0, share * moving))
-            return {RequirementStatus::not_met,
-                    fmt::format("{} of {} positions recorded in motion repeat the one before: they "
-                                "are held, not measured; record at the rate at which the receiver "
-                                "measures",
-                                device.held, device.moving)};
+            return {
+                RequirementStatus::not_met,
+                fmt::format("{} of {} positions recorded in motion repeat the one before: they are "
+                            "held, not measured; record at the rate at which the receiver measures",
+                            device.held, device.moving)};
         const double in_line = static_cast<double>(device.interpolated);
         if (in_line > std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
             return {RequirementStatus::not_met,
-                    fmt::format("{} of {} positions recorded in motion lie in line with their "
-                                "neighbours to the last digit, where chance makes {:.0f}: they are "
-                                "interpolated, not measured; hand in the recording before it was "
-                                "resampled",
-                                device.interpolated, device.moving, device.by_chance)};
+                    fmt::format(
+                        "{} of {} positions recorded in motion lie in line with their neighbours "
+                        "to the last digit, where chance makes {:.0f}: they are interpolated, not "
+                        "measured; hand in the recording before it was resampled",
+                        device.interpolated, device.moving, device.by_chance)};
     }
     return {RequirementStatus::attest, evidence_of_measuring(context)};
 }
@@ -189,13 +188,12 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
 Finding computation::stated_solution(const Clause&, const ClauseContext& context) {
     const SolutionSource source = context.input.judged.solution_source;
     const auto& best = context.windows.best;
-    const std::string taken =
-        best && best->bound && best->bound->floor_fix
-            ? fmt::format(
-                  " (in the window: {}, whose time-correlated errors are taken to be at least "
-                  "{:g} m)",
-                  to_text(*best->bound->floor_fix), best->bound->floor_m)
-            : "";
+    const std::string taken = best && best->bound && best->bound->floor_fix
+                                  ? fmt::format(
+                                        " (in the window: {}, whose time-correlated errors are "
+                                        "taken to be at least {:g} m)",
+                                        to_text(*best->bound->floor_fix), best->bound->floor_m)
+                                  : "";
     if (source == SolutionSource::attempt) {
         const auto& rows = context.input.judged.epochs_of(context.profile.id);
         const std::string kind =
@@ -211,10 +209,10 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
                 "the recording states it for some positions; the others count as those of one "
                 "receiver alone" +
                     taken};
-    return {RequirementStatus::met,
-            "the recording does not state it, so the positions count as those of one "
-            "receiver alone" +
-                taken};
+    return {
+        RequirementStatus::met,
+        "the recording does not state it, so the positions count as those of one receiver alone" +
+            taken};
 }
 
 }  // namespace runcert

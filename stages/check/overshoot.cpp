@@ -1,10 +1,9 @@
-#include "stages/check/overshoot.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "core/statistics.h"
+#include "stages/check/course.h"
 
 namespace runcert {
 namespace {

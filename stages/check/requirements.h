@@ -1,19 +1,57 @@
 #pragma once
 
+#include "schemas/attempt/attempt.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
-#include "stages/check/declared_agreement.h"
 #include "stages/check/wind.h"
 #include "witness/runs.h"
 
 namespace runcert {
 
+/// What a second method, whose result the attempt states, says of the speed that is judged.
+struct DeclaredAgreement {
+    std::string method;
+    std::string missing;  ///< why it says nothing; empty where it does
+    double judged_m_s = 0.0;
+    double other_m_s = 0.0;
+    double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
+    /// Difference over the root sum of squares of both expanded uncertainties (k = 2); at most 1
+    /// means agreement (ISO/IEC 17043).
+    double normalised_error = 0.0;
+
+    bool agrees() const { return missing.empty() && normalised_error <= 1.0; }
+    bool contradicts() const { return missing.empty() && !agrees(); }
+};
+
+/// What a second method that gives a figure says, as part of a sentence.
+std::string second_method_text(const DeclaredAgreement& second);
+
+/// A speed that is judged: before the current is taken off, with its window.
+struct JudgedSpeed {
+    double speed_m_s = 0.0;
+    double standard_uncertainty_m_s = 0.0;
+    WindowSpan span;
+    bool over_course = false;  ///< from one line of the attempt's course to the other
+};
+
+/// Compares with a stated speed; or, over a course, with the speed that declared times at its lines
+/// make over its length. Times say nothing of another window, nor of one whose crossings they miss
+/// by more than 2 s.
+DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
+                                   const std::optional<Course>& course);
+
+/// Speed through the water over a surveyed course: distance over elapsed time, less the current
+/// along the course (positive where it carries the craft on), in m/s. Reproduces the 500 m and
+/// nautical mile speeds that the WSSRC printed. Failure (at "course") for numbers that are not
+/// finite, or a distance or time not above 0.
+double course_speed_m_s(double distance_m, double elapsed_s, double current_m_s);
+
 /// The run that holds the window, and what the data say of the course; or why they say nothing.
 struct CourseFindings {
-    std::optional<CourseFacts> facts;
-    std::optional<CraftRun> run;
-    std::string missing;
+    std::optional<CourseFacts> facts = std::nullopt;
+    std::optional<CraftRun> run = std::nullopt;
+    std::string missing = {};
 };
 
 /// One profile's figures, gathered for its clauses. Speeds in m/s.
@@ -40,6 +78,46 @@ struct ClauseContext {
     std::optional<FlowInWindow> current = std::nullopt;
 };
 
+/// Gathers a profile's figures: what its windows say, the record and the required speed, the
+/// probability that it is reached, course and craft, wind and current, second methods.
+ClauseContext gather_context(const CheckInput& input, const Profile& profile,
+                             const ProfileWindows& windows);
+
+/// The runs of a recording as the profile cuts them.
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
+
+/// Whether a second measurement of that expanded uncertainty (k = 2, m/s) could have failed: it is
+/// at most three times that of the positions' speed, or of the margin over the record. One that is
+/// less sure agrees with whatever is claimed, and confirms nothing.
+bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& context);
+
+/// The same of a witness that agrees.
+bool confirms(const WitnessedSpeed& one, const ClauseContext& context);
+
+/// "at ± 9.00 km/h it is too uncertain to confirm".
+std::string too_uncertain_text(double expanded_uncertainty_m_s);
+
+/// What a witness says of the window, in words.
+std::string witness_text(const WitnessedSpeed& one);
+
+/// What a witness of that kind is compared with.
+std::string_view compared_with(WitnessKind kind);
+
+/// Which witness it is, with "the".
+std::string witness_name(const WitnessedSpeed& one);
+
+/// The fastest speed that the recording shows, whatever of it can be certified, and where, in the
+/// rule's unit: "44.12 kn at 10:03:43.0 UTC". The windows must have one.
+std::string indicated_text(const ClauseContext& context);
+
+/// The smallest drift (m/s) of the positions over the window that their tests would have found with
+/// the stated power; nothing where a witness was heard, or the rule takes recorded velocities.
+std::optional<double> unseen_drift_m_s(const ClauseContext& context);
+
+/// The windows of a profile among those of 5-windows. Failure where they were searched for another
+/// rule than the profile has now.
+const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
+
 /// What a computation finds of a clause.
 struct Finding {
     RequirementStatus status = RequirementStatus::not_met;
@@ -48,9 +126,38 @@ struct Finding {
     bool observed = false;  ///< met by what was observed alone, whatever else is stated
 };
 
+/// A figure that is compared with a clause's limit, in the limit's unit.
+struct Compared {
+    std::string name;
+    double value = 0.0;
+    std::optional<double> expanded_uncertainty = std::nullopt;
+    std::string note = {};
+};
+
+/// Met or not met where the whole interval is on one side of the clause's limit, as its computation
+/// compares; to be attested in between.
+Finding against_limit(const Compared& figure, const Clause& clause);
+
+/// To be attested, because it is not decidable from the recording.
+Finding unknown(std::string why);
+
 /// Decides one clause by the computation it names. What that finds met is only to be attested where
 /// it rests on something that nobody observed: the evidence then says on what.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
+
+/// The clauses that are asked under a rule: its own, and of this program's those that it does not
+/// ask itself and for which the attempt states or hands in something.
+std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt);
+
+/// What the attempt states or hands in, and nobody observed, that an official answers for in that
+/// clause.
+std::vector<AttemptInput> inputs_answered_in(const Clause& clause, const ClauseContext& context);
+
+/// Inputs with their values, as evidence.
+std::string stated_text(const std::vector<AttemptInput>& inputs);
+
+/// All inputs of an attempt, with the clauses in which they are answered for.
+std::vector<VerdictInput> verdict_inputs(const CheckInput& input);
 
 /// A function for each word of the profile's schema: what decides the clause.
 namespace computation {

@@ -1,5 +1,3 @@
-#include "stages/check/statements.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "core/prose.h"
 #include "core/statistics.h"
 #include "reports/words/screening.h"
+#include "stages/check/notes.h"
 
 namespace runcert {
 namespace {
@@ -39,8 +38,7 @@ std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format(
             "The {} noise could not be estimated from the recording, which has {} usable epochs "
-            "where "
-            "{} are required: {}.",
+            "where {} are required: {}.",
             axes, noise.epochs, noise.epochs_needed, instead);
     if (noise.status == NoiseBasis::constant_positions)
         return fmt::format(
@@ -57,73 +55,71 @@ void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& sta
         statements.push_back(not_fitted(noise, axes));
         return;
     }
-    statements.push_back(fmt::format(
+    say(statements,
         "The {} noise was estimated from {} epochs: {:.2f} times the stated standard deviations "
-        "(root mean "
-        "square {:.1f} mm), jerk density {:.3g} m s^-2.5{} as one for all of it. The trajectory "
-        "takes the larger of that and what the motion shows there.",
+        "(root mean square {:.1f} mm), jerk density {:.3g} m s^-2.5{} as one for all of it. The "
+        "trajectory takes the larger of that and what the motion shows there.",
         axes, noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
         noise.jerk_density.value,
         noise.acceleration_time_s ? fmt::format(", correlation time of the acceleration {:.2g} s",
                                                 noise.acceleration_time_s->value)
-                                  : std::string()));
+                                  : std::string());
     if (!noise.correlated_error_detected)
-        statements.push_back(
-            fmt::format("A time-correlated error of the {} positions could not be separated from "
-                        "their white noise "
-                        "and the motion: its bound decides.",
-                        axes));
+        say(statements,
+            "A time-correlated error of the {} positions could not be separated from "
+            "their white noise and the motion: its bound decides.",
+            axes);
     else if (!noise.error_tau_s->relative_uncertainty)
-        statements.push_back(fmt::format(
+        say(statements,
             "The {} positions have a time-correlated error that wanders by {:.1f} mm in the first "
             "second; its size and its correlation time cannot be separated with these data.",
-            axes, noise.error_diffusion->value * 1e3));
+            axes, noise.error_diffusion->value * 1e3);
     else
-        statements.push_back(fmt::format(
-            "The {} positions have a time-correlated error of {:.1f} mm with a correlation time of "
-            "{:.1f} s.",
-            axes, noise.error_sigma_m->value * 1e3, noise.error_tau_s->value));
+        say(statements,
+            "The {} positions have a time-correlated error of {:.1f} mm with a "
+            "correlation time of {:.1f} s.",
+            axes, noise.error_sigma_m->value * 1e3, noise.error_tau_s->value);
     if (const auto names = at_bounds(noise); !names.empty())
-        statements.push_back(fmt::format(
+        say(statements,
             "In estimating the {} noise the search ended at a limit of its range for: {}.", axes,
-            fmt::join(names, ", ")));
+            fmt::join(names, ", "));
     if (!noise.converged)
-        statements.push_back(fmt::format(
-            "In estimating the {} noise the search was stopped before it converged.", axes));
+        say(statements, "In estimating the {} noise the search was stopped before it converged.",
+            axes);
 }
 
 void add_health(const FilterHealth& health, const std::string& axes, Statements& statements) {
     if (!health.white)
-        statements.push_back(fmt::format(
+        say(statements,
             "The {} innovations stay correlated (lag 1: {:+.2f}, with noise as stated {:+.2f}): "
             "{}.",
             axes, health.autocorrelation, health.autocorrelation_stated,
             health.autocorrelation > 0.0
                 ? "the positions look as if the device had filtered them, which hides how they err"
                 : "the positions look as if the device had filtered them, or their errors change "
-                  "along the recording more than their stated standard deviations say"));
+                  "along the recording more than their stated standard deviations say");
     if (!health.consistent)
-        statements.push_back(
-            fmt::format("The size of the {} innovations changes along the recording more than the "
-                        "stated standard deviations say: {} of {} spans are outside their limits, "
-                        "where chance allows {}.",
-                        axes, health.spans_outside, health.spans, health.spans_allowed));
+        say(statements,
+            "The size of the {} innovations changes along the recording more than the "
+            "stated standard deviations say: {} of {} spans are outside their limits, "
+            "where chance allows {}.",
+            axes, health.spans_outside, health.spans, health.spans_allowed);
     if (health.repaired > 0)
-        statements.push_back(fmt::format(
-            "{} covariances of the {} estimate had stopped being positive definite by rounding and "
-            "were repaired.",
-            health.repaired, axes));
+        say(statements,
+            "{} covariances of the {} estimate had stopped being positive definite by "
+            "rounding and were repaired.",
+            health.repaired, axes);
 }
 
 void add_records(const RecordCount& records, Statements& statements) {
     if (records.bad == 0) return;
-    statements.push_back(fmt::format(
-        "{} of {} records of the recording could not be read; none of them is used, and "
-        "1-observations lists {}.",
+    say(statements,
+        "{} of {} records of the recording could not be read; none of them is used, "
+        "and 1-observations lists {}.",
         records.bad, records.total,
         records.bad > std::ssize(records.bad_records)
             ? fmt::format("the first {}", records.bad_records.size())
-            : std::string("them")));
+            : std::string("them"));
 }
 
 void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
@@ -133,14 +129,13 @@ void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
             "without one.");
         return;
     }
-    statements.push_back(
-        fmt::format("Stated standard deviations come from the {}.", judged.accuracy_source));
+    say(statements, "Stated standard deviations come from the {}.", judged.accuracy_source);
     const NoiseSummary& noise = judged.estimation.horizontal.noise;
     if (noise.stated_all_equal && noise.epochs > 1)
-        statements.push_back(
-            fmt::format("They are equal at all epochs ({:.1f} mm), so better epochs cannot be told "
-                        "from worse ones.",
-                        noise.stated_sigma_m * 1e3));
+        say(statements,
+            "They are equal at all epochs ({:.1f} mm), so better epochs cannot be told "
+            "from worse ones.",
+            noise.stated_sigma_m * 1e3);
 }
 
 /// Where [GUM] and [GUM-S1] do not agree.
@@ -150,21 +145,20 @@ void add_propagation(const ReceiverFindings& judged, Statements& statements) {
         const MonteCarloCheck& check = *windows.best->monte_carlo;
         const LinearisationJudgement linear = judge_linearisation(*windows.best);
         if (!check.converged)
-            statements.push_back(
-                fmt::format("The check of linearisation under {} did not converge in {} trials.",
-                            windows.profile, check.trials));
+            say(statements, "The check of linearisation under {} did not converge in {} trials.",
+                windows.profile, check.trials);
         else if (!linear.uncertainty_agrees)
-            statements.push_back(fmt::format(
-                "Under {} the check of linearisation gives a standard uncertainty of {:.4f} m/s "
-                "where the law of propagation gives {:.4f} m/s.",
+            say(statements,
+                "Under {} the check of linearisation gives a standard uncertainty of "
+                "{:.4f} m/s where the law of propagation gives {:.4f} m/s.",
                 windows.profile, check.standard_uncertainty_m_s,
-                windows.best->standard_uncertainty_m_s));
+                windows.best->standard_uncertainty_m_s);
         else if (!linear.interval_agrees && !linear.interval_holds)
-            statements.push_back(fmt::format(
+            say(statements,
                 "Under {} the check of linearisation gives a 95 % coverage interval of {:.4f} m/s "
                 "to {:.4f} m/s. The law of propagation gives {:.4f} m/s to {:.4f} m/s.",
                 windows.profile, check.lower_m_s, check.upper_m_s, linear.lower_m_s,
-                linear.upper_m_s));
+                linear.upper_m_s);
     }
 }
 
@@ -188,40 +182,39 @@ void add_kinds(const std::vector<FixTypeErrors>& kinds, Statements& statements) 
         if (kind.judgement != AccuracyJudgement::optimistic &&
             kind.judgement != AccuracyJudgement::pessimistic)
             continue;
-        statements.push_back(fmt::format(
+        say(statements,
             "The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
             "against one another are {:.2f} times as large.",
             to_text(kind.axes), to_text(kind.fix),
             kind.judgement == AccuracyJudgement::optimistic ? "optimistic" : "pessimistic",
-            std::sqrt(kind.variance_factor)));
+            std::sqrt(kind.variance_factor));
     }
 }
 
 void add_time(const TimeStampSummary& time, Statements& statements) {
     if (time.sessions > 1)
-        statements.push_back(
-            fmt::format("The recording holds {} sessions, which were not joined.", time.sessions));
+        say(statements, "The recording holds {} sessions, which were not joined.", time.sessions);
     if (time.moved.value_or(0) > 0)
-        statements.push_back(fmt::format(
-            "The recording is not in the order of time: {} epochs were put in their place among "
-            "those of later times that were recorded before them.",
-            *time.moved));
+        say(statements,
+            "The recording is not in the order of time: {} epochs were put in their "
+            "place among those of later times that were recorded before them.",
+            *time.moved);
     if (time.left_out.value_or(0) > 0)
-        statements.push_back(fmt::format(
+        say(statements,
             "{} epochs were left out for their times, for which the others leave no place.",
-            *time.left_out));
+            *time.left_out);
     for (const TimeFault& fault : time.faults)
         if (fault.kind == TimeFaultKind::whole_second_shift)
-            statements.push_back(fmt::format(
-                "At epoch {} the clock jumped by {:+.0f} s while the craft went on: times before "
-                "and after it are not of one scale.",
-                fault.epoch, fault.size_s));
+            say(statements,
+                "At epoch {} the clock jumped by {:+.0f} s while the craft went on: "
+                "times before and after it are not of one scale.",
+                fault.epoch, fault.size_s);
     constexpr double drift_worth_saying = 1e-4;
     if (std::abs(time.rate_deviation) > drift_worth_saying)
-        statements.push_back(fmt::format(
-            "The time stamps run {:+.1e} of their nominal rate: the clock that made them may not "
-            "be the satellites'.",
-            time.rate_deviation));
+        say(statements,
+            "The time stamps run {:+.1e} of their nominal rate: the clock that made "
+            "them may not be the satellites'.",
+            time.rate_deviation);
 }
 
 void add_velocity(const VelocityComparison& velocity, Statements& statements) {
@@ -232,14 +225,14 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
         return;
     }
     if (std::string others = other_moments_text(velocity); !others.empty())
-        statements.push_back(fmt::format(
+        say(statements,
             "The recorded velocities are not of the moments of their positions: {}. That delay is "
             "longer than screen.velocity_delay_max_s; the velocities there were not used.",
-            others));
+            others);
     if (velocity.unfit)
-        statements.push_back(fmt::format(
+        say(statements,
             "Of the recorded velocities: {}. They are no source of a speed, and confirm none.",
-            unfit_text(velocity)));
+            unfit_text(velocity));
     if (velocity.compared == 0) {
         if (!velocity.unfit)
             statements.push_back(
@@ -251,10 +244,10 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
         velocity.delay_s
             ? fmt::format("a delay of {:.3f} s behind the positions taken off", *velocity.delay_s)
             : std::string("their delay behind the positions not determined by the motion");
-    statements.push_back(fmt::format(
-        "The recorded velocities of {} epochs agree with the motion to {:.3f} m/s per axis, {}; "
-        "{} epochs contradicted them and were left out.",
-        velocity.compared, velocity.scale_m_s, delay, velocity.rejected));
+    say(statements,
+        "The recorded velocities of {} epochs agree with the motion to {:.3f} m/s per "
+        "axis, {}; {} epochs contradicted them and were left out.",
+        velocity.compared, velocity.scale_m_s, delay, velocity.rejected);
 }
 
 /// What a witness says of the displacements.
@@ -278,26 +271,24 @@ std::string slow_drift_tests(const ScreeningBasis& tests) {
 /// What the other receiver says of this one's positions.
 void add_baseline(const BaselineComparison& baseline, Statements& statements) {
     if (baseline.compared == 0) {
-        statements.push_back(fmt::format(
-            "The positions of receiver \"{}\" could not be compared with this one's: no epochs at "
-            "the same time.",
-            baseline.receiver));
+        say(statements,
+            "The positions of receiver \"{}\" could not be compared with this one's: "
+            "no epochs at the same time.",
+            baseline.receiver);
         return;
     }
     if (baseline.same_errors)
-        statements.push_back(
-            fmt::format("The positions of receiver \"{}\" have the errors of this one's: one "
-                        "recording was made "
-                        "from the other. It is no second measurement, and was not heard.",
-                        baseline.receiver));
+        say(statements,
+            "The positions of receiver \"{}\" have the errors of this one's: one recording was "
+            "made from the other. It is no second measurement, and was not heard.",
+            baseline.receiver);
     constexpr double scatter_worth_saying_m = 0.2;
-    statements.push_back(fmt::format(
+    say(statements,
         "Receiver \"{}\" was {:.3f} m away, with a standard deviation of {:.3f} m over {} epochs{}",
         baseline.receiver, baseline.length_m, baseline.sd_m, baseline.compared,
-        baseline.sd_m > scatter_worth_saying_m
-            ? ": more than receivers on one craft should show; their clocks or one of the two may "
-              "be off."
-            : "."));
+        baseline.sd_m > scatter_worth_saying_m ? ": more than receivers on one craft should show; "
+                                                 "their clocks or one of the two may be off."
+                                               : ".");
 }
 
 /// From positions alone a slow drift cannot be told from motion: what else checks it is said.
@@ -307,15 +298,15 @@ void add_drift(const ReceiverFindings& judged, Statements& statements) {
         if (!windows.best) continue;
         for (const UndetectedError& error : windows.best->reliability) {
             if (error.hypothesis != Hypothesis::ramp) continue;
-            statements.push_back(fmt::format(
+            say(statements,
                 "Under {}, screening by positions alone finds a drift beside the window with a "
                 "probability of {:.0f} % only from {:.2f} m/s on. {}.",
                 windows.profile, 100.0 * windows.best->detection_power.value_or(0.0), error.size,
                 !others.empty()
                     ? fmt::format("The {} check for slower ones", others)
-                    : std::string("No velocities were recorded to check for slower ones: from the "
-                                  "fix type, the budget assumes no drift beyond its "
-                                  "time-correlated error")));
+                    : std::string(
+                          "No velocities were recorded to check for slower ones: from the fix "
+                          "type, the budget assumes no drift beyond its time-correlated error"));
         }
     }
 }
@@ -341,30 +332,28 @@ void add_undetected(const CheckInput& input, Statements& statements) {
                                1e-18));
         const double held = normal_cdf((expanded_m_s - error_m_s) / other_m_s) -
                             normal_cdf((-expanded_m_s - error_m_s) / other_m_s);
-        statements.push_back(fmt::format(
-            "Under {}, an undetected error changes the speed by at most "
-            "{:.4f} m/s. The budget takes every size up to that as equally likely, so the coverage "
-            "probability is an average over runs. In a run with the largest such error, the "
-            "interval holds the true speed with a probability of {:.0f} %.",
-            windows.profile, error_m_s, std::floor(100.0 * held)));
+        say(statements,
+            "Under {}, an undetected error changes the speed by at most {:.4f} m/s. "
+            "The budget takes every size up to that as equally likely, so the coverage "
+            "probability is an average over runs. In a run with the largest such "
+            "error, the interval holds the true speed with a probability of {:.0f} %.",
+            windows.profile, error_m_s, std::floor(100.0 * held));
     }
 }
 
 void add_screening(const ReceiverFindings& judged, Statements& statements) {
     const ScreeningBasis& tests = judged.tests;
-    statements.push_back(fmt::format(
+    say(statements,
         "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and "
-        "sudden changes of acceleration: "
-        "{} tests, which together mark anything in a recording without an outlier with a "
-        "probability of at most {:g}.",
-        tests.tests, tests.family_false_alarm_rate));
+        "sudden changes of acceleration: {} tests, which together mark anything in a recording "
+        "without an outlier with a probability of at most {:g}.",
+        tests.tests, tests.family_false_alarm_rate);
     for (const ScreeningModel& model : tests.models)
         if (model.noise != NoiseBasis::fitted)
-            statements.push_back(
-                fmt::format("The {} tests rest on the stated standard deviations times {:.2f}, not "
-                            "on noise estimated from "
-                            "the recording.",
-                            to_text(model.axes), model.measurement_scale));
+            say(statements,
+                "The {} tests rest on the stated standard deviations times {:.2f}, not "
+                "on noise estimated from the recording.",
+                to_text(model.axes), model.measurement_scale);
     add_kinds(tests.fix_types, statements);
     add_time(tests.time, statements);
     for (const DisplacementComparison& one : tests.displacements)

@@ -1,5 +1,3 @@
-#include "stages/check/threshold.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +6,7 @@
 #include "core/failure.h"
 #include "core/rounding.h"
 #include "core/uncertainty.h"
+#include "stages/check/decision.h"
 
 namespace runcert {
 namespace {
@@ -54,18 +53,6 @@ SpeedToReach above(const MarginRule& rule, double speed_m_s) {
     return faster_over_the_course(rule, speed_m_s);
 }
 
-StepRounding step_rounding(RoundingMode mode) {
-    switch (mode) {
-        case RoundingMode::truncate:
-            return StepRounding::down;
-        case RoundingMode::nearest:
-            return StepRounding::nearest;
-        case RoundingMode::up:
-            break;
-    }
-    return StepRounding::up;
-}
-
 }  // namespace
 
 Threshold threshold_of(const MarginRule& rule, const StandingRecord& record) {
@@ -97,7 +84,7 @@ double rounded_speed(double speed_m_s, const DecimalRounding& rounding) {
     const double scale = power_of_ten(rounding.decimals);
     const double steps = speed_m_s / rounding.unit_m_s * scale;
     const double tolerance = std::min(2e-12 * steps, 5e-7);
-    return whole_steps(steps, tolerance, step_rounding(rounding.mode)) / scale * rounding.unit_m_s;
+    return whole_steps(steps, tolerance, rounding.mode) / scale * rounding.unit_m_s;
 }
 
 }  // namespace runcert

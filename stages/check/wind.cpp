@@ -79,7 +79,7 @@ Vector2d time_mean(const std::vector<FlowAt>& flow) {
     return sum / duration_s;
 }
 
-/// Of the direction that such a flow is given by.
+/// The direction by which such a flow is named.
 double direction_of(const Vector2d& velocity, FlowKind kind) {
     if (velocity.isZero(0.0)) return 0.0;
     const Vector2d named = kind == FlowKind::wind ? Vector2d(-velocity) : velocity;

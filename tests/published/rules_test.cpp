@@ -6,9 +6,8 @@
 
 #include "core/rounding.h"
 #include "schemas/profile/profile.h"
-#include "stages/check/course_speed.h"
 #include "stages/check/decision.h"
-#include "stages/check/threshold.h"
+#include "stages/check/requirements.h"
 
 // Figures that the bodies themselves published.
 namespace runcert::published::RUNCERT_FILE {
@@ -18,7 +17,7 @@ const double kKnot = metres_per_second("kn");
 const double kKmh = metres_per_second("km/h");
 
 /// The speed in its unit with two decimals, after the body's rounding.
-std::string printed(double speed_m_s, RoundingMode mode, double unit_m_s) {
+std::string printed(double speed_m_s, StepRounding mode, double unit_m_s) {
     const double rounded_m_s = rounded_speed(speed_m_s, {mode, unit_m_s, 2});
     return shown_figure(rounded_m_s / unit_m_s, 2, SafeSide::down);
 }
@@ -45,8 +44,8 @@ TEST(Rules, WssrcSpeedsInKnots) {
     for (const auto& c : cases) {
         SCOPED_TRACE(c.printed);
         const double speed_m_s = course_speed_m_s(c.distance_m, c.elapsed_s, c.current_kn * kKnot);
-        EXPECT_EQ(printed(speed_m_s, RoundingMode::truncate, kKnot), c.truncated);
-        EXPECT_EQ(printed(speed_m_s, RoundingMode::nearest, kKnot), c.nearest);
+        EXPECT_EQ(printed(speed_m_s, StepRounding::down, kKnot), c.truncated);
+        EXPECT_EQ(printed(speed_m_s, StepRounding::nearest, kKnot), c.nearest);
         nearest_reproduces += std::string(c.printed) == c.nearest;
         truncation_reproduces += std::string(c.printed) == c.truncated;
     }
@@ -64,7 +63,7 @@ TEST(Rules, WssrcMarginOfAHundredthOfASecondOver500Metres) {
     EXPECT_EQ(conformance_probability({course_speed_m_s(500.0, 17.961, 0.0), 0.0}, threshold), 0.0);
 }
 
-std::string next_fisly_required_speed(double record_kmh, RoundingMode mode) {
+std::string next_fisly_required_speed(double record_kmh, StepRounding mode) {
     const MarginRule rule{
         .kind = MarginKind::relative, .value = 0.002, .rounding = DecimalRounding{mode, kKmh, 2}};
     const Threshold threshold = threshold_of(rule, {record_kmh * kKmh});
@@ -74,11 +73,11 @@ std::string next_fisly_required_speed(double record_kmh, RoundingMode mode) {
 TEST(Rules, FislyNextTargetAfter222Point43) {
     // 222.43 x 1.002 = 222.87486. The published 222.87 is the truncated figure and also the
     // nearest, so that it does not tell the two apart; 222.60 x 1.002 = 223.0452 would.
-    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::truncate), "222.87");
-    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::nearest), "222.87");
-    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::up), "222.88");
-    EXPECT_EQ(next_fisly_required_speed(222.60, RoundingMode::truncate), "223.04");
-    EXPECT_EQ(next_fisly_required_speed(222.60, RoundingMode::nearest), "223.05");
+    EXPECT_EQ(next_fisly_required_speed(222.43, StepRounding::down), "222.87");
+    EXPECT_EQ(next_fisly_required_speed(222.43, StepRounding::nearest), "222.87");
+    EXPECT_EQ(next_fisly_required_speed(222.43, StepRounding::up), "222.88");
+    EXPECT_EQ(next_fisly_required_speed(222.60, StepRounding::down), "223.04");
+    EXPECT_EQ(next_fisly_required_speed(222.60, StepRounding::nearest), "223.05");
 }
 
 TEST(Rules, NalsaOneMileAnHourAboveGreenbird) {
@@ -117,7 +116,7 @@ TEST(Rules, FaiRangesTwoPerCentApart) {
     EXPECT_GT(beaten, 0);
     // Rounded down: 510.40 km/h is to be reached.
     MarginRule rounded = rule;
-    rounded.rounding = DecimalRounding{RoundingMode::truncate, kKmh, 2};
+    rounded.rounding = DecimalRounding{StepRounding::down, kKmh, 2};
     EXPECT_EQ(shown_figure(threshold_of(rounded, {500.0 * kKmh, 0.4 * kKmh}).speed_m_s / kKmh, 2,
                            SafeSide::up),
               "510.40");

@@ -84,8 +84,8 @@ inline std::vector<Group> groups() {
              {120.0, 0.0, kInfinite, 0.975, 0.0, not_beaten},               // y - T = -7.2
          }},
         // FISLY: 222.43 x 1.002 = 222.87486, cut to 222.87 km/h.
-        {{kKmh, 222.43, 0.0, relative(0.002, DecimalRounding{RoundingMode::truncate, kKmh, 2}),
-          222.87, 0},
+        {{kKmh, 222.43, 0.0, relative(0.002, DecimalRounding{StepRounding::down, kKmh, 2}), 222.87,
+          0},
          {
              {222.87, 0.0, kInfinite, 0.95, 1.0, beaten},                     // y - T = 0
              {222.8699999, 0.0, kInfinite, 0.95, 0.0, not_beaten},            // y - T = -1e-07
@@ -111,7 +111,7 @@ inline std::vector<Group> groups() {
               not_beaten},  // -2.60000, z 1.64485
          }},
         // The same rounded up: 222.88.
-        {{kKmh, 222.43, 0.0, relative(0.002, DecimalRounding{RoundingMode::up, kKmh, 2}), 222.88,
+        {{kKmh, 222.43, 0.0, relative(0.002, DecimalRounding{StepRounding::up, kKmh, 2}), 222.88,
           0},
          {
              {222.875, 0.0, kInfinite, 0.95, 0.0, not_beaten},                // y - T = -0.005
@@ -121,8 +121,8 @@ inline std::vector<Group> groups() {
              {222.8815, 0.001, kInfinite, 0.95, 0.9331927987, not_proven},    // 1.50000, z 1.64485
          }},
         // 222.60 x 1.002 = 223.0452: cut to 223.04 ...
-        {{kKmh, 222.6, 0.0, relative(0.002, DecimalRounding{RoundingMode::truncate, kKmh, 2}),
-          223.04, 0},
+        {{kKmh, 222.6, 0.0, relative(0.002, DecimalRounding{StepRounding::down, kKmh, 2}), 223.04,
+          0},
          {
              {223.04, 0.0, kInfinite, 0.95, 1.0, beaten},              // y - T = 0
              {223.045, 0.0, kInfinite, 0.95, 1.0, beaten},             // y - T = 0.005
@@ -130,7 +130,7 @@ inline std::vector<Group> groups() {
              {223.045, 0.001, kInfinite, 0.95, 0.9999997133, beaten},  // 5.00000, z 1.64485
          }},
         // ... and to the nearest, 223.05.
-        {{kKmh, 222.6, 0.0, relative(0.002, DecimalRounding{RoundingMode::nearest, kKmh, 2}),
+        {{kKmh, 222.6, 0.0, relative(0.002, DecimalRounding{StepRounding::nearest, kKmh, 2}),
           223.05, 0},
          {
              {223.04, 0.0, kInfinite, 0.95, 0.0, not_beaten},                // y - T = -0.01
@@ -140,15 +140,15 @@ inline std::vector<Group> groups() {
              {223.048, 0.001, kInfinite, 0.95, 0.02275013195, not_beaten},    // -2.00000, z 1.64485
          }},
         // 222.50 x 1.002 = 222.945, a half, taken up: 222.95.
-        {{kKmh, 222.5, 0.0, relative(0.002, DecimalRounding{RoundingMode::nearest, kKmh, 2}),
+        {{kKmh, 222.5, 0.0, relative(0.002, DecimalRounding{StepRounding::nearest, kKmh, 2}),
           222.95, 0},
          {
              {222.9499999, 0.0, kInfinite, 0.95, 0.0, not_beaten},  // y - T = -1e-07
              {222.95, 0.0, kInfinite, 0.95, 1.0, beaten},           // y - T = 0
          }},
         // 100.00 x 1.002 = 100.20 exactly; binary fractions must not cut it to 100.19 ...
-        {{kKmh, 100.0, 0.0, relative(0.002, DecimalRounding{RoundingMode::truncate, kKmh, 2}),
-          100.2, 0},
+        {{kKmh, 100.0, 0.0, relative(0.002, DecimalRounding{StepRounding::down, kKmh, 2}), 100.2,
+          0},
          {
              {100.19, 0.0, kInfinite, 0.95, 0.0, not_beaten},                // y - T = -0.01
              {100.2, 0.0, kInfinite, 0.95, 1.0, beaten},                     // y - T = 0
@@ -156,7 +156,7 @@ inline std::vector<Group> groups() {
              {100.19, 0.01, kInfinite, 0.95, 0.1586552539, not_proven},      // -1.00000, z 1.64485
          }},
         // ... nor take it up to 100.21.
-        {{kKmh, 100.0, 0.0, relative(0.002, DecimalRounding{RoundingMode::up, kKmh, 2}), 100.2, 0},
+        {{kKmh, 100.0, 0.0, relative(0.002, DecimalRounding{StepRounding::up, kKmh, 2}), 100.2, 0},
          {
              {100.2, 0.0, kInfinite, 0.95, 1.0, beaten},               // y - T = 0
              {100.205, 0.002, kInfinite, 0.95, 0.9937903347, beaten},  // 2.50000, z 1.64485
@@ -186,8 +186,8 @@ inline std::vector<Group> groups() {
              {60.7, 0.1, kInfinite, 0.99, 0.9772498681, not_proven},  // 2.00000, z 2.32635
          }},
         // 50.26 x 1.01 = 50.7626, cut to 50.76 kn.
-        {{kKnot, 50.26, 0.0, relative(0.01, DecimalRounding{RoundingMode::truncate, kKnot, 2}),
-          50.76, 0},
+        {{kKnot, 50.26, 0.0, relative(0.01, DecimalRounding{StepRounding::down, kKnot, 2}), 50.76,
+          0},
          {
              {50.76, 0.0, kInfinite, 0.95, 1.0, beaten},                    // y - T = 0
              {50.7599, 0.0, kInfinite, 0.95, 0.0, not_beaten},              // y - T = -0.0001
@@ -208,8 +208,7 @@ inline std::vector<Group> groups() {
              {25.0124, 0.0001, kInfinite, 0.95, 0.143997286, not_proven},    // -1.06253, z 1.64485
          }},
         // The same cut to 48.62 kn (48.6204): 25.0122889 m/s.
-        {{kMps, 25.0, 0.0,
-          over_course(500.0, 0.01, DecimalRounding{RoundingMode::truncate, kKnot, 2}),
+        {{kMps, 25.0, 0.0, over_course(500.0, 0.01, DecimalRounding{StepRounding::down, kKnot, 2}),
           25.0122888889, 0},
          {
              {25.01228, 0.0, kInfinite, 0.95, 0.0, not_beaten},             // y - T = -8.88889e-06
@@ -256,7 +255,7 @@ inline std::vector<Group> groups() {
              {202.14, 0.3, 3, 0.99, 0.9901104689, beaten},       // 2.68701, t(12) 2.68100
          }},
         // 200 x 1.02 = 204 km/h, u = 0.306; rounding moves the figure, not the uncertainty.
-        {{kKmh, 200.0, 0.6, relative(0.02, DecimalRounding{RoundingMode::up, kKmh, 0}), 204, 0.306},
+        {{kKmh, 200.0, 0.6, relative(0.02, DecimalRounding{StepRounding::up, kKmh, 0}), 204, 0.306},
          {
              {204.0, 0.0, kInfinite, 0.95, 0.5, not_proven},             // 0.00000, z 1.64485
              {204.50, 0.0, kInfinite, 0.95, 0.9488692023, not_proven},   // 1.63399, z 1.64485
@@ -266,8 +265,7 @@ inline std::vector<Group> groups() {
          }},
         // FAI: (500.00 + 0.40) x 1.02 = 510.408 km/h, cut to 510.40; nothing of the record is left.
         {{kKmh, 500.0, 0.4,
-          relative_to_upper_limit(0.02, DecimalRounding{RoundingMode::truncate, kKmh, 2}), 510.4,
-          0},
+          relative_to_upper_limit(0.02, DecimalRounding{StepRounding::down, kKmh, 2}), 510.4, 0},
          {
              {510.4, 0.0, kInfinite, 0.95, 1.0, beaten},                     // y - T = 0
              {510.39, 0.0, kInfinite, 0.95, 0.0, not_beaten},                // y - T = -0.01

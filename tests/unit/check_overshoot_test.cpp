@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "stages/check/overshoot.h"
+#include "stages/check/course.h"
 
 // Signs of a filter in the motion: steps of the acceleration, filtered and not, and gusts.
 

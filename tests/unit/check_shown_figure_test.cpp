@@ -67,7 +67,7 @@ TEST(ShownFigure, OfADecimalFigureIsThatFigureAfterConversions) {
 TEST(ShownFigure, OfTheSpeedToReachIsThePublishedOne) {
     const MarginRule rule{.kind = MarginKind::relative,
                           .value = 0.002,
-                          .rounding = DecimalRounding{RoundingMode::truncate, kKmh, 2}};
+                          .rounding = DecimalRounding{StepRounding::down, kKmh, 2}};
     const Threshold threshold = threshold_of(rule, {222.43 * kKmh});
     EXPECT_EQ(shown_figure(threshold.speed_m_s / kKmh, 2, SafeSide::up), "222.87");
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "stages/check/statements.h"
+#include "stages/check/notes.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/failure.h"
 #include "schemas/profile/profile.h"
-#include "stages/check/threshold.h"
+#include "stages/check/decision.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kKmh = 1000.0 / 3600.0;
 constexpr double kKnot = 1852.0 / 3600.0;
 
-constexpr RoundingMode kModes[] = {RoundingMode::truncate, RoundingMode::nearest, RoundingMode::up};
+constexpr StepRounding kModes[] = {StepRounding::down, StepRounding::nearest, StepRounding::up};
 
 /// A unit of speed, exact in mm/h.
 struct Unit {
@@ -27,9 +27,9 @@ struct Unit {
 constexpr Unit kUnits[] = {{"km/h", 1000000}, {"m/s", 3600000}, {"kn", 1852000}, {"mph", 1609344}};
 
 /// numerator / denominator rounded by integers alone.
-std::int64_t rounded_ratio(std::int64_t numerator, std::int64_t denominator, RoundingMode mode) {
-    if (mode == RoundingMode::truncate) return numerator / denominator;
-    if (mode == RoundingMode::up) return (numerator + denominator - 1) / denominator;
+std::int64_t rounded_ratio(std::int64_t numerator, std::int64_t denominator, StepRounding mode) {
+    if (mode == StepRounding::down) return numerator / denominator;
+    if (mode == StepRounding::up) return (numerator + denominator - 1) / denominator;
     return (2 * numerator + denominator) / (2 * denominator);
 }
 
@@ -62,7 +62,7 @@ Comparison compare_with_integers(const Unit& of_record, const Unit& of_rule) {
                 ++result.skipped;
                 continue;
             }
-            for (const RoundingMode mode : kModes) {
+            for (const StepRounding mode : kModes) {
                 const MarginRule rule{.kind = MarginKind::relative,
                                       .value = static_cast<double>(margin) / 1000.0,
                                       .rounding = DecimalRounding{mode, rule_unit_m_s, 2}};
@@ -95,20 +95,20 @@ TEST(Threshold, IsThatOfIntegerArithmeticFromOneUnitToAnother) {
 
 TEST(Threshold, IsNotMovedByNoiseButByAMillionthOfTheLastPlace) {
     for (const double figure : {50.76, 100.2, 222.87, 300.0, 510.4})
-        for (const RoundingMode mode : kModes) {
+        for (const StepRounding mode : kModes) {
             const DecimalRounding rounding{mode, kKmh, 2};
             const double speed_m_s = figure * kKmh;
             for (const double noise : {-1e-12, -1e-15, 0.0, 1e-15, 1e-12})
                 EXPECT_EQ(rounded_speed(speed_m_s * (1.0 + noise), rounding), speed_m_s);
             const double below = rounded_speed((figure - 1e-8) * kKmh, rounding) / kKmh;
             const double above = rounded_speed((figure + 1e-8) * kKmh, rounding) / kKmh;
-            EXPECT_NEAR(below, mode == RoundingMode::truncate ? figure - 0.01 : figure, 1e-12);
-            EXPECT_NEAR(above, mode == RoundingMode::up ? figure + 0.01 : figure, 1e-12);
+            EXPECT_NEAR(below, mode == StepRounding::down ? figure - 0.01 : figure, 1e-12);
+            EXPECT_NEAR(above, mode == StepRounding::up ? figure + 0.01 : figure, 1e-12);
         }
 }
 
 TEST(Threshold, TakesAHalfUpAndWhatIsAMillionthBelowItDown) {
-    const DecimalRounding nearest{RoundingMode::nearest, kKmh, 2};
+    const DecimalRounding nearest{StepRounding::nearest, kKmh, 2};
     EXPECT_EQ(rounded_speed(222.945 * kKmh, nearest), 222.95 * kKmh);
     EXPECT_EQ(rounded_speed(222.945 * kKmh * (1.0 - 1e-12), nearest), 222.95 * kKmh);
     EXPECT_EQ(rounded_speed((222.945 - 1e-8) * kKmh, nearest), 222.94 * kKmh);
@@ -119,10 +119,10 @@ TEST(Threshold, ModesKeepTheirOrder) {
     for (int i = 0; i < 1000; ++i) {
         const double speed_m_s = 13.0 + 0.0731 * i;
         for (const int decimals : {0, 1, 2, 5, 9}) {
-            const double down = rounded_speed(speed_m_s, {RoundingMode::truncate, kKnot, decimals});
+            const double down = rounded_speed(speed_m_s, {StepRounding::down, kKnot, decimals});
             const double nearest =
-                rounded_speed(speed_m_s, {RoundingMode::nearest, kKnot, decimals});
-            const double up = rounded_speed(speed_m_s, {RoundingMode::up, kKnot, decimals});
+                rounded_speed(speed_m_s, {StepRounding::nearest, kKnot, decimals});
+            const double up = rounded_speed(speed_m_s, {StepRounding::up, kKnot, decimals});
             const double step = kKnot * std::pow(10.0, -decimals);
             EXPECT_LE(down, speed_m_s * (1.0 + 3e-12));
             EXPECT_GE(up, speed_m_s * (1.0 - 3e-12));
@@ -150,7 +150,7 @@ TEST(Threshold, CarriesTheRecordsUncertaintyByTheDerivative) {
             const Threshold plain = threshold_of(rule, {record_m_s, 0.3});
             EXPECT_NEAR(plain.standard_uncertainty_m_s, 0.15 * numeric, 1e-8);
             EXPECT_EQ(threshold_of(rule, {record_m_s}).standard_uncertainty_m_s, 0.0);
-            rule.rounding = DecimalRounding{RoundingMode::up, kKmh, 0};
+            rule.rounding = DecimalRounding{StepRounding::up, kKmh, 0};
             EXPECT_EQ(threshold_of(rule, {record_m_s, 0.3}).standard_uncertainty_m_s,
                       plain.standard_uncertainty_m_s);
             rule.rounding.reset();
@@ -192,13 +192,13 @@ TEST(Threshold, RefusesWhatNoRuleOrRecordIs) {
         EXPECT_THROW(threshold_of({.kind = MarginKind::absolute, .value = bad}, {50.0}), Failure);
         EXPECT_THROW(threshold_of({.kind = MarginKind::elapsed_time, .distance_m = bad}, {50.0}),
                      Failure);
-        EXPECT_THROW(rounded_speed(bad, {RoundingMode::up, kKmh, 2}), Failure);
-        EXPECT_THROW(rounded_speed(50.0, {RoundingMode::up, bad, 2}), Failure);
+        EXPECT_THROW(rounded_speed(bad, {StepRounding::up, kKmh, 2}), Failure);
+        EXPECT_THROW(rounded_speed(50.0, {StepRounding::up, bad, 2}), Failure);
     }
     EXPECT_THROW(threshold_of({.kind = MarginKind::elapsed_time}, {50.0}), Failure);
-    EXPECT_THROW(rounded_speed(50.0, {RoundingMode::up, kKmh, -1}), Failure);
-    EXPECT_THROW(rounded_speed(50.0, {RoundingMode::up, kKmh, 10}), Failure);
-    EXPECT_THROW(rounded_speed(1e300, {RoundingMode::up, kKmh, 2}), Failure);
+    EXPECT_THROW(rounded_speed(50.0, {StepRounding::up, kKmh, -1}), Failure);
+    EXPECT_THROW(rounded_speed(50.0, {StepRounding::up, kKmh, 10}), Failure);
+    EXPECT_THROW(rounded_speed(1e300, {StepRounding::up, kKmh, 2}), Failure);
 }
 
 }  // namespace

@@ -1,0 +1,282 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/prose.h"
+#include "reports/words/figures.h"
+#include "stages/check/requirements.h"
+
+namespace runcert {
+namespace {
+
+Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
+                    std::string shown) {
+    return {.name = std::move(name),
+            .value = speed_m_s / metres_per_second(unit),
+            .unit = unit,
+            .shown = std::move(shown)};
+}
+
+/// By which key of the attempt epochs are left out for that reason, and what to write; empty where
+/// by none.
+std::string_view what_decides(Reason reason, const ReceiverFindings& judged) {
+    switch (reason) {
+        case Reason::float_ambiguities:
+        case Reason::other_fix:
+            return judged.solution_source == SolutionSource::unknown
+                       ? "the recording states no fix type, which counts as single: if they are "
+                         "fixed solutions, write solution: fixed in the receiver, a claim that "
+                         "somebody must attest"
+                       : "to use other fix types, write parameters: {screen: {allowed_fixes: "
+                         "[fixed, float, ...]}}";
+        case Reason::accuracy_missing:
+            return judged.facts.vertical_measured
+                       ? "state it in the attempt, accuracy: {horizontal_m: ..., vertical_m: ...}"
+                       : "state it in the attempt, accuracy: {horizontal_m: ...}";
+        case Reason::accuracy_absurd:
+            return "screen.accuracy_max_m decides";
+        case Reason::few_satellites:
+            return "screen.satellites_min decides";
+        case Reason::low_ratio:
+            return "screen.ratio_min decides";
+        case Reason::old_corrections:
+            return "screen.correction_age_max_s decides";
+        case Reason::short_arc:
+            return "screen.min_arc_epochs decides";
+        case Reason::no_position:
+            return "where heights alone are missing, give height_m";
+        default:
+            return {};
+    }
+}
+
+/// Why no epoch is usable: the three commonest reasons, with the first epoch of each.
+std::string nothing_usable(const ReceiverFindings& judged) {
+    constexpr std::size_t named = 3;
+    const ScreeningSummary& screening = judged.screening;
+    std::int64_t epochs = 0;
+    std::vector<std::pair<std::int64_t, Reason>> reasons;
+    for (const auto& [reason, count] : screening.reasons) {
+        epochs += count;
+        if (reason != Reason::none) reasons.emplace_back(count, reason);
+    }
+    std::stable_sort(reasons.begin(), reasons.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::string> words;
+    for (std::size_t i = 0; i < std::min(named, reasons.size()); ++i) {
+        const auto [count, reason] = reasons[i];
+        const auto& [epoch, time] = screening.first_of.at(reason);
+        const std::string_view decides = what_decides(reason, judged);
+        words.push_back(fmt::format("{} {} (first epoch {}, {}{}{})", count, words_of(reason),
+                                    epoch, instant_text(judged.facts.first_epoch, time),
+                                    decides.empty() ? "" : "; ", decides));
+    }
+    return fmt::format("none of the {} epochs is usable: {}{}", epochs, fmt::join(words, ", "),
+                       reasons.size() > named ? ", and other reasons" : "");
+}
+
+double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
+    double longest_s = 0.0;
+    const TrajectoryEpoch* first = nullptr;
+    for (const TrajectoryEpoch& row : rows) {
+        if (!row.arc || !row.usable) continue;
+        if (!first || first->arc != row.arc) first = &row;
+        longest_s = std::max(longest_s, row.time.seconds() - first->time.seconds());
+    }
+    return longest_s;
+}
+
+/// Why there is no certifiable window.
+std::string no_window(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    if (judged.screening.usable == 0) return nothing_usable(judged);
+    const std::string wanted = window_words(context.profile);
+    std::string evidence = context.windows.missing.empty()
+                               ? fmt::format(
+                                     "no {} of the recording are without a break and without an "
+                                     "unusable epoch, the longest arc having {}",
+                                     wanted, time_span_text(longest_stretch_s(judged.trajectory)))
+                               : context.windows.missing;
+    if (const auto& indicated = context.windows.indicated;
+        indicated && !indicated->refusals.empty())
+        evidence += fmt::format("; the fastest {} as recorded hold {}", wanted,
+                                fmt::join(indicated->refusals, ", "));
+    return evidence;
+}
+
+/// The times at which the lines of a course were crossed, from the first epoch: a position error is
+/// one of time at the craft's speed. The epoch beside a crossing stands for it.
+std::vector<Figure> crossing_figures(const ClauseContext& context) {
+    const CertifiableWindow& best = *context.windows.best;
+    std::vector<Figure> figures;
+    const auto add = [&](const char* name, std::int64_t epoch, double time_s) {
+        const auto& rows = context.input.judged.trajectory;
+        const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
+        if (row == rows.end() || !row->sigma_east_m || !row->speed_m_s) return;
+        const double slow_m = best.bound ? best.bound->sigma_m : 0.0;
+        const double position_m =
+            std::hypot(std::max(*row->sigma_east_m, *row->sigma_north_m), slow_m);
+        figures.push_back({.name = name,
+                           .value = time_s,
+                           .unit = "s",
+                           .expanded_uncertainty = 2.0 * position_m / *row->speed_m_s,
+                           .note = "from the first epoch"});
+    };
+    const double start_s = best.span.start.seconds();
+    add("start line crossed", best.span.first_epoch, start_s);
+    add("finish line crossed", best.span.last_epoch, start_s + best.span.duration.seconds());
+    return figures;
+}
+
+}  // namespace
+
+Finding computation::window_complete(const Clause&, const ClauseContext& context) {
+    if (!context.windows.best) return {RequirementStatus::not_met, no_window(context)};
+    if (!figure_of(context.windows))
+        return {RequirementStatus::not_met,
+                fmt::format("of {} windows of {} that the rule takes the mean of, {} are "
+                            "certifiable without overlapping",
+                            context.profile.windows, window_words(context.profile),
+                            context.windows.further.size() + 1)};
+    const WindowSpan& span = context.windows.best->span;
+    std::string evidence = fmt::format(
+        "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; the {}",
+        span.duration.seconds(), span.first_epoch, span.last_epoch,
+        context.windows.candidates == 1
+            ? std::string("only such window")
+            : fmt::format("best of {} such windows", context.windows.candidates));
+    if (!context.windows.further.empty())
+        evidence += fmt::format("; with {} more the mean", context.windows.further.size());
+    std::vector<Figure> figures{
+        {.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}};
+    if (context.profile.window_kind == WindowKind::course)
+        for (Figure& figure : crossing_figures(context))
+            figures.push_back(std::move(figure));
+    return {RequirementStatus::met, std::move(evidence), std::move(figures)};
+}
+
+/// Whether what the recording shows to be fastest is what was certified.
+Finding computation::fastest_certifiable(const Clause&, const ClauseContext& context) {
+    const auto& best = context.windows.best;
+    if (!best) return {RequirementStatus::not_met, "there is no certifiable window"};
+    const auto& indicated = context.windows.indicated;
+    if (!indicated || indicated->refusals.empty())
+        return {RequirementStatus::met,
+                "the fastest window that the recording shows could be certified"};
+    const double least_m_s = best->speed_m_s + 2.0 * best->standard_uncertainty_m_s;
+    const std::string words =
+        fmt::format("the recording{} {:.3f} km/h {} in a window that cannot be certified ({})",
+                    indicated->source == SpeedSource::velocity ? "'s velocities show" : " shows",
+                    indicated->speed_m_s * 3.6, beginning_text(indicated->span),
+                    fmt::join(indicated->refusals, ", "));
+    std::vector<Figure> figures{
+        {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
+    // What its own epochs state makes so much of it worthless.
+    if (indicated->speed_m_s - indicated->stated_expanded_uncertainty_m_s <= least_m_s)
+        return {RequirementStatus::met, words + ", which shows no more than the certified one",
+                std::move(figures)};
+    return {RequirementStatus::not_met, words + ": what the score would be is not known",
+            std::move(figures)};
+}
+
+Finding computation::opposite_runs(const Clause&, const ClauseContext& context) {
+    if (!context.windows.best || context.windows.further.empty())
+        return {RequirementStatus::not_met, context.windows.missing.empty()
+                                                ? "there are no two certifiable windows"
+                                                : context.windows.missing};
+    const WindowSpan& one = context.windows.best->span;
+    const WindowSpan& other = context.windows.further.front().span;
+    const double from_s = std::min(one.start, other.start).seconds();
+    const double to_s = std::max(one.start.seconds() + one.duration.seconds(),
+                                 other.start.seconds() + other.duration.seconds());
+    return {RequirementStatus::met,
+            fmt::format("two runs in opposite directions, {:.3f} km/h and {:.3f} km/h, within "
+                        "{:.1f} s, at most {:g} s",
+                        context.windows.best->speed_m_s * 3.6,
+                        context.windows.further.front().speed_m_s * 3.6, to_s - from_s,
+                        *context.profile.opposite_runs_within_s),
+            {{.name = "speed of the one", .value = context.windows.best->speed_m_s, .unit = "m/s"},
+             {.name = "speed of the other",
+              .value = context.windows.further.front().speed_m_s,
+              .unit = "m/s"},
+             {.name = "time that holds both", .value = to_s - from_s, .unit = "s"}}};
+}
+
+Finding computation::accuracy(const Clause&, const ClauseContext& context) {
+    if (!context.speed || !context.profile.accuracy_limit_m_s)
+        return {RequirementStatus::not_met,
+                "there is no certifiable window whose accuracy could be stated"};
+    const double u = *context.expanded_uncertainty_m_s;
+    const double bias_limit_m_s = context.speed->bias_limit_m_s;
+    const bool met = u <= *context.profile.accuracy_limit_m_s;
+    const SpeedUnit& unit = speed_unit(context.profile.accuracy_unit);
+    const auto rounded_up = [&](double uncertainty_m_s) {
+        return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s),
+                           unit.name);
+    };
+    const std::string limit =
+        number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
+            fmt::format(
+                "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
+                coverage_text(context.coverage_factor),
+                bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
+                                                   rounded_up(bias_limit_m_s))
+                                     : std::string(),
+                limit,
+                context.profile.speed_source == SpeedSource::velocity
+                    ? "it rests on what the recording shows and states of its velocities' errors"
+                    : "it includes the bound on time-correlated errors and, as mean square, an "
+                      "error of any kind that nothing found"),
+            {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
+             speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
+                          limit)}};
+}
+
+Finding computation::margin(const Clause&, const ClauseContext& context) {
+    if (context.record == nullptr)
+        return {RequirementStatus::attest, "the attempt names no record to beat"};
+    if (!context.speed) return {RequirementStatus::not_met, "there is no certifiable window"};
+    const Decision& decision = *context.decision;
+    const ShownFigures& shown = *context.shown;
+    const bool met = decision.probability >= decision.level;
+    const double u = *context.expanded_uncertainty_m_s;
+    const double required_u = 2.0 * context.required_speed->standard_uncertainty_m_s;
+    Figure speed = speed_figure("measured speed", context.speed->speed_m_s, shown.unit,
+                                measured_speed_text(shown, context.coverage_factor));
+    speed.expanded_uncertainty = u / metres_per_second(shown.unit);
+    Figure required = speed_figure("required speed", context.required_speed->speed_m_s, shown.unit,
+                                   fmt::format("{} {}", shown.required_speed, shown.unit));
+    required.expanded_uncertainty = required_u / metres_per_second(shown.unit);
+    if (required_u > 0.0)
+        required.shown += fmt::format(
+            " ± {} {} (k = 2)", uncertainty_rounded_up(*required.expanded_uncertainty), shown.unit);
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
+            fmt::format("measured speed {}, required {} {}: conformance probability {} (at least "
+                        "{} required); acceptance limit {} {}",
+                        measured_speed_text(shown), shown.required_speed, shown.unit,
+                        probability_text(decision.probability), level_text(decision.level),
+                        shown.acceptance_limit, shown.unit),
+            {std::move(speed),
+             std::move(required),
+             {.name = "conformance probability",
+              .value = decision.probability,
+              .shown = probability_text(decision.probability)}}};
+}
+
+Finding computation::georeferenced(const Clause&, const ClauseContext& context) {
+    if (context.input.judged.facts.georeferenced)
+        return {RequirementStatus::met,
+                "WGS 84 positions, taken to a local frame without a grid's scale factor"};
+    return {RequirementStatus::attest,
+            "the recording holds engineering coordinates, not georeferenced: their unit must be "
+            "the true metre on the ground"};
+}
+
+Finding computation::attest(const Clause&, const ClauseContext&) {
+    return {RequirementStatus::attest, "not decidable from the recording"};
+}
+
+}  // namespace runcert

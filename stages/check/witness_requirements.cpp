@@ -1,0 +1,265 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/prose.h"
+#include "core/rounding.h"
+#include "core/uncertainty.h"
+#include "reports/words/figures.h"
+#include "reports/words/screening.h"
+#include "stages/check/requirements.h"
+
+namespace runcert {
+namespace {
+
+/// Sets the other speed from times at the lines, or why there is none.
+void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
+                    const std::optional<Course>& course, DeclaredAgreement& agreement) {
+    constexpr double same_crossing_s = 2.0;
+    if (!judged.over_course || !course) {
+        agreement.missing = "times at the lines of a course say nothing of this rule's window";
+        return;
+    }
+    if (!judged.span.start_gps) {
+        agreement.missing = "its times cannot be compared: the recording's time is relative";
+        return;
+    }
+    const GpsTime end = judged.span.start_gps->plus_nanoseconds(judged.span.duration.nanoseconds);
+    const double start_s = times.start.seconds_since(*judged.span.start_gps);
+    const double finish_s = times.finish.seconds_since(end);
+    if (std::abs(start_s) > same_crossing_s || std::abs(finish_s) > same_crossing_s) {
+        agreement.missing = fmt::format(
+            "its times are {:+.3f} s and {:+.3f} s off those of the window: they are of another "
+            "run, or of another clock",
+            start_s, finish_s);
+        return;
+    }
+    const double elapsed_s = times.finish.seconds_since(times.start);
+    agreement.other_m_s = course_speed_m_s(course->length_m, elapsed_s, 0.0);
+    agreement.other_expanded_uncertainty_m_s =
+        std::hypot(std::numbers::sqrt2 * times.expanded_uncertainty_s * agreement.other_m_s,
+                   course->length_expanded_uncertainty_m) /
+        elapsed_s;
+}
+
+/// Why the second receiver says nothing of the window.
+std::string_view silence_of_receiver(const CheckInput& input) {
+    const auto& baseline = input.judged.tests.baseline;
+    if (baseline && baseline->same_errors)
+        return "has the errors of the first one's positions: one recording was made from the other";
+    if (!input.judged.facts.first_epoch || !input.secondary->facts.first_epoch)
+        return "cannot be compared: the time of a recording is relative (give its start_gps)";
+    if (input.judged.origin.has_value() != input.secondary->origin.has_value())
+        return "cannot be compared: only one of the two has a place on the Earth";
+    return "has no estimate over the whole of that time without a break or a step";
+}
+
+/// By the normalised error; what agrees is met only where it could have failed.
+RequirementStatus status_of(double normalised_error, bool could_fail) {
+    if (normalised_error > 1.0) return RequirementStatus::not_met;
+    return could_fail ? RequirementStatus::met : RequirementStatus::attest;
+}
+
+std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context) {
+    return could_have_failed(expanded_uncertainty_m_s, context)
+               ? std::string()
+               : "; " + too_uncertain_text(expanded_uncertainty_m_s);
+}
+
+/// What the second receiver says.
+Finding by_receiver(const ClauseContext& context) {
+    const std::string& receiver = context.input.secondary->receiver;
+    if (!context.windows.best)
+        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
+    const auto& witnesses = context.windows.best->witnesses;
+    const auto one = std::ranges::find(witnesses, receiver, &WitnessedSpeed::receiver);
+    if (one == witnesses.end())
+        return {RequirementStatus::not_met,
+                fmt::format("receiver \"{}\" {}", receiver, silence_of_receiver(context.input))};
+    const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
+    return {status_of(one->normalised_error, could_have_failed(expanded_m_s, context)),
+            fmt::format(
+                "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h against "
+                "the primary one; normalised error {:.2f}, at most 1, with what the two do not "
+                "share: noise, each receiver's own time-correlated error, antenna. They share base "
+                "station, satellites, atmosphere, frame and time scale{}",
+                receiver, one->speed_m_s * 3.6, context.windows.best->span.duration.seconds(),
+                -one->difference_m_s * 3.6, one->normalised_error, doubt(expanded_m_s, context)),
+            {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
+}
+
+/// What the method says that the attempt declares.
+Finding by_declaration(const ClauseContext& context) {
+    if (!context.declared)
+        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
+    const DeclaredAgreement& agreement = *context.declared;
+    if (!agreement.missing.empty())
+        return {RequirementStatus::not_met,
+                fmt::format("{}: {}", agreement.method, agreement.missing)};
+    const double expanded_m_s = agreement.other_expanded_uncertainty_m_s;
+    return {
+        status_of(agreement.normalised_error, could_have_failed(expanded_m_s, context)),
+        fmt::format(
+            "{} gives {}, {:+.3f} km/h against the primary method; normalised error {:.2f}, at "
+            "most 1{}",
+            agreement.method,
+            speed_with_uncertainty_text(agreement.other_m_s, expanded_m_s, speed_unit("km/h")),
+            (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error,
+            doubt(expanded_m_s, context)),
+        {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
+}
+
+/// What witnesses of the same receiver say: they meet the clause where it accepts them.
+Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
+    Finding finding{RequirementStatus::attest, {}};
+    if (context.windows.best)
+        for (const WitnessedSpeed& one : context.windows.best->witnesses) {
+            finding.figures.push_back(
+                {.name = fmt::format("normalised error of the {}", words_of(one.kind)),
+                 .value = one.normalised_error});
+            finding.evidence +=
+                fmt::format("{}{}", finding.evidence.empty() ? "" : "; ", witness_text(one));
+            finding.evidence += doubt(2.0 * one.standard_uncertainty_m_s, context);
+            const bool accepted =
+                std::ranges::find(clause.accepts, to_text(one.kind)) != clause.accepts.end();
+            if (accepted && confirms(one, context)) finding.status = RequirementStatus::met;
+        }
+    if (finding.evidence.empty())
+        finding.evidence = "the attempt has one receiver; another method is not part of it";
+    else if (finding.status == RequirementStatus::attest)
+        finding.evidence += "; whether that counts as a second method the rule does not say";
+    return finding;
+}
+
+/// "; the recorded velocities show 23.20 kn at 10:03:43.0 UTC": what a refused window shows is
+/// named.
+std::string shown_speed(const ClauseContext& context) {
+    if (!context.windows.indicated) return {};
+    return "; the recorded velocities show " + indicated_text(context);
+}
+
+/// What the positions say of the windows that the speed is made of: the one that agrees least.
+std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
+    std::optional<WitnessedSpeed> least;
+    const auto hear = [&](const std::vector<WitnessedSpeed>& witnesses) {
+        for (const WitnessedSpeed& one : witnesses)
+            if (one.kind == WitnessKind::positions &&
+                (!least || one.normalised_error > least->normalised_error))
+                least = one;
+    };
+    hear(windows.best->witnesses);
+    for (const FurtherWindow& further : windows.further)
+        hear(further.witnesses);
+    return least;
+}
+
+/// By how much the speeds are behind the positions all over the stretch that holds the window, in
+/// words; empty where nothing tells it.
+std::string delay_there(const ClauseContext& context) {
+    const auto& velocity = context.input.judged.tests.velocity;
+    if (!velocity) return {};
+    if (velocity->origin == VelocityOrigin::positions)
+        return "the recorded velocities were computed from the positions";
+    const WindowSpan& span = context.windows.best->span;
+    const auto holds = [&](const VelocityDelay& one) {
+        return !one.beyond && one.first_epoch <= span.first_epoch &&
+               one.last_epoch >= span.last_epoch;
+    };
+    const auto there = std::ranges::find_if(velocity->delays, holds);
+    if (there == velocity->delays.end()) return {};
+    return fmt::format("by the changes of both from epoch {} to {} they are {} the positions",
+                       there->first_epoch, there->last_epoch, delay_words(there->delay_s));
+}
+
+/// Why the velocities are no source of any speed; empty where they are.
+std::string unfit(const ClauseContext& context) {
+    const auto& velocity = context.input.judged.tests.velocity;
+    if (!velocity || !velocity->unfit) return {};
+    const std::string others = other_moments_text(*velocity);
+    return fmt::format(
+        "the recorded velocities are not those of these positions: {}{}, more than {:g} % "
+        "(screen.velocity_share_max){}",
+        others.empty() ? "" : others + "; ", unfit_text(*velocity),
+        100.0 * context.input.attempt.parameters.screen.velocity_share_max, shown_speed(context));
+}
+
+}  // namespace
+
+std::string second_method_text(const DeclaredAgreement& second) {
+    return fmt::format(
+        "the second method ({}) gives {}, {:+.3f} km/h against this one (normalised error {:.2f}, "
+        "at most 1)",
+        second.method,
+        speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s,
+                                    speed_unit("km/h")),
+        (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error);
+}
+
+DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
+                                   const std::optional<Course>& course) {
+    DeclaredAgreement agreement;
+    agreement.method = method.method;
+    agreement.judged_m_s = judged.speed_m_s;
+    if (method.times) {
+        set_from_times(judged, *method.times, course, agreement);
+        if (!agreement.missing.empty()) return agreement;
+    } else {
+        agreement.other_m_s = method.speed->speed_m_s;
+        agreement.other_expanded_uncertainty_m_s = method.speed->expanded_uncertainty_m_s;
+    }
+    const double difference_m_s = std::abs(agreement.other_m_s - agreement.judged_m_s);
+    const double allowed_m_s = std::hypot(usual_coverage_factor * judged.standard_uncertainty_m_s,
+                                          agreement.other_expanded_uncertainty_m_s);
+    agreement.normalised_error = difference_m_s == 0.0 ? 0.0 : difference_m_s / allowed_m_s;
+    return agreement;
+}
+
+Finding computation::secondary_method(const Clause& clause, const ClauseContext& context) {
+    const bool declared = context.input.attempt.secondary_method.has_value();
+    if (!context.input.secondary && !declared) return by_own_witnesses(clause, context);
+    if (!declared) return by_receiver(context);
+    Finding finding = by_declaration(context);
+    if (!context.input.secondary) return finding;
+    Finding other = by_receiver(context);
+    finding.observed = other.status == RequirementStatus::met;
+    if (finding.status != RequirementStatus::not_met) finding.status = other.status;
+    finding.evidence += "; " + other.evidence;
+    finding.figures.insert(finding.figures.end(), other.figures.begin(), other.figures.end());
+    return finding;
+}
+
+Finding computation::recorded_speeds(const Clause&, const ClauseContext& context) {
+    if (std::string why = unfit(context); !why.empty())
+        return {RequirementStatus::not_met, std::move(why)};
+    if (!context.windows.best)
+        return {RequirementStatus::not_met, "there is no certifiable window"};
+    const auto one = least_agreeing(context.windows);
+    if (!one) return {RequirementStatus::attest, "the positions say nothing of the window"};
+    const std::vector<Figure> figures{
+        {.name = "normalised error of the positions' speed", .value = one->normalised_error}};
+    std::string evidence = witness_text(*one);
+    if (one->normalised_error > 1.0)
+        return {RequirementStatus::not_met,
+                fmt::format("{}: one of the two is wrong{}", evidence, shown_speed(context)),
+                figures};
+    // Positions that may be half as fast, or half as fast again, agree with anything.
+    constexpr double says_nothing = 0.5;
+    const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
+    if (expanded_m_s > says_nothing * (one->speed_m_s + one->difference_m_s))
+        return {RequirementStatus::not_met,
+                fmt::format("{}; {}, or to contradict, any speed{}", evidence,
+                            too_uncertain_text(expanded_m_s), shown_speed(context)),
+                figures};
+    const std::string delay = delay_there(context);
+    if (!delay.empty()) evidence += "; " + delay;
+    if (confirms(*one, context) || !delay.empty())
+        return {RequirementStatus::met, std::move(evidence), figures};
+    return {RequirementStatus::attest,
+            evidence + "; " + too_uncertain_text(expanded_m_s) +
+                ", and no change of speed tells whether they are of the same moments",
+            figures};
+}
+
+}  // namespace runcert

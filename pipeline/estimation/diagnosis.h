@@ -135,8 +135,8 @@ class ArcDiagnosis {
     void transpose_transition(std::size_t k, Matrix& matrix) const;
 
     std::vector<Epoch> epochs_;
-    std::vector<kernel::Step<double>> steps_;  ///< distinct ones
-    std::vector<std::size_t> step_of_;         ///< from each epoch to the next
+    std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
+    std::vector<std::size_t> step_of_;                ///< from each epoch to the next
     EstimationModel model_;
 };
 

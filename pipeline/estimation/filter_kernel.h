@@ -50,7 +50,7 @@ Triangle<double, Size> triangle_of(const Eigen::Matrix<double, Size, Size>& matr
 
 /// One step of time: what of AxisStep is not the same for all steps.
 template <class Number>
-struct Step {
+struct StepNumbers {
     Number position_of_velocity{};
     Number position_of_acceleration{};
     Number velocity_of_acceleration{};
@@ -62,7 +62,7 @@ struct Step {
 
 /// Fills a step in; `put(number, value)` sets a number, or one lane of it.
 template <class Number, class Put>
-void set_step(Step<Number>& to, const AxisStep& step, const Put& put) {
+void set_numbers(StepNumbers<Number>& to, const AxisStep& step, const Put& put) {
     put(to.position_of_velocity, step.transition(0, 1));
     put(to.position_of_acceleration, step.transition(0, 2));
     put(to.velocity_of_acceleration, step.transition(1, 2));
@@ -73,15 +73,15 @@ void set_step(Step<Number>& to, const AxisStep& step, const Put& put) {
             put(to.noise[in_triangle(row, column)], step.process_noise(row, column));
     put(to.error_noise, step.error_noise);
 }
-inline Step<double> step_of(const AxisStep& step) {
-    Step<double> one;
-    set_step(one, step, [](double& number, double value) { number = value; });
+inline StepNumbers<double> numbers_of(const AxisStep& step) {
+    StepNumbers<double> one;
+    set_numbers(one, step, [](double& number, double value) { number = value; });
     return one;
 }
 
 /// F x in place. The coordinates may be other numbers than the step's, such as arrays of them.
 template <int Axes, class Number, class Coordinate>
-void carry(const Step<Number>& f, Coordinate* x) {
+void carry(const StepNumbers<Number>& f, Coordinate* x) {
     for (int axis = 0; axis < Axes; ++axis) {
         Coordinate* const p = x + axis;
         p[0] += f.position_of_velocity * p[Axes] + f.position_of_acceleration * p[2 * Axes];
@@ -93,7 +93,7 @@ void carry(const Step<Number>& f, Coordinate* x) {
 
 /// F' x in place.
 template <int Axes, class Number, class Coordinate>
-void carry_back(const Step<Number>& f, Coordinate* x) {
+void carry_back(const StepNumbers<Number>& f, Coordinate* x) {
     for (int axis = 0; axis < Axes; ++axis) {
         Coordinate* const p = x + axis;
         p[2 * Axes] = f.position_of_acceleration * p[0] + f.velocity_of_acceleration * p[Axes] +
@@ -114,7 +114,7 @@ void mirror(double* matrix) {
 /// Of the covariance X between position, velocity and acceleration of axis `a` (rows) and of axis
 /// `b` <= `a`: F X F', and the process noise.
 template <int Axes, class Number>
-void carry_motion_covariance(const Step<Number>& f, int a, int b, Number* p) {
+void carry_motion_covariance(const StepNumbers<Number>& f, int a, int b, Number* p) {
     constexpr int size = state_size<Axes>;
     const auto at = [p](int row, int column) -> Number& { return p[row * size + column]; };
     // Above the diagonal of the blocks stands the transpose of what is below.
@@ -158,7 +158,7 @@ void carry_motion_covariance(const Step<Number>& f, int a, int b, Number* p) {
 
 /// F P F' + Q in place: the covariance one step later.
 template <int Axes, class Number>
-void carry_covariance(const Step<Number>& f, Number* p) {
+void carry_covariance(const StepNumbers<Number>& f, Number* p) {
     constexpr int size = state_size<Axes>;
     for (int a = 0; a < Axes; ++a) {
         for (int b = 0; b <= a; ++b)
@@ -182,7 +182,7 @@ void carry_covariance(const Step<Number>& f, Number* p) {
 
 /// F' M F of a symmetric M, all of it, in place.
 template <int Axes>
-void carry_information_back(const Step<double>& f, double* m) {
+void carry_information_back(const StepNumbers<double>& f, double* m) {
     constexpr int size = state_size<Axes>;
     for (int axis = 0; axis < Axes; ++axis) {
         double* const position = m + axis * size;
@@ -222,7 +222,7 @@ using Columns = Numbers<Number, Axes * state_size<Axes>>;
 /// A measured position against a prediction. With S = H P H' + R = U D U', U lower with a diagonal
 /// of ones, the residual and P H', both times inverse(U'), are independent from axis to axis.
 template <int Axes, class Number>
-struct Seen {
+struct FactoredInnovation {
     Columns<Axes, Number> cross;             ///< P H'
     Triangle<Number, Axes> factor;           ///< below its diagonal: U
     Numbers<Number, Axes> inverse_variance;  ///< of D
@@ -259,10 +259,11 @@ Columns<Axes, Number> cross_covariance(const Number* p) {
 
 /// `covariance` is that of the measured position as the model has it.
 template <int Axes, class Number>
-Seen<Axes, Number> see(const Number* mean, const Number* p, const double* measured,
-                       const Triangle<Number, Axes>& covariance) {
+FactoredInnovation<Axes, Number> innovation_of(const Number* mean, const Number* p,
+                                               const double* measured,
+                                               const Triangle<Number, Axes>& covariance) {
     constexpr int size = state_size<Axes>;
-    Seen<Axes, Number> seen;
+    FactoredInnovation<Axes, Number> seen;
     seen.cross = cross_covariance<Axes>(p);
     auto& lower = seen.factor;
     for (int row = 0; row < Axes; ++row)
@@ -296,7 +297,7 @@ Seen<Axes, Number> see(const Number* mean, const Number* p, const double* measur
 
 /// P H' inverse(U'): what the independent residuals move the state by, times their variances.
 template <int Axes, class Number>
-Columns<Axes, Number> independent_cross(const Seen<Axes, Number>& seen) {
+Columns<Axes, Number> independent_cross(const FactoredInnovation<Axes, Number>& seen) {
     constexpr int size = state_size<Axes>;
     Columns<Axes, Number> columns = seen.cross;
     for (int j = 1; j < Axes; ++j)
@@ -309,7 +310,7 @@ Columns<Axes, Number> independent_cross(const Seen<Axes, Number>& seen) {
 /// (I - K H) P (I - K H)' + K R K', one side after the other, from K U = `scaled`.
 template <int Axes, class Number>
 Numbers<Number, state_size<Axes> * state_size<Axes>> joseph_form(
-    const Seen<Axes, Number>& seen, const Columns<Axes, Number>& scaled,
+    const FactoredInnovation<Axes, Number>& seen, const Columns<Axes, Number>& scaled,
     const Triangle<Number, Axes>& covariance, const Number* p) {
     constexpr int size = state_size<Axes>;
     Columns<Axes, Number> gain = scaled;
@@ -357,8 +358,8 @@ bool any_of(const Comparison& holds) {
 /// Takes the measurement in: by the short form of the covariance, or by Joseph's where that would
 /// lose digits.
 template <int Axes, class Number>
-void take_in(const Seen<Axes, Number>& seen, const Triangle<Number, Axes>& covariance, Number* mean,
-             Number* p) {
+void take_in(const FactoredInnovation<Axes, Number>& seen, const Triangle<Number, Axes>& covariance,
+             Number* mean, Number* p) {
     constexpr int size = state_size<Axes>;
     const Columns<Axes, Number> columns = independent_cross(seen);
     Columns<Axes, Number> scaled = columns;

@@ -30,7 +30,7 @@ void KalmanFilter<Axes>::prepare(const StepKind& kind) {
     if (kind == kind_) return;
     kind_ = kind;
     step_ = axis_step(model_, kind);
-    numbers_ = kernel::step_of(step_);
+    numbers_ = kernel::numbers_of(step_);
     transition_ = runcert::transition<Axes>(step_);
 }
 
@@ -41,7 +41,7 @@ const AxisStep& KalmanFilter<Axes>::step_of(const StepKind& kind) {
 }
 
 template <int Axes>
-const kernel::Step<double>& KalmanFilter<Axes>::numbers_of(const StepKind& kind) {
+const kernel::StepNumbers<double>& KalmanFilter<Axes>::numbers_of(const StepKind& kind) {
     prepare(kind);
     return numbers_;
 }
@@ -93,9 +93,10 @@ Innovation<Axes> KalmanFilter<Axes>::innovation(
                         p.template topRightCorner<Axes, Axes>() +
                         p.template bottomLeftCorner<Axes, Axes>() +
                         p.template bottomRightCorner<Axes, Axes>() + scale * measurement.covariance;
-    result.statistic = kernel::see<Axes>(predicted.mean.data(), p.data(),
-                                         measurement.position.data(), noise_of(measurement))
-                           .statistic;
+    result.statistic =
+        kernel::innovation_of<Axes>(predicted.mean.data(), p.data(), measurement.position.data(),
+                                    noise_of(measurement))
+            .statistic;
     return result;
 }
 
@@ -109,11 +110,11 @@ typename KalmanFilter<Axes>::GainMatrix KalmanFilter<Axes>::gain(
 }
 
 template <int Axes>
-typename KalmanFilter<Axes>::Seen KalmanFilter<Axes>::take_in(
+typename KalmanFilter<Axes>::FactoredInnovation KalmanFilter<Axes>::take_in(
     StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const {
     const auto noise = noise_of(measurement);
-    const Seen seen = kernel::see<Axes>(estimate.mean.data(), estimate.covariance.data(),
-                                        measurement.position.data(), noise);
+    const FactoredInnovation seen = kernel::innovation_of<Axes>(
+        estimate.mean.data(), estimate.covariance.data(), measurement.position.data(), noise);
     kernel::take_in(seen, noise, estimate.mean.data(), estimate.covariance.data());
     kernel::mirror<state_size<Axes>>(estimate.covariance.data());
     return seen;

@@ -62,7 +62,7 @@ struct Innovation {
 template <int Axes>
 class KalmanFilter {
   public:
-    using Seen = kernel::Seen<Axes, double>;
+    using FactoredInnovation = kernel::FactoredInnovation<Axes, double>;
     /// What an innovation moves the state by: P H' S^-1.
     using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
 
@@ -85,11 +85,12 @@ class KalmanFilter {
 
     /// Takes a measurement in: P - P H' inverse(S) H P, or, where the measurement is so much better
     /// than the prediction that this would lose digits, Joseph's form, one side after the other.
-    Seen take_in(StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const;
+    FactoredInnovation take_in(StateEstimate<Axes>& estimate,
+                               const PositionMeasurement<Axes>& measurement) const;
 
     /// A step for one axis, the five numbers of its transition, and the transition for all axes.
     const AxisStep& step_of(const StepKind& kind);
-    const kernel::Step<double>& numbers_of(const StepKind& kind);
+    const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
     const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
     /// A measured position less the predicted one: the measurement sees position and error.
@@ -112,7 +113,7 @@ class KalmanFilter {
     EstimationModel model_;
     StepKind kind_;
     AxisStep step_;
-    kernel::Step<double> numbers_;
+    kernel::StepNumbers<double> numbers_;
     StateMatrix<Axes> transition_;
 };
 

@@ -90,9 +90,9 @@ class Likelihood {
 
   private:
     static constexpr int size = state_size<Axes>;
-    using Seen = kernel::Seen<Axes, SideBySide>;
+    using FactoredInnovation = kernel::FactoredInnovation<Axes, SideBySide>;
 
-    void count(const Seen& seen) {
+    void count(const FactoredInnovation& seen) {
         statistic_ += seen.statistic;
         for (std::size_t i = 0; i < models_side_by_side; ++i)
             determinants_[i].multiply(seen.determinant[i]);
@@ -118,22 +118,22 @@ class Likelihood {
             kind_ = kind;
             for (std::size_t i = 0; i < models_side_by_side; ++i) {
                 if (!same_length) of_length_[i] = axis_step(models_[i], kind.dt_s());
-                kernel::set_step(step_, with_jerk(of_length_[i], kind.jerk_factor),
-                                 [i](SideBySide& number, double value) { number[i] = value; });
+                kernel::set_numbers(step_, with_jerk(of_length_[i], kind.jerk_factor),
+                                    [i](SideBySide& number, double value) { number[i] = value; });
             }
         }
         kernel::carry<Axes>(step_, mean_.data());
         kernel::carry_covariance<Axes>(step_, covariance_.data());
     }
 
-    Seen take_in(const PositionMeasurement<Axes>& measurement) {
+    FactoredInnovation take_in(const PositionMeasurement<Axes>& measurement) {
         kernel::Triangle<SideBySide, Axes> noise;
         for (int row = 0; row < Axes; ++row)
             for (int column = 0; column <= row; ++column)
                 noise[kernel::in_triangle(row, column)] =
                     scale_ * measurement.covariance(row, column);
-        const Seen seen =
-            kernel::see<Axes>(mean_.data(), covariance_.data(), measurement.position.data(), noise);
+        const FactoredInnovation seen = kernel::innovation_of<Axes>(
+            mean_.data(), covariance_.data(), measurement.position.data(), noise);
         kernel::take_in(seen, noise, mean_.data(), covariance_.data());
         return seen;
     }
@@ -142,7 +142,7 @@ class Likelihood {
     SideBySide scale_{};
     StepKind kind_;
     std::array<AxisStep, models_side_by_side> of_length_;
-    kernel::Step<SideBySide> step_;
+    kernel::StepNumbers<SideBySide> step_;
     kernel::Numbers<SideBySide, size> mean_{};
     kernel::Numbers<SideBySide, size * size> covariance_{};
     SideBySide statistic_{};

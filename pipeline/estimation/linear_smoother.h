@@ -63,7 +63,7 @@ class LinearSmoother {
     struct Pass;
 
     std::vector<Epoch> epochs_;
-    std::vector<kernel::Step<double>> steps_;  ///< distinct ones
+    std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
     std::vector<Bridge> bridges_;
 };
 

@@ -50,7 +50,7 @@ Eigen::Matrix<double, Size, Count> times_columns(
 
 /// Of U in S = U D U'.
 template <int Axes>
-PositionMatrix<Axes> inverse_factor(const typename KalmanFilter<Axes>::Seen& seen) {
+PositionMatrix<Axes> inverse_factor(const typename KalmanFilter<Axes>::FactoredInnovation& seen) {
     PositionMatrix<Axes> inverse = PositionMatrix<Axes>::Identity();
     for (int j = 1; j < Axes; ++j)
         for (int k = 0; k < j; ++k)
@@ -134,7 +134,7 @@ void MotionSmoother<Axes>::step_back() {
 /// From behind the measurement to before it, with S = U D U' and V = P H' inverse(U'):
 /// (I - K H)' g - H' inverse(S) r and (I - K H)' N (I - K H) + H' inverse(S) H.
 template <int Axes>
-void MotionSmoother<Axes>::back_through_measurement(const Seen& seen) {
+void MotionSmoother<Axes>::back_through_measurement(const FactoredInnovation& seen) {
     using Columns = Eigen::Matrix<double, state_size<Axes>, Axes>;
     using Small = PositionMatrix<Axes>;
     const auto v = kernel::independent_cross(seen);

@@ -54,18 +54,18 @@ class MotionSmoother {
     std::int64_t measurements() const { return measurements_; }
 
   private:
-    using Seen = typename KalmanFilter<Axes>::Seen;
+    using FactoredInnovation = typename KalmanFilter<Axes>::FactoredInnovation;
 
     /// An epoch with its measurement taken in, if it has one.
     struct Visited {
         StateEstimate<Axes> filtered;
-        Seen seen;
+        FactoredInnovation seen;
     };
 
     void take_in(std::size_t k, Visited& at);
     void carry_and_take_in(std::size_t k, Visited& at);
     void filter_again(std::size_t piece);
-    void back_through_measurement(const Seen& seen);
+    void back_through_measurement(const FactoredInnovation& seen);
     StateMatrix<Axes> unsymmetrised() const;
     void smooth_here();
     void smooth_here_by_rts();

@@ -62,7 +62,7 @@ std::vector<Profile> StageRun::read_profiles() {
 }
 
 void StageRun::note(const InputFile& input) {
-    check_claim(input.file, input.sha256);
+    check_expected(input.file, input.sha256);
     for (const InputFile& known : inputs_)
         if (known.file == input.file) return;
     inputs_.push_back(input);
@@ -99,21 +99,21 @@ std::string StageRun::read_text(const std::string& role, const std::string& file
     return text;
 }
 
-void StageRun::check_claim(const std::string& file, const std::string& sha256) const {
-    const auto claim = claims_.find(file);
-    if (claim == claims_.end() || claim->second.sha256 == sha256) return;
+void StageRun::check_expected(const std::string& file, const std::string& sha256) const {
+    const auto known_hash = expected_.find(file);
+    if (known_hash == expected_.end() || known_hash->second.sha256 == sha256) return;
     throw Failure((run_dir_ / file).string(),
                   fmt::format("the file is not the one that {} was made from: its SHA-256 is {}, "
                               "expected {}",
-                              claim->second.claimed_by, sha256, claim->second.sha256),
+                              known_hash->second.stated_in, sha256, known_hash->second.sha256),
                   "Run the stages again from the first that changed, or `runcert certify`");
 }
 
-void StageRun::note_claims(const std::string& file, const Header& header) {
+void StageRun::note_expected(const std::string& file, const Header& header) {
     for (const InputFile& input : header.inputs) {
-        claims_[input.file] = {input.sha256, file};
+        expected_[input.file] = {input.sha256, file};
         for (const InputFile& known : inputs_)
-            if (known.file == input.file) check_claim(known.file, known.sha256);
+            if (known.file == input.file) check_expected(known.file, known.sha256);
     }
 }
 

@@ -57,7 +57,7 @@ class RowsOfFile {
 
 /// What surrounds a stage: its attempt, its run folder, and the book of what it read.
 ///
-/// Every file read is hashed. Where the header of one file claims the hash of another that is read
+/// Every file read is hashed. Where the header of one file states the hash of another that is read
 /// too, the two must agree; a mismatch is a Failure.
 class StageRun {
   public:
@@ -103,7 +103,7 @@ class StageRun {
     auto read(const std::string& role, const std::string& file, Reader reader) {
         const FileView view = view_file(role, file);
         auto product = reader(view.bytes(), (run_dir_ / file).string());
-        note_claims(file, product.header);
+        note_expected(file, product.header);
         return product;
     }
 
@@ -119,7 +119,7 @@ class StageRun {
     auto open(const std::string& role, const std::string& file, Open open_table) {
         auto view = std::make_unique<FileView>(view_file(role, file));
         auto table = open_table(view->bytes(), (run_dir_ / file).string());
-        note_claims(file, table.head.header);
+        note_expected(file, table.head.header);
         return RowsOfFile(std::move(view), std::move(table));
     }
 
@@ -154,14 +154,14 @@ class StageRun {
     const std::vector<std::string>& said() const { return said_; }
 
   private:
-    struct Claim {
+    struct ExpectedHash {
         std::string sha256;
-        std::string claimed_by;
+        std::string stated_in;
     };
     FileView view_file(const std::string& role, const std::string& file);
     void note(const InputFile& input);
-    void note_claims(const std::string& file, const Header& header);
-    void check_claim(const std::string& file, const std::string& sha256) const;
+    void note_expected(const std::string& file, const Header& header);
+    void check_expected(const std::string& file, const std::string& sha256) const;
 
     std::string stage_;
     std::filesystem::path attempt_path_;
@@ -171,7 +171,7 @@ class StageRun {
     HeldJson parameters_;
     HeldJson read_;  ///< of the attempt, beside these
     std::vector<InputFile> inputs_;
-    std::map<std::string, Claim> claims_;
+    std::map<std::string, ExpectedHash> expected_;
     std::vector<std::string> said_;
 };
 

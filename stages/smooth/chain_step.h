@@ -21,7 +21,7 @@ class ChainStep {
         if (bridged) step.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
         motion_whitener_ = axis_process_whitener(step);
         error_whitener_ = 1.0 / std::sqrt(step.error_noise);
-        numbers_ = kernel::step_of(step);
+        numbers_ = kernel::numbers_of(step);
     }
 
     /// F x.
@@ -66,7 +66,7 @@ class ChainStep {
     }
 
   private:
-    kernel::Step<double> numbers_;
+    kernel::StepNumbers<double> numbers_;
     Eigen::Matrix3d motion_whitener_;
     double error_whitener_ = 0.0;
 };

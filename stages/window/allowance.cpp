@@ -13,7 +13,7 @@
 namespace runcert {
 namespace {
 
-constexpr double nothing_to_claim = std::numeric_limits<double>::infinity();
+constexpr double nothing_assured = std::numeric_limits<double>::infinity();
 
 /// The largest of consecutive values, from any one to any other, in constant time.
 class RangeMaximum {
@@ -128,7 +128,7 @@ class Expectation {
         fault.largest_m_s *= by_missed;
         std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, fault);
         if (std::ranges::any_of(witnessed, &contradicts) || is_unheard(witnessed))
-            return nothing_to_claim;
+            return nothing_assured;
         std::vector<BudgetRow> rows{speed_row("w", "", "A", positions.own_m_s, "", ""),
                                     speed_row("b", "", "B", positions.slow_m_s, "", ""),
                                     speed_row("d", "", "B", positions.fault_m_s, "", ""),
@@ -136,7 +136,7 @@ class Expectation {
         SpeedEvidence evidence;
         const HeardTogether heard =
             hear_together(positions, positions.slow_m_s, witnessed, evidence);
-        if (evidence.disagreement > 1.0) return nothing_to_claim;
+        if (evidence.disagreement > 1.0) return nothing_assured;
         condition_on(witnessed, positions.slow_m_s, heard.difference_m_s, rows);
         return profile_.coverage_factor * combine(rows).standard_uncertainty +
                heard.position_share * reference_.bias_limit * by_errors;

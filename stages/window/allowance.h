@@ -8,7 +8,7 @@
 namespace runcert {
 
 /// What a window is expected to be certified with, from one that has been certified, so that the
-/// one of the highest claim can be looked for before each is.
+/// one of the highest assured speed can be looked for before each is.
 struct Reference {
     const CertifiableWindow& window;
     const FoundWindow& found;

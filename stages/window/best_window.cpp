@@ -104,7 +104,7 @@ WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums
 }  // namespace
 
 bool preferred(const FoundWindow& one, const FoundWindow& other) {
-    if (one.claim_m_s() != other.claim_m_s()) return one.claim_m_s() > other.claim_m_s();
+    if (one.assured_m_s() != other.assured_m_s()) return one.assured_m_s() > other.assured_m_s();
     return std::tie(one.series, one.start, one.end) <
            std::tie(other.series, other.start, other.end);
 }

@@ -58,7 +58,7 @@ struct FoundWindow {
     /// What is to be taken off the speed before windows are compared: so much less can be claimed.
     double allowance_m_s = 0.0;
 
-    double claim_m_s() const { return speed_m_s - allowance_m_s; }
+    double assured_m_s() const { return speed_m_s - allowance_m_s; }
 };
 
 /// What is to be taken off a window's speed; infinite where nothing can be claimed of it.
@@ -70,7 +70,8 @@ struct WindowSearch {
     std::int64_t steps = 0;
 };
 
-/// Whether the first window is to be preferred: the one of the higher claim, the earlier of equals.
+/// Whether the first window is to be preferred: the one of the higher assured speed, the earlier of
+/// equals.
 bool preferred(const FoundWindow& one, const FoundWindow& other);
 
 /// Whether a window from a sample to another holds no obstacle and may begin and end there.
@@ -118,7 +119,7 @@ WindowSearch search_windows(const std::vector<SampleSeries>& series, const Windo
 
 /// All allowed windows in order of series and start: one for each sample that one may begin at, and
 /// at any instant one for each that one may end at; of alphas one for each sample that one may end
-/// at. And the best of them; with an allowance those of the highest claims.
+/// at. And the best of them; with an allowance those of the highest assured speeds.
 struct AllowedWindows {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> best;

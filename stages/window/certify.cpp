@@ -40,7 +40,7 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
                                              const WindowChoice& choice, double least_m_s) {
     std::vector<FoundWindow> near;
     for (const FoundWindow& window : choice.all)
-        if (window.claim_m_s() >= least_m_s) near.push_back(window);
+        if (window.assured_m_s() >= least_m_s) near.push_back(window);
     std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
         return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
     });
@@ -110,7 +110,7 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
         bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
     const double least_m_s =
-        choice.found.claim_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
+        choice.found.assured_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
     const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
                          choice.profile.definition != SpeedDefinition::elapsed_time;
     SelectionBias selection =
@@ -356,7 +356,7 @@ SpeedQuantity quantity_of(const Profile& profile) {
 
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const Beside& beside) {
+                               const WindowConfig& config, const WitnessRecords& beside) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
     AxesEstimate<Axes> estimate{
         .screened = screened,
@@ -451,9 +451,9 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
 }
 
 template AxesEstimate<1> estimate_of<1>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&, const Beside&);
+                                        const WindowConfig&, const WitnessRecords&);
 template AxesEstimate<2> estimate_of<2>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&, const Beside&);
+                                        const WindowConfig&, const WitnessRecords&);
 template CertifiableWindow certified<1>(const AxesEstimate<1>&, const WindowChoice&);
 template CertifiableWindow certified<2>(const AxesEstimate<2>&, const WindowChoice&);
 

@@ -31,7 +31,7 @@ struct AxesEstimate {
 /// noise it was estimated with. Heights must have been measured for Axes 1.
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const Beside& beside);
+                               const WindowConfig& config, const WitnessRecords& beside);
 
 /// A window that was found, among those that it was chosen from.
 struct WindowChoice {

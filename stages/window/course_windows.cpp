@@ -28,10 +28,10 @@ Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
     return PlaceFrames(*origin).on_the_ground_m(*point.geodetic);
 }
 
-Gate gate_of(const CourseLine& line, const Course& course,
-             const std::optional<FrameOrigin>& origin) {
-    const Gate gate{.left = in_frame(line.left, course, origin),
-                    .right = in_frame(line.right, course, origin)};
+SurveyedLine gate_of(const CourseLine& line, const Course& course,
+                     const std::optional<FrameOrigin>& origin) {
+    const SurveyedLine gate{.left = in_frame(line.left, course, origin),
+                            .right = in_frame(line.right, course, origin)};
     constexpr double shortest_m = 0.1;
     if ((gate.right - gate.left).norm() < shortest_m)
         throw Failure(course.place, "the two ends of a line of the course are the same point",
@@ -41,11 +41,12 @@ Gate gate_of(const CourseLine& line, const Course& course,
 
 }  // namespace
 
-CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>& origin) {
-    CourseGates gates{.start = gate_of(course.start, course, origin),
-                      .finish = gate_of(course.finish, course, origin),
-                      .length_m = course.length_m,
-                      .length_standard_uncertainty_m = 0.5 * course.length_expanded_uncertainty_m};
+SurveyedCourse surveyed_course(const Course& course, const std::optional<FrameOrigin>& origin) {
+    SurveyedCourse gates{
+        .start = gate_of(course.start, course, origin),
+        .finish = gate_of(course.finish, course, origin),
+        .length_m = course.length_m,
+        .length_standard_uncertainty_m = 0.5 * course.length_expanded_uncertainty_m};
     const Eigen::Vector2d from = 0.5 * (gates.start.left + gates.start.right);
     const Eigen::Vector2d to = 0.5 * (gates.finish.left + gates.finish.right);
     const double apart_m = (to - from).norm();
@@ -59,7 +60,7 @@ CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>&
 }
 
 std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
-                                        const CourseGates& gates) {
+                                        const SurveyedCourse& gates) {
     std::vector<FoundWindow> windows;
     for (const Passage& passage : passages(series, gates.start, gates.finish)) {
         if (!passage.refusal.empty()) continue;
@@ -80,7 +81,7 @@ std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
 }
 
 std::string why_no_course_window(const std::vector<SampleSeries>& series,
-                                 const CourseGates& gates) {
+                                 const SurveyedCourse& gates) {
     for (const Passage& passage : passages(series, gates.start, gates.finish))
         if (!passage.refusal.empty()) return passage.refusal;
     return why_no_passage(series, gates.start, gates.finish);
@@ -94,11 +95,11 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 
 /// How far beyond the line through the gate a position is, times the gate's length (m^2); negative
 /// before it.
-double beyond(const Gate& gate, const Eigen::Vector2d& position) {
+double beyond(const SurveyedLine& gate, const Eigen::Vector2d& position) {
     return cross(gate.right - gate.left, position - gate.left);
 }
 
-bool between_ends(const Gate& gate, const Eigen::Vector2d& position) {
+bool between_ends(const SurveyedLine& gate, const Eigen::Vector2d& position) {
     const Eigen::Vector2d across = gate.right - gate.left;
     const double along_m2 = across.dot(position - gate.left);
     return along_m2 >= 0.0 && along_m2 <= across.squaredNorm();
@@ -121,7 +122,7 @@ Crossing crossing_in(const SampleSeries& series, std::size_t sample, double befo
     return crossing;
 }
 
-void add_crossings(const SampleSeries& series, std::size_t index, const Gate& gate,
+void add_crossings(const SampleSeries& series, std::size_t index, const SurveyedLine& gate,
                    std::vector<Crossing>& found) {
     std::optional<std::size_t> off_line;  // the last sample on either side
     double side_before = 0.0;
@@ -143,7 +144,7 @@ void add_crossings(const SampleSeries& series, std::size_t index, const Gate& ga
 
 }  // namespace
 
-std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const Gate& gate) {
+std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const SurveyedLine& gate) {
     if (gate.left == gate.right)
         throw Failure("a gate of the course", "its left end is where its right end is",
                       "State the surveyed positions of both ends of the line");

@@ -13,7 +13,7 @@ namespace runcert {
 
 /// A surveyed line across the course, from its left end to its right end for one who looks along
 /// the course (east, north; m).
-struct Gate {
+struct SurveyedLine {
     Eigen::Vector2d left, right;
 };
 
@@ -34,7 +34,7 @@ struct Crossing {
 /// samples before and after these lie on different sides. So one that touches and goes back does
 /// not cross, nor does one that is first seen, or last, on the line. Obstacles and bounds of the
 /// series are not asked. Failure where the ends of the gate are the same.
-std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const Gate& gate);
+std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const SurveyedLine& gate);
 
 /// From the start line to the finish line in the course's direction.
 struct Passage {
@@ -51,16 +51,16 @@ struct Passage {
 /// crossed on the way back from the finish line to before the start line does not count. Where
 /// both lines are crossed at once the finish comes first, so that one gate can be both, for laps
 /// (to and fro over such a gate is then no refusal, since it is crossed as the other line, too).
-std::vector<Passage> passages(const std::vector<SampleSeries>& series, const Gate& start,
-                              const Gate& finish);
+std::vector<Passage> passages(const std::vector<SampleSeries>& series, const SurveyedLine& start,
+                              const SurveyedLine& finish);
 
 /// Why there is no passage, as one sentence without a full stop; empty where there is one.
-std::string why_no_passage(const std::vector<SampleSeries>& series, const Gate& start,
-                           const Gate& finish);
+std::string why_no_passage(const std::vector<SampleSeries>& series, const SurveyedLine& start,
+                           const SurveyedLine& finish);
 
 /// A surveyed course in the frame of a trajectory.
-struct CourseGates {
-    Gate start, finish;
+struct SurveyedCourse {
+    SurveyedLine start, finish;
     double length_m = 0.0;
     double length_standard_uncertainty_m = 0.0;
 };
@@ -69,16 +69,17 @@ struct CourseGates {
 /// its points are in geodetic coordinates and the recording is not, or the reverse, where a line's
 /// ends are the same, or where the lines' middles are not as far apart as the stated length, to 2 %
 /// and 1 m.
-CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>& origin);
+SurveyedCourse surveyed_course(const Course& course, const std::optional<FrameOrigin>& origin);
 
 /// The passages over the course as windows, fastest first, those that nobody can be sure of left
 /// out. Speed is the stated length over the time between the crossings, with straight lines
 /// between epochs.
 std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
-                                        const CourseGates& gates);
+                                        const SurveyedCourse& gates);
 
 /// Why there is none: the track does not cross a line, or crosses it so often that nobody can tell
 /// which crossing counts. Empty where there is a passage that is unambiguous.
-std::string why_no_course_window(const std::vector<SampleSeries>& series, const CourseGates& gates);
+std::string why_no_course_window(const std::vector<SampleSeries>& series,
+                                 const SurveyedCourse& gates);
 
 }  // namespace runcert

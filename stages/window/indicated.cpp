@@ -187,7 +187,7 @@ double stated_uncertainty(const ScreenedTable& screened,
 /// The windows of the recording as it is, those that show most first.
 std::vector<FoundWindow> windows_as_recorded(const std::vector<SampleSeries>& series,
                                              const Profile& profile, const WindowCriteria& rule,
-                                             const std::optional<CourseGates>& gates,
+                                             const std::optional<SurveyedCourse>& gates,
                                              const Allowance& allowance) {
     if (rule.kind != WindowKind::course)
         return allowed_and_best(series, rule, static_cast<std::size_t>(profile.windows), allowance)
@@ -211,7 +211,7 @@ struct Shown {
 };
 
 Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource source, Order order,
-               const WindowConfig& config, const std::optional<CourseGates>& gates) {
+               const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
     profile.speed_source = source;
     Shown shown{.series = order == Order::time
                               ? indicated_series(screened, profile, config.gap_factor)
@@ -244,12 +244,12 @@ bool velocities_may_show_more(const ScreenedTable& screened, const Profile& prof
 }
 
 Shown most_shown(const ScreenedTable& screened, const Profile& profile, const WindowConfig& config,
-                 const std::optional<CourseGates>& gates) {
+                 const std::optional<SurveyedCourse>& gates) {
     Shown most = shown_by(screened, profile, profile.speed_source, Order::time, config, gates);
     const auto take_more = [&](Shown shown) {
         const bool more = !shown.windows.empty() &&
-                          (most.windows.empty() ||
-                           shown.windows.front().claim_m_s() > most.windows.front().claim_m_s());
+                          (most.windows.empty() || shown.windows.front().assured_m_s() >
+                                                       most.windows.front().assured_m_s());
         if (more) most = std::move(shown);
     };
     take_more(shown_by(screened, profile, profile.speed_source, Order::recording, config, gates));
@@ -288,7 +288,7 @@ WindowRows rows_of(const ScreenedTable& screened, const Shown& shown, std::size_
 
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
-                                                 const std::optional<CourseGates>& gates) {
+                                                 const std::optional<SurveyedCourse>& gates) {
     const Shown shown = most_shown(screened, profile, config, gates);
     const std::vector<FoundWindow>& found = shown.windows;
     if (found.empty()) return std::nullopt;

@@ -28,7 +28,7 @@ std::size_t insert_instant(Arc<Axes>& arc, std::vector<ElapsedTime>& times, Elap
 }
 
 /// By how much later (s) the smoothed track is on the gate's line.
-double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const Gate& gate) {
+double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const SurveyedLine& gate) {
     const Eigen::Vector2d normal = along_course(gate);
     const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
     const Eigen::Vector2d velocity = smoothed.states[k].mean.segment<2>(2);
@@ -54,20 +54,20 @@ ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<Elap
     return result;
 }
 
-Eigen::Vector2d along_course(const Gate& gate) {
+Eigen::Vector2d along_course(const SurveyedLine& gate) {
     const Eigen::Vector2d across = gate.right - gate.left;
     return Eigen::Vector2d(-across.y(), across.x()).normalized();
 }
 
 CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
                                  const EstimationModel& model, const CrossingTimes& straight,
-                                 const Gate& start, const Gate& finish) {
+                                 const SurveyedLine& start, const SurveyedLine& finish) {
     CrossingTimes crossings = straight;
     for (int step = 0; step < 3; ++step) {
         const ArcWithInstants<2> both = with_instants(arc, times, crossings.start, crossings.end);
         // The trajectory holds the epochs alone; where the line was crossed lies between two.
         const SmoothedArc<2> smoothed = smooth<2>(both.arc.epochs, model);
-        const auto move = [&](ElapsedTime& instant, std::size_t k, const Gate& gate) {
+        const auto move = [&](ElapsedTime& instant, std::size_t k, const SurveyedLine& gate) {
             instant.nanoseconds += std::llround(1e9 * lateness_s(smoothed, k, gate));
             instant = std::clamp(instant, times.front(), times.back());
         };

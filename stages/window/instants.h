@@ -21,7 +21,7 @@ ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<Elap
                                     ElapsedTime start, ElapsedTime end);
 
 /// The unit normal of a gate, in the direction of the course (east, north).
-Eigen::Vector2d along_course(const Gate& gate);
+Eigen::Vector2d along_course(const SurveyedLine& gate);
 
 /// The instants at which the smoothed track crosses the two gates, from those that straight lines
 /// between its epochs give (three steps of Newton's method). Failure where the track there runs
@@ -31,6 +31,6 @@ struct CrossingTimes {
 };
 CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
                                  const EstimationModel& model, const CrossingTimes& straight,
-                                 const Gate& start, const Gate& finish);
+                                 const SurveyedLine& start, const SurveyedLine& finish);
 
 }  // namespace runcert

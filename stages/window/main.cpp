@@ -42,8 +42,9 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
     return tables;
 }
 
-Beside beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
-    Beside all{.phases = tables[own].phases, .first_of_phases = tables[own].first_of_phases};
+WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
+    WitnessRecords all{.phases = tables[own].phases,
+                       .first_of_phases = tables[own].first_of_phases};
     // What was handed in is of the first receiver's craft and on its time.
     if (own == 0)
         all.handed_in = {run.attempt(),

@@ -64,7 +64,7 @@ OppositeRuns best_opposite_runs(const TrajectoryTable& trajectory, const std::ve
             if (apart_s > *profile.opposite_runs_within_s) break;
             if (found[i].direction.dot(found[j].direction) > opposite) continue;
             const double mean_m_s =
-                0.5 * (found[i].window.claim_m_s() + found[j].window.claim_m_s());
+                0.5 * (found[i].window.assured_m_s() + found[j].window.assured_m_s());
             if (mean_m_s <= best_mean_m_s) continue;
             best_mean_m_s = mean_m_s;
             best.windows = {found[i].window, found[j].window};

@@ -17,8 +17,8 @@ struct LineCrossing {
 
 using LineCrossings = std::vector<LineCrossing>;
 
-LineCrossings both_lines(const std::vector<SampleSeries>& series, const Gate& start,
-                         const Gate& finish) {
+LineCrossings both_lines(const std::vector<SampleSeries>& series, const SurveyedLine& start,
+                         const SurveyedLine& finish) {
     LineCrossings all;
     for (const Crossing& crossing : crossings(series, start))
         all.push_back({Line::start, crossing});
@@ -136,13 +136,13 @@ FinishesAfter finishes_after_start(const LineCrossings& all) {
 
 }  // namespace
 
-std::vector<Passage> passages(const std::vector<SampleSeries>& series, const Gate& start,
-                              const Gate& finish) {
+std::vector<Passage> passages(const std::vector<SampleSeries>& series, const SurveyedLine& start,
+                              const SurveyedLine& finish) {
     return passages_in(both_lines(series, start, finish));
 }
 
-std::string why_no_passage(const std::vector<SampleSeries>& series, const Gate& start,
-                           const Gate& finish) {
+std::string why_no_passage(const std::vector<SampleSeries>& series, const SurveyedLine& start,
+                           const SurveyedLine& finish) {
     const LineCrossings all = both_lines(series, start, finish);
     if (!passages_in(all).empty()) return {};
     std::size_t forward = 0;

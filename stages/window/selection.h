@@ -50,8 +50,8 @@ enum class DrawnErrors {
              ///< their range
 };
 
-/// What choosing the fastest of these windows, or the one of the highest claim where allowances are
-/// made, adds to the speed stated for it (m/s).
+/// What choosing the fastest of these windows, or the one of the highest assured speed where
+/// allowances are made, adds to the speed stated for it (m/s).
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
 /// errors point forward. How much that adds is found by doing it again: the motion through each

@@ -108,21 +108,21 @@ class SelectionCluster<Axes>::Speeds {
         return (path_m_[last] - path_m_[first]) / duration_s;
     }
 
-    /// The window of the highest claim of each draw, the first of equals, and that claim.
+    /// The window of the highest assured speed of each draw, the first of equals, and that speed.
     struct Fastest {
-        Lane claim_m_s;
+        Lane assured_m_s;
         std::array<std::size_t, selection_lanes> window{};
     };
     Fastest fastest() const {
         Fastest fastest;
-        fastest.claim_m_s.setConstant(-std::numeric_limits<double>::infinity());
+        fastest.assured_m_s.setConstant(-std::numeric_limits<double>::infinity());
         for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
-            const Lane claim = (*this)[w] - stretch_.allowances_m_s[w];
-            if (!(claim > fastest.claim_m_s).any()) continue;
+            const Lane assured = (*this)[w] - stretch_.allowances_m_s[w];
+            if (!(assured > fastest.assured_m_s).any()) continue;
             for (std::size_t l = 0; l < selection_lanes; ++l) {
                 const auto lane = static_cast<Eigen::Index>(l);
-                if (!(claim[lane] > fastest.claim_m_s[lane])) continue;
-                fastest.claim_m_s[lane] = claim[lane];
+                if (!(assured[lane] > fastest.assured_m_s[lane])) continue;
+                fastest.assured_m_s[lane] = assured[lane];
                 fastest.window[l] = w;
             }
         }
@@ -265,7 +265,7 @@ std::array<FastestWindow, selection_lanes> SelectionCluster<Axes>::search(
     for (std::size_t l = 0; l < selection_lanes; ++l) {
         const std::size_t window = fastest.window[l];
         const auto lane = static_cast<Eigen::Index>(l);
-        result[l] = {.searched_m_s = fastest.claim_m_s[lane],
+        result[l] = {.searched_m_s = fastest.assured_m_s[lane],
                      .error_m_s = stated[window][lane] - truth[window][lane],
                      .chosen_error_m_s = chosen[lane]};
     }

@@ -20,7 +20,7 @@ constexpr double slow_tau_max_s = 60.0;
 /// A window by its samples' places among all that are drawn.
 struct Candidate {
     std::size_t first = 0, last = 0;
-    double claim_m_s = 0.0;
+    double assured_m_s = 0.0;
 };
 
 /// The samples of all candidates in order of time, and these.
@@ -38,7 +38,7 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
                  const std::vector<FoundWindow>& all, const FoundWindow& chosen, double reach_m_s) {
     std::vector<FoundWindow> near{chosen};
     for (const FoundWindow& window : all)
-        if (window.claim_m_s() >= chosen.claim_m_s() - reach_m_s && !same(window, chosen))
+        if (window.assured_m_s() >= chosen.assured_m_s() - reach_m_s && !same(window, chosen))
             near.push_back(window);
     std::ranges::sort(near, {}, [](const FoundWindow& window) {
         return std::tuple(window.series, window.first, window.last, window.start, window.end);
@@ -56,7 +56,7 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
         if (same(window, chosen)) search.chosen = search.candidates.size();
         search.candidates.push_back({.first = end - (window.last - window.first),
                                      .last = end,
-                                     .claim_m_s = window.claim_m_s()});
+                                     .assured_m_s = window.assured_m_s()});
     }
     return search;
 }
@@ -82,7 +82,7 @@ std::vector<double> window_errors(const Search& search, MeanOf mean_of,
                                                (errors[k] + errors[k - 1])
                                          : 0.0);
     std::vector<double> of_windows;
-    for (const auto& [first, last, claim] : search.candidates) {
+    for (const auto& [first, last, assured] : search.candidates) {
         const double of_all = mean_of == MeanOf::samples ? 1.0 : 0.0;
         const double over = mean_of == MeanOf::path ? search.time_s[last] - search.time_s[first]
                                                     : static_cast<double>(last - first) + of_all;
@@ -97,11 +97,11 @@ std::vector<double> window_errors(const Search& search, MeanOf mean_of,
 double gained(const Search& search, const std::vector<double>& before,
               const std::vector<double>& errors) {
     std::size_t best = search.chosen;
-    const auto claim = [&](std::size_t i) {
-        return search.candidates[i].claim_m_s + before[i] + errors[i];
+    const auto assured = [&](std::size_t i) {
+        return search.candidates[i].assured_m_s + before[i] + errors[i];
     };
     for (std::size_t i = 0; i < errors.size(); ++i)
-        if (claim(i) > claim(best)) best = i;
+        if (assured(i) > assured(best)) best = i;
     return errors[best] - errors[search.chosen];
 }
 

@@ -29,10 +29,10 @@ struct SpeedChoiceBias {
 /// How a window's speed is made of its samples.
 enum class MeanOf { samples, samples_after_first, path };
 
-/// The windows whose claim is at most `reach_m_s` below that of the chosen one are searched again
-/// and again, with errors drawn onto their recorded speeds. These hold errors of their own, which
-/// part the windows and make the answer too small: the same is done with speeds onto which errors
-/// were drawn before, and the difference put on ([ET93] 18, as `selection_bias` has it).
+/// The windows whose assured speed is at most `reach_m_s` below that of the chosen one are searched
+/// again and again, with errors drawn onto their recorded speeds. These hold errors of their own,
+/// which part the windows and make the answer too small: the same is done with speeds onto which
+/// errors were drawn before, and the difference put on ([ET93] 18, as `selection_bias` has it).
 ///
 /// `times` are those of each series' samples. Of long windows fewer draws than `samples` are made,
 /// at least 100 where so many are asked for: their means hardly differ. The same `seed` gives the

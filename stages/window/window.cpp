@@ -29,7 +29,7 @@ class Certifier {
   public:
     Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
               const std::vector<Profile>& profiles, const WindowConfig& config,
-              const Beside& beside)
+              const WitnessRecords& beside)
         : screened_(screened),
           trajectory_(trajectory),
           horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
@@ -63,7 +63,7 @@ class Certifier {
     /// What was estimated of the witnesses of horizontal motion, and what they do not say.
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
-                                           const Beside& beside) const {
+                                           const WitnessRecords& beside) const {
         std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
         if (horizontal_.unexplained_m_s > 0.0)
             notes.push_back(fmt::format(
@@ -97,7 +97,7 @@ class Certifier {
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
-                              const std::optional<CourseGates>& gates) const {
+                              const std::optional<SurveyedCourse>& gates) const {
         if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
         WindowChoice choice{
@@ -114,7 +114,8 @@ class Certifier {
   private:
     /// The crossings by the smoothed track in place of those by straight lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
-                                     std::vector<FoundWindow> all, const CourseGates& gates) const {
+                                     std::vector<FoundWindow> all,
+                                     const SurveyedCourse& gates) const {
         const auto same = [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
         };
@@ -185,14 +186,14 @@ struct Candidates {
     const TrajectoryTable& trajectory;
     const std::vector<ArcRows>& rows;
     const Profile& profile;
-    const std::optional<CourseGates>& gates;
+    const std::optional<SurveyedCourse>& gates;
     WindowCriteria rule;
     std::vector<SampleSeries> series;
 };
 
 Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                          const std::vector<ArcRows>& rows, const Profile& profile,
-                         const WindowConfig& config, const std::optional<CourseGates>& gates) {
+                         const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
     return {.screened = screened,
             .trajectory = trajectory,
             .rows = rows,
@@ -203,7 +204,7 @@ Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& t
             .series = certifiable_series(screened, trajectory, rows, profile)};
 }
 
-/// Those over a course, the highest claims chosen.
+/// Those over a course, the highest assured speeds chosen.
 Choice choose_passages(const Candidates& among, const Allowance& allowance) {
     const auto wanted = static_cast<std::size_t>(among.profile.windows);
     Choice choice;
@@ -217,7 +218,7 @@ Choice choose_passages(const Candidates& among, const Allowance& allowance) {
     return choice;
 }
 
-/// The fastest windows; with an allowance, those of the highest claims.
+/// The fastest windows; with an allowance, those of the highest assured speeds.
 Choice choose(const Candidates& among, const Allowance& allowance = {}) {
     const Profile& profile = among.profile;
     Choice choice;
@@ -283,7 +284,7 @@ FurtherWindow beside(const CertifiableWindow& window) {
 /// Each of a choice, certified among those that do not overlap one chosen before it.
 std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, const Profile& profile,
                                                  Choice choice,
-                                                 const std::optional<CourseGates>& gates) {
+                                                 const std::optional<SurveyedCourse>& gates) {
     std::vector<CertifiableWindow> certified;
     for (const FoundWindow& found : choice.chosen) {
         certified.push_back(certifier.certify(profile, found, choice.all, gates));
@@ -323,15 +324,16 @@ double proven_m_s(const std::vector<CertifiableWindow>& windows, const Profile& 
     return sum / static_cast<double>(windows.size());
 }
 
-double mean_claim_m_s(const std::vector<FoundWindow>& windows, const Allowance& allowance) {
+double mean_assured_m_s(const std::vector<FoundWindow>& windows, const Allowance& allowance) {
     double sum = 0.0;
     for (const FoundWindow& window : windows)
         sum += window.speed_m_s - allowance(window);
     return sum / static_cast<double>(windows.size());
 }
 
-/// The windows of the highest claims, where they can be expected to prove more than the fastest by
-/// more than a tenth of what is stated with these: expectations are no closer. None otherwise.
+/// The windows of the highest assured speeds, where they can be expected to prove more than the
+/// fastest by more than a tenth of what is stated with these: expectations are no closer. None
+/// otherwise.
 Choice better_proof(const Candidates& among, const Choice& fastest,
                     const std::vector<CertifiableWindow>& certified, const Allowance& allowance) {
     constexpr double worth_it = 0.1;
@@ -341,7 +343,7 @@ Choice better_proof(const Candidates& among, const Choice& fastest,
     const double stated_m_s =
         certified.front().speed_m_s - proven_m_s({certified.front()}, among.profile);
     const double gained_m_s =
-        mean_claim_m_s(proof.chosen, allowance) - mean_claim_m_s(fastest.chosen, allowance);
+        mean_assured_m_s(proof.chosen, allowance) - mean_assured_m_s(fastest.chosen, allowance);
     return gained_m_s > worth_it * stated_m_s ? proof : Choice{};
 }
 
@@ -385,7 +387,7 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
 
 ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                           const Certifier& certifier, const Profile& profile,
-                          const WindowConfig& config, const std::optional<CourseGates>& gates) {
+                          const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
     ProfileWindows entry{.profile = profile.id,
                          .rule = rule_of(profile),
                          .candidates = 0,
@@ -447,14 +449,14 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
-                     const std::optional<Course>& course, const Beside& beside) {
+                     const std::optional<Course>& course, const WitnessRecords& beside) {
     Windows windows;
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
     const Certifier certifier(screened, trajectory, profiles, config, beside);
-    std::optional<CourseGates> gates;
-    if (course) gates = course_gates(*course, trajectory.origin);
+    std::optional<SurveyedCourse> gates;
+    if (course) gates = surveyed_course(*course, trajectory.origin);
     const auto one = [&](std::int64_t i) {
         const Profile& profile = profiles[static_cast<std::size_t>(i)];
         return result_or_failure([&] {

@@ -43,9 +43,10 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// these screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
-                     const std::optional<Course>& course = std::nullopt, const Beside& beside = {});
+                     const std::optional<Course>& course = std::nullopt,
+                     const WitnessRecords& beside = {});
 
-struct CourseGates;
+struct SurveyedCourse;
 
 /// The window of the recording as it is, offsets of bridged steps included, that shows most by its
 /// positions or its recorded velocities and what these state of themselves, certifiable or not,
@@ -53,6 +54,6 @@ struct CourseGates;
 /// steps are refused.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
-                                                 const std::optional<CourseGates>& gates);
+                                                 const std::optional<SurveyedCourse>& gates);
 
 }  // namespace runcert

@@ -47,7 +47,7 @@ Directions directions_of(const TrajectoryTable& trajectory) {
 
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                  const Beside& beside, double jerk_density) {
+                                  const WitnessRecords& beside, double jerk_density) {
     HeardWitnesses<Axes> witnesses;
     const Directions directions = directions_of(trajectory);
     std::vector<WitnessSource> sources;
@@ -95,7 +95,7 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     return witnesses;
 }
 
-std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses) {
+std::vector<std::string> unheard(const WitnessRecords& beside, const HeardWitnesses<2>& witnesses) {
     std::vector<std::string> sentences;
     for (const auto& [key, series] : beside.handed_in.series)
         if (!series.left_out.empty()) sentences.push_back(series.left_out);
@@ -255,7 +255,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     template std::string silence_text(const HeardWitness<AXES>&, const TrajectoryTable&,     \
                                       const std::string&);                                   \
     template HeardWitnesses<AXES> witnesses_of(const ScreenedTable&, const TrajectoryTable&, \
-                                               const Beside&, double);                       \
+                                               const WitnessRecords&, double);               \
     template double displacement_ratio(const WitnessedMotion<AXES>&,                         \
                                        const PositionFigures<AXES>&);                        \
     template std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<AXES>&,        \

@@ -24,7 +24,7 @@ struct OtherReceiver {
 };
 
 /// What was recorded beside a receiver's positions and their velocities.
-struct Beside {
+struct WitnessRecords {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};  ///< their first epoch
     std::vector<OtherReceiver> receivers = {};
@@ -32,7 +32,7 @@ struct Beside {
 };
 
 /// What of a series was left out, and what was handed in and became no witness, a sentence each.
-std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses);
+std::vector<std::string> unheard(const WitnessRecords& beside, const HeardWitnesses<2>& witnesses);
 
 /// Why a witness says nothing of a window, from the trajectory's first instant to its last.
 template <int Axes>
@@ -43,7 +43,7 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
 /// their errors; the carrier phases; what was handed in; the other receivers.
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                  const Beside& beside, double jerk_density);
+                                  const WitnessRecords& beside, double jerk_density);
 
 /// Why a witness that agrees with a window confirms nothing of it; empty where it does.
 std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,

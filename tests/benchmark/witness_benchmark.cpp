@@ -18,7 +18,7 @@ enum Heard { alone, velocities, phases, second_receiver, wheel };
 
 struct WitnessedRun {
     EnuTable table;
-    Beside beside;
+    WitnessRecords beside;
     std::optional<PhaseWitness<2>> phases;
     ScreenedTable second_screened;
     std::optional<TrajectoryTable> second;

@@ -156,7 +156,7 @@ EnuTable second_receiver(const SimulatedRecording& recording, const StudyNoise& 
 
 /// Smoothing and window search.
 void certify(const ScreenedTable& screened, const SimulatedRecording& recording,
-             const Profile& profile, const Beside& beside, CertifiedRun& run) {
+             const Profile& profile, const WitnessRecords& beside, CertifiedRun& run) {
     const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(study_attempt()));
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     // The draws check the budget, which does not rest on them.
@@ -245,7 +245,7 @@ CertifiedRun certify_run(std::uint64_t seed, const StudyWitness& witness) {
     EnuTable measured = to_be_screened(with_errors(recording, run.errors));
     if (witness.velocity_noise_m_s)
         record_velocities(recording, run.errors, *witness.velocity_noise_m_s, random, measured);
-    Beside beside;
+    WitnessRecords beside;
     std::optional<PhaseWitness<2>> phases;
     if (witness.phases || witness.receiver) measured.facts.first_epoch = study_start();
     if (witness.phases) {

@@ -175,7 +175,7 @@ HandedIn& hand_in(const std::string& key, const std::vector<TimedValue>& values,
 WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     std::vector<EnuTable> tables{positions_};
-    Beside beside;
+    WitnessRecords beside;
     std::optional<PhaseWitness<2>> phase_motion;
     const ScreenConfig screening = study_screen_config();
     if (heard == StudyHeard::fine_velocities) record_velocities(0.05, tables.front());

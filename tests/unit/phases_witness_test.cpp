@@ -338,7 +338,7 @@ CertifiableWindow best_of(const RawRun& run, const EnuTable& table, bool beside_
         smooth_trajectory(screened, smooth_config(default_attempt()));
     WindowConfig config = window_config(default_attempt(), default_attempt().receivers.front());
     config.monte_carlo_trials_max = 100'000;
-    Beside beside;
+    WitnessRecords beside;
     if (beside_phases) {
         beside.phases = run.screened.phases;
         beside.first_of_phases = run.screened.head.first_epoch;

@@ -12,7 +12,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A line across a course that goes north, 100 m wide, this far north.
-Gate line_at(double north_m) {
+SurveyedLine line_at(double north_m) {
     return {{-50.0, north_m}, {50.0, north_m}};
 }
 
@@ -124,7 +124,7 @@ TEST(Crossings, AreThoseOfEverySegmentOfRandomTracks) {
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
         RandomGenerator random(seed);
         const auto point = [&] { return Eigen::Vector2d(random.normal(), random.normal()); };
-        const Gate gate{point(), point()};
+        const SurveyedLine gate{point(), point()};
         SampleSeries series;
         for (std::int64_t k = 0; k < 100; ++k) {
             series.times.push_back({k * 1'000'000'000});

@@ -12,14 +12,14 @@ namespace {
 
 /// Ten seconds at top speed, and the robust batch beside the screened solution: the same, but that
 /// the window's end is so much further along the track.
-struct Beside {
+struct WitnessRecords {
     ScreenedTable screened = test::recorded({.from_s = 30.0, .to_s = 40.0});
     EstimationModel model;
     TrajectoryTable trajectory;
     ArcPart<2> part;
     SmoothedArc<2> smoothed;
 
-    explicit Beside(double further_m) {
+    explicit WitnessRecords(double further_m) {
         model.motion.jerk_density = 0.6;
         trajectory = test::smoothed_with(screened, test::summary_of(model));
         part.arc = arcs_of<2>(screened).front();
@@ -42,21 +42,21 @@ struct Beside {
 };
 
 TEST(RobustSpeed, AgreesWithinTwiceTheUncertaintyAndWhatOtherModelsChange) {
-    const double u = Beside(0.0).uncertainty();
+    const double u = WitnessRecords(0.0).uncertainty();
     ASSERT_GT(u, 1e-4);
     for (const double model_m_s : {0.0, 0.02}) {
         const double limit_m_s = 2.0 * (u + model_m_s);
-        const RobustSpeed inside = Beside(2.99 * limit_m_s).with(model_m_s);
+        const RobustSpeed inside = WitnessRecords(2.99 * limit_m_s).with(model_m_s);
         EXPECT_NEAR(inside.limit_m_s, limit_m_s, 1e-9);
         EXPECT_NEAR(inside.difference_m_s, 2.99 / 3.0 * limit_m_s, 1e-6);
         EXPECT_TRUE(inside.agrees);
-        EXPECT_FALSE(Beside(3.01 * limit_m_s).with(model_m_s).agrees);
-        EXPECT_FALSE(Beside(-3.01 * limit_m_s).with(model_m_s).agrees);
+        EXPECT_FALSE(WitnessRecords(3.01 * limit_m_s).with(model_m_s).agrees);
+        EXPECT_FALSE(WitnessRecords(-3.01 * limit_m_s).with(model_m_s).agrees);
     }
 }
 
 TEST(RobustSpeed, OfATrajectoryWithoutItThereIsNone) {
-    Beside beside(0.0);
+    WitnessRecords beside(0.0);
     beside.trajectory.rows[60].robust_east_m.reset();
     EXPECT_FALSE(robust_speed(beside.trajectory, beside.part, beside.smoothed, 0.0));
 }

@@ -4,8 +4,8 @@
 
 #include "core/random.h"
 #include "witness/kinds/gates.h"
-#include "witness/recorded_velocities.h"
 #include "witness/kinds/wheel.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -176,7 +176,7 @@ TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
     const double speed = std::hypot(speed_at(20.0), speed_at(23.0));
     EXPECT_NEAR(std::sqrt(along.dot(moved->covariance_m2 * along)),
                 std::hypot(0.01, 0.0005 * speed), 1e-5);
-    // Beside the gates: the speed there takes it further.
+    // WitnessRecords the gates: the speed there takes it further.
     const auto beside = found->between(20.1, 23.2);
     ASSERT_TRUE(beside);
     EXPECT_NEAR(beside->displacement_m.norm(), way(23.2) - way(20.1), 0.1);

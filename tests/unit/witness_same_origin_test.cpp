@@ -55,7 +55,7 @@ TEST(SameOrigin, ACopyHasTheErrorsOfTheFirst) {
     const auto moved = [&](auto change) {
         return share_errors(first, changed(first, change), 0.0);
     };
-    // Beside it, turned about a little, with another antenna's sway, rounded.
+    // WitnessRecords it, turned about a little, with another antenna's sway, rounded.
     EXPECT_TRUE(moved([](const auto& row) -> Eigen::Vector2d {
         return row.position_m + Eigen::Vector2d(0.4, -0.7);
     }));

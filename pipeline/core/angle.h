@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <compare>
 #include <numbers>
 
@@ -7,6 +8,14 @@ namespace runcert {
 
 /// One radian in degrees, 180 / pi.
 inline constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
+inline constexpr double radians_per_degree = std::numbers::pi / 180.0;
+
+/// The azimuth of a direction in the plane, in degrees clockwise from north, 0 to below 360. Of no
+/// direction at all: 0.
+inline double azimuth_deg(double east, double north) {
+    const double degrees = std::atan2(east, north) * degrees_per_radian;
+    return degrees < 0.0 ? degrees + 360.0 : degrees;
+}
 
 /// A plane angle. Made only through a function that names the unit, so that degrees and radians
 /// cannot be mixed up.
@@ -19,7 +28,7 @@ class Angle {
     constexpr Angle() = default;
 
     /// The angle of so many radians. No range is checked and nothing is reduced to one turn.
-    static constexpr Angle from_radians(double radians) { return Angle(radians * (180.0 / pi)); }
+    static constexpr Angle from_radians(double radians) { return Angle(radians * degrees_per_radian); }
 
     /// The angle of so many degrees, kept as they are.
     static constexpr Angle from_degrees(double degrees) { return Angle(degrees); }
@@ -33,7 +42,7 @@ class Angle {
     }
 
     /// The angle in radians, not reduced to one turn.
-    constexpr double radians() const { return degrees_ * (pi / 180.0); }
+    constexpr double radians() const { return degrees_ * radians_per_degree; }
     /// The angle in degrees, as it is kept.
     constexpr double degrees() const { return degrees_; }
 
@@ -41,8 +50,6 @@ class Angle {
     friend constexpr auto operator<=>(Angle, Angle) = default;
 
   private:
-    static constexpr double pi = std::numbers::pi;
-
     explicit constexpr Angle(double degrees) : degrees_(degrees) {}
 
     double degrees_ = 0.0;

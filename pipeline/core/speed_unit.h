@@ -4,7 +4,15 @@
 
 namespace runcert {
 
-/// Metres per second in one of "km/h", "m/s", "kn", "mph" (exact: knot 1852 m/h, mile 1609.344 m).
+/// Units of speed in m/s, exact: a nautical mile is 1852 m, a statute mile 1609.344 m.
+inline constexpr double km_h_in_m_s = 1000.0 / 3600.0;
+inline constexpr double knot_in_m_s = 1852.0 / 3600.0;
+inline constexpr double mph_in_m_s = 1609.344 / 3600.0;
+
+/// What a speed in m/s is multiplied by to be in km/h.
+inline constexpr double km_h_per_m_s = 3.6;
+
+/// Metres per second in one of "km/h", "m/s", "kn", "mph".
 /// Failure for any other text.
 double metres_per_second(std::string_view unit);
 

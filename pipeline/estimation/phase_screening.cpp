@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <utility>
 
+#include "core/angle.h"
 #include "core/statistics.h"
 #include "estimation/phase_displacement.h"
 #include "estimation/phase_judgement.h"
@@ -44,8 +44,6 @@ struct Track {
     int wide_lane_count = 0;
 };
 
-constexpr double degree = std::numbers::pi / 180.0;
-
 class Screen {
   public:
     Screen(const PhaseRecord& record, const PhaseScreeningConfig& config)
@@ -53,7 +51,7 @@ class Screen {
           config_(config),
           pairs_(record, result_.findings),
           bounds_(config.significance),
-          least_sine_(std::sin(config.mask_deg * degree)),
+          least_sine_(std::sin(config.mask_deg * radians_per_degree)),
           tracks_(satellite_slots) {
         result_.findings.resize(record.signals.size());
     }
@@ -289,7 +287,7 @@ double wavelength_m(Satellite satellite, SignalCode code) {
 }
 
 std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg) {
-    const double least_sine = std::sin(mask_deg * degree);
+    const double least_sine = std::sin(mask_deg * radians_per_degree);
     std::vector<double> clocks_m(record.epochs.size(), not_known);
     std::vector<double> left_m;
     for (std::size_t i = 0; i < record.epochs.size(); ++i) {

@@ -13,13 +13,11 @@
 
 #include "core/decimal.h"
 #include "core/failure.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 
 namespace runcert {
 namespace {
-
-constexpr double kn = 1852.0 / 3600.0;
-constexpr double km_h = 1.0 / 3.6;
 
 /// A column that gives a quantity, and its unit in that of the sample.
 struct UnitColumn {
@@ -47,7 +45,7 @@ const std::vector<Quantity>& known_quantities() {
     static const std::vector<Quantity> all{
         {.word = "speed",
          .meaning = "speed",
-         .columns = {{"speed_m_s"}, {"speed_kn", kn}, {"speed_km_h", km_h}},
+         .columns = {{"speed_m_s"}, {"speed_kn", knot_in_m_s}, {"speed_km_h", km_h_in_m_s}},
          .member = &SeriesSample::value,
          .least = 0.0,
          .most = 150.0,
@@ -73,8 +71,8 @@ const std::vector<Quantity>& known_quantities() {
         {.word = "uncertainty",
          .meaning = "uncertainty",
          .columns = {{"expanded_uncertainty_m_s"},
-                     {"expanded_uncertainty_kn", kn},
-                     {"expanded_uncertainty_km_h", km_h}},
+                     {"expanded_uncertainty_kn", knot_in_m_s},
+                     {"expanded_uncertainty_km_h", km_h_in_m_s}},
          .member = &SeriesSample::expanded_uncertainty_m_s,
          .least = 0.005,
          .most = 50.0,

@@ -2,10 +2,11 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <utility>
+
+#include "core/angle.h"
 
 namespace runcert {
 namespace {
@@ -48,7 +49,7 @@ std::vector<Moment> moments_of(std::span<const TrajectoryEpoch> rows) {
 
 double angle_between_deg(const Vector2d& a, const Vector2d& b) {
     const double cross = a.x() * b.y() - a.y() * b.x();
-    return std::abs(std::atan2(cross, a.dot(b))) * 180.0 / std::numbers::pi;
+    return std::abs(std::atan2(cross, a.dot(b))) * degrees_per_radian;
 }
 
 /// Goes through the moments once, but for those of each turn, which are part of two runs.

@@ -1,10 +1,9 @@
-#include "stages/window/best_window_sums.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <numbers>
 
+#include "core/angle.h"
+#include "stages/window/best_window_sums.h"
 #include "witness/certifiable.h"
 
 namespace runcert {
@@ -133,7 +132,7 @@ WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
     const std::vector<double>& path = series.path_m;
     const auto& positions = series.samples->positions;
     const std::vector<Eigen::Vector3d> directions = directions_along(series);
-    const double cosine = std::cos(rule.turn_deg * std::numbers::pi / 180.0);
+    const double cosine = std::cos(rule.turn_deg * radians_per_degree);
     const auto turned = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
         return !from.isZero(0.0) && !to.isZero(0.0) && from.dot(to) <= cosine;
     };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angle.h"
 #include "core/geodesy.h"
 #include "reports/words/screening.h"
 #include "stages/window/reliability.h"
@@ -232,7 +233,7 @@ BudgetRow antenna_row(const BudgetInput& input) {
     std::string note = arm ? "no bound on the craft's rotation stated: the speed is the antenna's"
                            : "no lever arm stated: the speed is the antenna's";
     if (arm && rotation) {
-        moved_m = 2.0 * arm->norm() * std::sin(0.5 * *rotation * std::numbers::pi / 180.0);
+        moved_m = 2.0 * arm->norm() * std::sin(0.5 * *rotation * radians_per_degree);
         note = fmt::format(
             "lever arm {:.3f} m, rotation of at most {:g} degrees between the window's ends",
             arm->norm(), *rotation);

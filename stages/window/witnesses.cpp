@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angle.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
@@ -21,12 +22,6 @@ namespace {
 
 /// Displacements differ so by chance once in a thousand.
 constexpr double by_chance = 1e-3;
-
-/// Clockwise from north, 0 to 360.
-double azimuth_deg(const Eigen::Vector2d& towards) {
-    const double degrees = std::atan2(towards.x(), towards.y()) * 180.0 / std::numbers::pi;
-    return degrees < 0.0 ? degrees + 360.0 : degrees;
-}
 
 }  // namespace
 
@@ -223,7 +218,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         std::max(figure.normalised_error(), displacement_ratio(*moved, positions));
     const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
     witnessed.apart_m = apart.norm();
-    if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart);
+    if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart.x(), apart.y());
     if (witness.phases) {
         const PhaseInterruptions within =
             witness.phases->interruptions(positions.start_s, positions.end_s);

@@ -9,6 +9,7 @@
 
 #include "core/statistics.h"
 #include "core/uncertainty.h"
+#include "stages/window/velocity_noise.h"
 
 namespace runcert {
 namespace {
@@ -81,18 +82,15 @@ OptionalReal recorded_along(const ScreenedEpoch& row, TestedAxes axes) {
 /// What the white noise of recorded velocities, as their third differences have it, adds to the
 /// variance of a displacement in a second (m^2/s).
 double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
-    constexpr double of_third_differences = 20.0;
-    std::vector<double> squares;
+    std::vector<double> third;
     const auto& rows = screened.rows;
     for (std::size_t i = 3; i < rows.size(); ++i) {
         const auto a = recorded_along(rows[i - 3], axes), b = recorded_along(rows[i - 2], axes),
                    c = recorded_along(rows[i - 1], axes), d = recorded_along(rows[i], axes);
-        if (a && b && c && d) squares.push_back(std::pow(*d - 3.0 * *c + 3.0 * *b - *a, 2));
+        if (a && b && c && d) third.push_back(std::abs(*d - 3.0 * *c + 3.0 * *b - *a));
     }
-    if (squares.empty()) return 0.0;
-    const double of_median = std::pow(normal_quantile(0.75), 2);
-    return median(std::move(squares)) / of_median / of_third_differences *
-           screened.facts.nominal_interval_s;
+    if (third.empty()) return 0.0;
+    return std::pow(robust_sd(std::move(third), 20.0), 2) * screened.facts.nominal_interval_s;
 }
 
 /// The variance (m^2) of a displacement between positions at twice what is stated at both ends:

@@ -8,7 +8,7 @@
 namespace runcert {
 
 template <int Axes>
-WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s) {
+EpochPair reach_around(const Arc<Axes>& arc, EpochPair window, double margin_s) {
     const auto& epochs = arc.epochs;
     const double from_s = epochs[window.first].time_s - margin_s;
     const double to_s = epochs[window.last].time_s + margin_s;
@@ -20,6 +20,13 @@ WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double m
     std::size_t last = window.last;
     while (last + 1 < epochs.size() && epochs[last + 1].time_s <= to_s)
         ++last;
+    return {first, last};
+}
+
+template <int Axes>
+WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s) {
+    const auto& epochs = arc.epochs;
+    const auto [first, last] = reach_around(arc, window, margin_s);
     WindowStretch<Axes> stretch;
     stretch.epochs.assign(epochs.begin() + static_cast<std::ptrdiff_t>(first),
                           epochs.begin() + static_cast<std::ptrdiff_t>(last) + 1);
@@ -128,6 +135,7 @@ SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPai
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                 \
+    template EpochPair reach_around<AXES>(const Arc<AXES>&, EpochPair, double);                   \
     template WindowStretch<AXES> cut_stretch<AXES>(const Arc<AXES>&, EpochPair, double);          \
     template SpeedEstimate speed_by_definition<AXES>(const SmoothedArc<AXES>&, EpochPair, double, \
                                                      const SpeedQuantity&);                       \

@@ -20,7 +20,11 @@ struct WindowStretch {
     std::size_t first = 0;  ///< index of the arc's epoch that the stretch begins with
 };
 
-/// The window with up to `margin_s` of its arc before and after; it begins with a measured epoch.
+/// The first and the last epoch of the arc within `margin_s` of a window; the first one measured.
+template <int Axes>
+EpochPair reach_around(const Arc<Axes>& arc, EpochPair window, double margin_s);
+
+/// The window with that much of its arc before and after.
 template <int Axes>
 WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s);
 

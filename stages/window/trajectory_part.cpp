@@ -74,25 +74,16 @@ template CheckedPart<2> checked_estimate<2>(const AxesEstimate<2>&, const FoundW
 template <int Axes>
 ArcPart<Axes> part_around(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
                           EpochPair window, double margin_s) {
-    const auto& epochs = arc.epochs;
-    const double from_s = epochs[window.first].time_s - margin_s;
-    const double to_s = epochs[window.last].time_s + margin_s;
-    std::size_t first = window.first;
-    while (first > 0 && epochs[first - 1].time_s >= from_s)
-        --first;
-    while (!epochs[first].measurement)
-        ++first;
-    std::size_t end = window.last + 1;
-    while (end < epochs.size() && epochs[end].time_s <= to_s)
-        ++end;
+    const EpochPair reach = reach_around(arc, window, margin_s);
+    const std::size_t first = reach.first, end = reach.last + 1;
     const auto cut = [&](const auto& all) {
         return std::remove_cvref_t<decltype(all)>(all.begin() + static_cast<std::ptrdiff_t>(first),
                                                   all.begin() + static_cast<std::ptrdiff_t>(end));
     };
-    return {.arc = {.number = arc.number, .rows = cut(arc.rows), .epochs = cut(epochs)},
+    return {.arc = {.number = arc.number, .rows = cut(arc.rows), .epochs = cut(arc.epochs)},
             .times = cut(times),
             .window = {window.first - first, window.last - first},
-            .whole = first == 0 && end == epochs.size()};
+            .whole = first == 0 && end == arc.epochs.size()};
 }
 
 template ArcPart<1> part_around<1>(const Arc<1>&, const std::vector<ElapsedTime>&, EpochPair,

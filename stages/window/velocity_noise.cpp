@@ -40,11 +40,6 @@ SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, do
     return differences;
 }
 
-/// Of a white noise whose differences have so many times its variance.
-double robust_sd(std::vector<double> absolute, double gain) {
-    return median(std::move(absolute)) / (normal_quantile(0.75) * std::sqrt(gain));
-}
-
 /// The mean recorded speed of a span, and by how much the smoothed path makes less.
 struct SpanOfSpeeds {
     double mean_m_s = 0.0;
@@ -91,6 +86,10 @@ SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
 }
 
 }  // namespace
+
+double robust_sd(std::vector<double> absolute, double gain) {
+    return median(std::move(absolute)) / (normal_quantile(0.75) * std::sqrt(gain));
+}
 
 std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
                                            const TrajectoryTable& trajectory,

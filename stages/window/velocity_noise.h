@@ -105,4 +105,8 @@ struct SpeedErrors {
 SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& stated,
                          double duration_s, double samples);
 
+/// The standard deviation of a white noise from the lengths of its differences, which have `gain`
+/// times its variance (2 of first differences, 20 of third ones), by their median: robust.
+double robust_sd(std::vector<double> absolute, double gain);
+
 }  // namespace runcert

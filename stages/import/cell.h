@@ -51,14 +51,6 @@ double read_deviation(const Cell& cell, std::string_view meaning);
 /// is 3: that many more digits are decimals.
 std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning, int shift = 0);
 
-/// An empty cell is nothing; any other is read.
-template <class Value, class... More>
-auto unless_empty(const Cell& cell, Value (*read)(const Cell&, std::string_view, More...),
-                  std::string_view meaning, More... more) -> std::optional<Value> {
-    if (cell.text.empty()) return std::nullopt;
-    return read(cell, meaning, more...);
-}
-
 /// The fix type of RTKLIB's number Q, 0 to 7, which may be printed as "1.0000000".
 /// Failure at the cell for any other text.
 FixType read_rtklib_quality(const Cell& cell);

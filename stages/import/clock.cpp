@@ -8,7 +8,6 @@
 #include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/cell.h"
 
 namespace runcert {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "core/text.h"
 #include "stages/import/row_collector.h"
 
 namespace runcert {

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/csv/csv.h"
 #include "stages/import/format.h"
-#include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
 
 namespace runcert {

@@ -1,9 +1,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 
 #include "core/geodesy.h"
-#include "core/statistics.h"
 #include "stages/import/inspect.h"
 #include "stages/import/row_collector.h"
 #include "witness/velocity_delay.h"

@@ -191,39 +191,34 @@ void give_rows(const Held& held, const TakePhaseRow& take) {
     // Of what comes before the first solution, too, the elevations are wanted.
     for (std::size_t i = 0; i < held.epochs.size() && !sky.has_place(); ++i)
         sky.locate(held.epochs[i]);
-    PhaseRow row;
+    std::int64_t number = 0;
     for (const HeldEpoch& epoch : held.epochs) {
-        ++row.epoch;
-        row.time.nanoseconds = epoch.time.nanoseconds() - held.epochs.front().time.nanoseconds();
+        ++number;
         sky.locate(epoch);
         each_satellite(held.of(epoch), [&](std::span<const SignalMeasurement> signals) {
             const Sky::Seen seen = sky.see(signals, epoch.time);
-            row.satellite = signals.front().satellite;
-            row.satellite_x_m.reset();
-            row.satellite_y_m.reset();
-            row.satellite_z_m.reset();
-            row.satellite_clock_m.reset();
-            row.issue.reset();
-            row.elevation_deg.reset();
+            PhaseRow of_satellite;
+            of_satellite.epoch = number;
+            of_satellite.time.nanoseconds =
+                epoch.time.nanoseconds() - held.epochs.front().time.nanoseconds();
+            of_satellite.satellite = signals.front().satellite;
             if (seen.state) {
-                row.satellite_x_m = seen.state->position_m.x();
-                row.satellite_y_m = seen.state->position_m.y();
-                row.satellite_z_m = seen.state->position_m.z();
-                row.satellite_clock_m = seen.state->clock_s * speed_of_light_m_s;
-                row.issue = static_cast<std::int16_t>(seen.ephemeris->issue);
-                row.elevation_deg = sky.elevation_deg(*seen.state);
+                of_satellite.satellite_x_m = seen.state->position_m.x();
+                of_satellite.satellite_y_m = seen.state->position_m.y();
+                of_satellite.satellite_z_m = seen.state->position_m.z();
+                of_satellite.satellite_clock_m = seen.state->clock_s * speed_of_light_m_s;
+                of_satellite.issue = static_cast<std::int16_t>(seen.ephemeris->issue);
+                of_satellite.elevation_deg = sky.elevation_deg(*seen.state);
             }
             for (const SignalMeasurement& signal : signals) {
+                PhaseRow row = of_satellite;
                 row.signal = signal.signal;
                 row.phase_cycles = signal.phase_cycles;
                 row.pseudorange_m = signal.pseudorange_m;
                 row.doppler_hz = signal.doppler_hz;
                 row.strength_db_hz = signal.strength_db_hz;
                 row.lock_time_s = signal.lock_time_s;
-                row.mark.reset();
                 if (signal.loss_of_lock || signal.half_cycle) row.mark = mark_of(signal);
-                row.source_line.reset();
-                row.source_byte.reset();
                 if (held.has_lines)
                     row.source_line = signal.line;
                 else

@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <utility>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
@@ -38,11 +35,11 @@ void note_leap_seconds(Observations& observations, GpsTime last) {
             "program: its GPS time may be off by a whole second or more.");
 }
 
-}  // namespace
-
 bool has_horizontal_accuracy(const Observation& row) {
     return row.sigma_east_m && row.sigma_north_m;
 }
+
+}  // namespace
 
 bool has_position(const Observation& row) {
     return row.latitude_deg || row.plane_east_m;

@@ -59,8 +59,6 @@ class RowSummary {
     GpsTime before_;
 };
 
-bool has_horizontal_accuracy(const Observation& row);
-
 bool has_position(const Observation& row);
 
 /// Whether the horizontal components of the recorded velocity are there.

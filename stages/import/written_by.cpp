@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "core/text.h"
 #include "stages/import/import.h"
@@ -10,113 +9,33 @@
 namespace runcert {
 namespace {
 
-/// A word by which a file says who wrote it, in small letters, a blank standing for any run of what
-/// parts words; the letters before its first blank are looked for first.
-struct Mark {
-    std::string_view text;
-    bool of_simulator = false;
-};
+// Words by which a file says who wrote it, in small letters, a blank standing for any run of what
+// parts words; the letters before a word's first blank are looked for first.
 
-constexpr Mark marks[] = {
-    // Simulated: English and what has its stem; Russian without the first letter, which may be a
-    // large one (UTF-8, Windows-1251); Greek, Japanese, Chinese, Korean, Arabic.
-    {"simul", true},
-    {"emulat", true},
-    {"synthetic", true},
-    {"mocklocation", true},
-    {"mock location", true},
-    {"fakegps", true},
-    {"fake gps", true},
-    {"имул", true},
-    {"ИМУЛ", true},
-    {"митац", true},
-    {"МИТАЦ", true},
-    {"\xe8\xec\xf3\xeb\xff", true},
-    {"\xc8\xcc\xd3\xcb\xdf", true},
-    {"ροσομο", true},
-    {"シミュ", true},
-    {"模拟", true},
-    {"模擬", true},
-    {"仿真", true},
-    {"시뮬", true},
-    {"محاكا", true},
-    // Simulators and generators.
-    {"nmeagen", true},
-    {"nmea-gen", true},
-    {"nmea generator", true},
-    {"track generator", true},
-    {"gps-sdr-sim", true},
-    {"skydel", true},
-    {"spirent", true},
-    {"labsat", true},
-    {"x-plane", true},
-    {"flightgear", true},
-    {"prepar3d", true},
-    {"assetto corsa", true},
-    {"iracing", true},
-    {"rfactor", true},
-    {"lconfpl", true},  // Condor, in L records of IGC
+constexpr std::string_view marks_of_simulators[] = {
+    // English and what has its stem; Russian without the first letter, which may be a large one
+    // (UTF-8, Windows-1251); Greek, Japanese, Chinese, Korean, Arabic.
+    "simul", "emulat", "synthetic", "mocklocation", "mock location", "fakegps", "fake gps", "имул",
+    "ИМУЛ", "митац", "МИТАЦ", "\xe8\xec\xf3\xeb\xff", "\xc8\xcc\xd3\xcb\xdf", "ροσομο", "シミュ",
+    "模拟", "模擬", "仿真", "시뮬", "محاكا",
+    // Simulators and generators; lconfpl is Condor, in L records of IGC.
+    "nmeagen", "nmea-gen", "nmea generator", "track generator", "gps-sdr-sim", "skydel", "spirent",
+    "labsat", "x-plane", "flightgear", "prepar3d", "assetto corsa", "iracing", "rfactor",
+    "lconfpl"};
+
+constexpr std::string_view marks_of_programs[] = {
     // Converters, editors, and programs that solve.
-    {"gpsbabel"},
-    {"gpsprune"},
-    {"google earth"},
-    {"basecamp"},
-    {"mapsource"},
-    {"gpsvisualizer"},
-    {"gps visualizer"},
-    {"gpx editor"},
-    {"gpx.studio"},
-    {"gpxsee"},
-    {"qmapshack"},
-    {"routeconverter"},
-    {"rtklib"},
-    {"rtkpost"},
-    {"rtkconv"},
-    {"rnx2rtkp"},
-    {"convbin"},
-    {"gfzrnx"},
-    {"exiftool"},
-    {"libreoffice"},
-    {"openoffice"},
-    {"matlab"},
-    {"creator"},
-    {"created by"},
-    {"created with"},
-    {"created using"},
-    {"created in"},
-    {"written by"},
-    {"written with"},
-    {"made by"},
-    {"made with"},
-    {"produced by"},
-    {"produced with"},
-    {"modified by"},
-    {"modified with"},
-    {"generated"},
-    {"generator"},
-    {"converted"},
-    {"converter"},
-    {"exported"},
-    {"edited"},
-    {"resampled"},
-    {"program "},
-    {"software "},
-    {"pgm / run by"},
-    {"generiert"},
-    {"konvertiert"},
-    {"exportiert"},
-    {"bearbeitet"},
-    {"erstellt mit"},
-    {"erzeugt mit"},
-    {"converti "},
-    {"convertido"},
-    {"exportado"},
-    {"exporté"},
-    {"generado"},
-    {"généré"},
-    {"créé par"},
-    {"créé avec"},
-};
+    "gpsbabel", "gpsprune", "google earth", "basecamp", "mapsource", "gpsvisualizer",
+    "gps visualizer", "gpx editor", "gpx.studio", "gpxsee", "qmapshack", "routeconverter", "rtklib",
+    "rtkpost", "rtkconv", "rnx2rtkp", "convbin", "gfzrnx", "exiftool", "libreoffice", "openoffice",
+    "matlab",
+    // What programs say of themselves.
+    "creator", "created by", "created with", "created using", "created in", "written by",
+    "written with", "made by", "made with", "produced by", "produced with", "modified by",
+    "modified with", "generated", "generator", "converted", "converter", "exported", "edited",
+    "resampled", "program ", "software ", "pgm / run by", "generiert", "konvertiert", "exportiert",
+    "bearbeitet", "erstellt mit", "erzeugt mit", "converti ", "convertido", "exportado", "exporté",
+    "generado", "généré", "créé par", "créé avec"};
 
 constexpr std::size_t shortest_run = 4;
 constexpr std::size_t lines_at_most = 8;
@@ -217,21 +136,30 @@ class Finder {
 
     void look(std::size_t start, std::size_t end) {
         const std::string run = lower_case(bytes_.substr(start, end - start));
-        for (const Mark& mark : marks) {
-            const std::string_view stem = mark.text.substr(0, mark.text.find(' '));
-            if (stem.size() > run.size()) continue;
-            const std::size_t found = run.find(stem);
-            if (found == std::string::npos) continue;
-            const std::size_t from = start + found;
-            const std::size_t to = end_of_mark(bytes_, from, mark.text);
-            if (to == std::string_view::npos) continue;
-            const bool simulator =
-                mark.of_simulator && !is_denied(bytes_.substr(0, from), bytes_.substr(to, 32));
-            if (mark.of_simulator && !simulator) continue;
-            simulated |= simulator;
-            if (from >= shown_to_) see(around(from, to), simulator);
-            return;
-        }
+        for (const std::string_view mark : marks_of_simulators)
+            if (const auto at = find_mark(start, run, mark);
+                at && !is_denied(bytes_.substr(0, at->first), bytes_.substr(at->second, 32))) {
+                simulated = true;
+                return show(*at, true);
+            }
+        for (const std::string_view mark : marks_of_programs)
+            if (const auto at = find_mark(start, run, mark)) return show(*at, false);
+    }
+
+    using Place = std::pair<std::size_t, std::size_t>;
+
+    /// Where a mark begins and ends in the run of letters from `start` on.
+    std::optional<Place> find_mark(std::size_t start, std::string_view run,
+                                   std::string_view mark) const {
+        const std::size_t found = run.find(mark.substr(0, mark.find(' ')));
+        if (found == std::string_view::npos) return std::nullopt;
+        const std::size_t to = end_of_mark(bytes_, start + found, mark);
+        if (to == std::string_view::npos) return std::nullopt;
+        return Place(start + found, to);
+    }
+
+    void show(const Place& at, bool of_simulator) {
+        if (at.first >= shown_to_) see(around(at.first, at.second), of_simulator);
     }
 
     /// The line, shortened: of binary files what of it is text.

@@ -4,12 +4,9 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/csv/head.h"
-#include "stages/import/csv/layout.h"
 #include "stages/import/format.h"
-#include "stages/import/row_collector.h"
 
 namespace runcert::csv {
 namespace {

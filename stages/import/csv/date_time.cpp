@@ -8,12 +8,10 @@
 #include <cstdlib>
 #include <set>
 #include <string>
-#include <vector>
 
 #include "core/decimal.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/clock.h"
 #include "stages/import/csv/layout.h"
 
 namespace runcert::csv {

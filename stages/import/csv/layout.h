@@ -29,10 +29,6 @@ struct Unit {
 /// By any of its spellings, in any case; nothing for a text that is none.
 std::optional<Unit> find_unit(std::string_view text);
 
-/// What a header's name says of its unit: "Speed (km/h)", "Altitude [m]", or a name that is a unit
-/// itself ("KPH").
-std::optional<Unit> unit_in_name(std::string_view name);
-
 /// The name without a unit in brackets at its end: "Speed" of "Speed (km/h)".
 std::string_view without_unit(std::string_view name);
 

@@ -1,9 +1,5 @@
 #include <fmt/format.h>
 
-#include <optional>
-#include <vector>
-
-#include "core/failure.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
 #include "stages/import/fit/decode.h"
@@ -27,7 +23,7 @@ struct Fields {
     std::uint8_t latitude, longitude;
     std::uint8_t height, coarse_height;  ///< both (value / 5 - 500) m
     std::uint8_t speed, coarse_speed;    ///< both mm/s
-    std::optional<std::uint8_t> milliseconds, heading, velocity;
+    std::optional<std::uint8_t> milliseconds = {}, heading = {}, velocity = {};
 };
 
 constexpr Fields record_fields{.latitude = 0,
@@ -35,10 +31,7 @@ constexpr Fields record_fields{.latitude = 0,
                                .height = 78,
                                .coarse_height = 2,
                                .speed = 73,
-                               .coarse_speed = 6,
-                               .milliseconds = {},
-                               .heading = {},
-                               .velocity = {}};
+                               .coarse_speed = 6};
 constexpr Fields metadata_fields{.latitude = 1,
                                  .longitude = 2,
                                  .height = 3,

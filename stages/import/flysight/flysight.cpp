@@ -2,13 +2,10 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
-#include "stages/import/cell.h"
-#include "stages/import/cell.h"
 #include "stages/import/format.h"
 
 /// FlySight 1 and 2 track files (CSV). Layouts: "File format" of the FlySight wiki for the first,
@@ -48,9 +45,11 @@ constexpr std::array<std::string_view, column_count> column_units{
 constexpr double saturated = 4'294'967.0;
 constexpr const char* as_written = "Take the recording as the FlySight wrote it";
 
-/// How loggers that write FlySight's columns (Deep and Steep Insight) label a speed's accuracy.
-bool is_speed_in_metres(std::size_t column, std::string_view unit) {
-    return static_cast<Column>(column) == Column::speed_accuracy && unit == "m";
+/// Whether a column is in that unit. Loggers that write FlySight's columns (Deep and Steep Insight)
+/// label a speed's accuracy "m".
+bool is_in(std::size_t column, std::string_view unit) {
+    return unit == column_units[column] ||
+           (static_cast<Column>(column) == Column::speed_accuracy && unit == "m");
 }
 
 /// The instant of a FlySight 2's time "2026-03-06T00:49:20.-002Z": so many milliseconds before the
@@ -68,22 +67,6 @@ std::optional<GpsTime> read_signed_time(const Cell& time) {
 
 std::string_view name_of(Column column) {
     return column_names[static_cast<std::size_t>(column)];
-}
-
-/// Which of the columns has a name; column_count for none.
-std::size_t find_column(std::string_view name) {
-    return static_cast<std::size_t>(std::ranges::find(column_names, name) - column_names.begin());
-}
-
-void require_all(const Layout& layout, const SourceLine& line, const RecordingBytes& recording) {
-    for (std::size_t i = 0; i < column_count; ++i) {
-        if (layout.place[i] || static_cast<Column>(i) == Column::fix) continue;
-        const Cell start{line.text, &recording, line.number, 1};
-        start.fail(fmt::format("the header names no column \"{}\": \"{}\"", column_names[i],
-                               escape_for_message(line.text, 80)),
-                   "A FlySight writes time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,...,numSV; "
-                   "take the recording as it wrote it");
-    }
 }
 
 /// The fields of one row, by column.
@@ -128,14 +111,21 @@ Layout read_columns(const SourceLine& line, const RecordingBytes& recording, std
     const std::vector<Cell> cells = split_at(line, recording, ',');
     for (std::size_t i = skipped; i < cells.size(); ++i) {
         const Cell& cell = cells[i];
-        const std::size_t column = find_column(cell.text);
+        const auto column = static_cast<std::size_t>(std::ranges::find(column_names, cell.text) -
+                                                     column_names.begin());
         layout.fields = i - skipped + skipped_in_rows + 1;
         if (column == column_count) continue;
         if (layout.place[column])
             cell.fail(fmt::format("the column \"{}\" stands twice", cell.text), as_written);
         layout.place[column] = layout.fields - 1;
     }
-    require_all(layout, line, recording);
+    for (std::size_t i = 0; i < column_count; ++i)
+        if (!layout.place[i] && static_cast<Column>(i) != Column::fix)
+            Cell{line.text, &recording, line.number, 1}.fail(
+                fmt::format("the header names no column \"{}\": \"{}\"", column_names[i],
+                            escape_for_message(line.text, 80)),
+                "A FlySight writes time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,...,numSV; take "
+                "the recording as it wrote it");
     return layout;
 }
 
@@ -149,8 +139,7 @@ void require_units(const SourceLine& line, const RecordingBytes& recording, cons
         std::string_view unit = cell.text;
         if (unit.starts_with('(') && unit.ends_with(')')) unit = unit.substr(1, unit.size() - 2);
         for (std::size_t column = 0; column < column_count; ++column)
-            if (layout.place[column] == i - skipped + skipped_in_rows &&
-                unit != column_units[column] && !is_speed_in_metres(column, unit))
+            if (layout.place[column] == i - skipped + skipped_in_rows && !is_in(column, unit))
                 cell.fail(fmt::format("the column \"{}\" is in \"{}\"; FlySight has it in \"{}\"",
                                       column_names[column], escape_for_message(unit),
                                       column_units[column]),
@@ -180,14 +169,6 @@ TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const
     return row;
 }
 
-constexpr std::string_view first_header = "time,lat,lon";
-constexpr std::string_view first_units = ",(deg),(deg)";
-constexpr std::string_view second_mark = "$FLYS,";
-constexpr std::string_view second_columns = "$COL,";
-constexpr std::string_view second_positions = "$COL,GNSS,";
-constexpr std::string_view second_units = "$UNIT,GNSS,";
-constexpr std::string_view second_data = "$DATA";
-constexpr std::string_view second_row = "$GNSS,";
 constexpr std::string_view marks_of_workings[] = {"slots used in $GNSS", "slots used in GNSS",
                                                   "active mode initialization\""};
 constexpr const char* remedy_for_no_positions =
@@ -246,10 +227,10 @@ class Reader {
     static constexpr std::size_t named_after = 2, rows_after = 1;
 
     void read_first(const SourceLine& line) {
-        if (!layout_ || line.text.starts_with(first_header)) {
+        if (!layout_ || line.text.starts_with("time,lat,lon")) {
             layout_ = read_columns(line, recording_, 0, 0);
             observations_.variant = "FlySight 1";
-        } else if (line.text.starts_with(first_units)) {
+        } else if (line.text.starts_with(",(deg),(deg)")) {
             require_units(line, recording_, *layout_, 0, 0);
         } else if (second_) {
             count_unknown(line);
@@ -260,17 +241,17 @@ class Reader {
 
     void read_second(const SourceLine& line) {
         const std::string_view text = line.text;
-        if (text.starts_with(second_row) && layout_) {
+        if (text.starts_with("$GNSS,") && layout_) {
             add_row(line);
-        } else if (text.starts_with(second_positions)) {
+        } else if (text.starts_with("$COL,GNSS,")) {
             layout_ = read_columns(line, recording_, named_after, rows_after);
             second_ = true;
             observations_.variant = "FlySight 2";
-        } else if (text.starts_with(second_units) && layout_) {
+        } else if (text.starts_with("$UNIT,GNSS,") && layout_) {
             require_units(line, recording_, *layout_, named_after, rows_after);
-        } else if (text.starts_with(second_columns)) {
+        } else if (text.starts_with("$COL,")) {
             sensors_.push_back(field(text, 1));
-        } else if (text == second_data) {
+        } else if (text == "$DATA") {
             in_data_ = true;
         } else if (!in_data_) {
             read_variable(text);
@@ -345,8 +326,8 @@ class Reader {
 bool recognises(std::string_view bytes) {
     LineReader lines(bytes);
     for (auto line = lines.next(); line && line->number <= 3; line = lines.next())
-        if (line->text.starts_with(second_mark) || line->text.starts_with(second_positions) ||
-            line->text.starts_with("time,lat,lon,hMSL") || line->text.starts_with(first_units))
+        if (line->text.starts_with("$FLYS,") || line->text.starts_with("$COL,GNSS,") ||
+            line->text.starts_with("time,lat,lon,hMSL") || line->text.starts_with(",(deg),(deg)"))
             return true;
     return is_log_of_workings(bytes);
 }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include "core/failure.h"
-#include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "stages/import/cell.h"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/fit/decode.h"
@@ -14,52 +13,28 @@
 namespace runcert::gpsbabel {
 namespace {
 
-constexpr std::string_view types[] = {
-    // Formats of files with tracks that `gpsbabel -^3` of version 1.8.0 lists as readable.
-    "v900",          "iblue747",
-    "iblue757",      "gpl",
-    "saroute",       "destinator_trl",
-    "energympro",    "f90g",
-    "igc",           "garmin_fit",
-    "garmin_g1000",  "glogbook",
-    "gdb",           "garmin_txt",
-    "gtrnctr",       "ggv_ovl",
-    "ggv_bin",       "ggv_log",
-    "geojson",       "kml",
-    "gnav_trl",      "land_air_sea",
-    "gtm",           "gpx",
-    "hiketech",      "m241-bin",
-    "humminbird_ht", "humminbird",
-    "ignrando",      "igo8",
-    "kompass_tk",    "lowranceusr",
-    "magellanx",     "magellan",
-    "ik3d",          "mainnav",
-    "mapasia_tr7",   "mtk_locus",
-    "mmo",           "garmin_xt",
-    "mtk-bin",       "mynav",
-    "tpo2",          "tpo3",
-    "sbp",           "sbn",
-    "navitel_trk",   "nmea",
-    "ozi",           "qstarz_bl-1000",
-    "ricoh",         "skytraq-bin",
-    "wintec_tes",    "wbt-bin",
-    "itracku-bin"};
-
-/// The name of the outermost element of an XML text; empty where it is none.
-std::string_view root_name(std::string_view bytes) {
-    if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
-    if (!trim(bytes.substr(0, 1024)).starts_with('<')) return {};
-    const auto first = gpx::TagScanner(bytes).next();
-    return first && first->kind == gpx::Tag::Kind::start ? first->name : std::string_view{};
+/// Formats of files with tracks that `gpsbabel -^3` of version 1.8.0 lists as readable.
+std::vector<std::string_view> readable_types() {
+    std::string_view text =
+        "v900 iblue747 iblue757 gpl saroute destinator_trl energympro f90g igc garmin_fit "
+        "garmin_g1000 glogbook gdb garmin_txt gtrnctr ggv_ovl ggv_bin ggv_log geojson kml "
+        "gnav_trl land_air_sea gtm gpx hiketech m241-bin humminbird_ht humminbird ignrando igo8 "
+        "kompass_tk lowranceusr magellanx magellan ik3d mainnav mapasia_tr7 mtk_locus mmo "
+        "garmin_xt mtk-bin mynav tpo2 tpo3 sbp sbn navitel_trk nmea ozi qstarz_bl-1000 ricoh "
+        "skytraq-bin wintec_tes wbt-bin itracku-bin ";
+    std::vector<std::string_view> types;
+    for (; !text.empty(); text.remove_prefix(text.find(' ') + 1))
+        types.push_back(text.substr(0, text.find(' ')));
+    return types;
 }
 
 /// gpsbabel's name of a well-known format; empty where it is none.
 std::string_view recognised_type(std::string_view bytes) {
     if (fit::is_fit(bytes)) return "garmin_fit";
-    const std::string_view root = root_name(bytes);
-    if (root == "TrainingCenterDatabase") return "gtrnctr";
-    if (root == "kml") return "kml";
-    return {};
+    const auto root = gpx::root_tag(bytes);
+    if (!root || root->kind != gpx::Tag::Kind::start) return {};
+    if (root->name == "TrainingCenterDatabase") return "gtrnctr";
+    return root->name == "kml" ? "kml" : "";
 }
 
 }  // namespace
@@ -77,7 +52,7 @@ std::string type_of(const Receiver& receiver, const RecordingBytes& recording) {
                       "the recording is to be read through gpsbabel, and its format is not "
                       "recognised",
                       "Write gpsbabel_type in the receiver, gpsbabel's name of the format");
-    if (std::ranges::find(types, type) == std::end(types))
+    if (const auto types = readable_types(); std::ranges::find(types, type) == types.end())
         throw Failure(receiver.place.empty() ? "receiver " + receiver.id : receiver.place,
                       fmt::format("\"{}\" is not a format of files that gpsbabel reads tracks from",
                                   escape_for_message(type)),

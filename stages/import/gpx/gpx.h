@@ -21,24 +21,8 @@ struct Tag {
     std::size_t end = 0;    ///< offset behind its '>'; of a broken one, where to read on
 };
 
-/// Finds the tags of an XML text, whatever else is in it: comments, CDATA, processing instructions
-/// and the document type, entities included, are passed over unread. It goes through the text
-/// once and keeps nothing; it does not check that elements are closed.
-class TagScanner {
-  public:
-    explicit TagScanner(std::string_view text) : text_(text) {}
-
-    /// The next tag; nothing at the end.
-    std::optional<Tag> next();
-
-  private:
-    void pass_over_declaration();
-    std::size_t end_of_document_type() const;
-    Tag read_tag() const;
-
-    std::string_view text_;
-    std::size_t at_ = 0;
-};
+/// The first tag of an XML text; nothing where it is none.
+std::optional<Tag> root_tag(std::string_view bytes);
 
 /// A GPX as observations; the header is left for the caller. Each track point is an epoch. Records
 /// that cannot be read are counted and listed. Failure where it holds no track point, none with a

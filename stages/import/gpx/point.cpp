@@ -9,7 +9,6 @@
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
-#include "stages/import/cell.h"
 
 namespace runcert::gpx {
 namespace {
@@ -64,6 +63,11 @@ int read_zone(const Cell& zone) {
             fmt::format("\"{}\" is not an offset from UTC", escape_for_message(zone.text)),
             "Offsets are read as +02:00, +0200 or Z, at most 14 hours: hand in another export");
     return (zone.text[0] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
+}
+
+/// Nothing for an empty cell.
+std::optional<double> real_unless_empty(const Cell& cell, std::string_view meaning) {
+    return cell.text.empty() ? std::nullopt : std::optional(read_real(cell, meaning));
 }
 
 }  // namespace
@@ -148,7 +152,7 @@ double PointReader::read_height(const Piece& piece, const Texts& texts) {
     const double height_m = read_real(cell(piece, texts.height), "height");
     std::optional<double> geoid_m;
     if (texts.geoid_height)
-        geoid_m = unless_empty(cell(piece, texts.geoid_height), read_real, "geoid height");
+        geoid_m = real_unless_empty(cell(piece, texts.geoid_height), "geoid height");
     ++(geoid_m ? counts_.with_geoid_height : counts_.without_geoid_height);
     return height_m + geoid_m.value_or(0.0);
 }
@@ -176,10 +180,10 @@ void PointReader::read_position(const Piece& piece, pugi::xml_node point, const 
 
 void PointReader::read_velocity(const Piece& piece, const Texts& texts, Observation& row) {
     if (!texts.speed) return;
-    const auto speed_m_s = unless_empty(cell(piece, texts.speed), read_real, "speed");
+    const auto speed_m_s = real_unless_empty(cell(piece, texts.speed), "speed");
     if (!speed_m_s) return;
     std::optional<double> course_deg;
-    if (texts.course) course_deg = unless_empty(cell(piece, texts.course), read_real, "course");
+    if (texts.course) course_deg = real_unless_empty(cell(piece, texts.course), "course");
     set_speed(row, *speed_m_s, course_of(course_deg));
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <pugixml.hpp>
-#include <string>
 #include <string_view>
 #include <vector>
 

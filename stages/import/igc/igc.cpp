@@ -1,10 +1,6 @@
 #include <fmt/format.h>
 
-#include <utility>
-
-#include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/clock.h"
 #include "stages/import/clock.h"
 #include "stages/import/format.h"
 #include "stages/import/igc/record.h"

@@ -4,10 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <string_view>
 
-#include "core/gps_time.h"
 #include "stages/import/cell.h"
 #include "stages/import/row_collector.h"
 

@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cmath>
 #include <optional>
 
-#include "core/failure.h"
 #include "core/gps_time.h"
 #include "core/text.h"
+#include "stages/import/cell.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
-#include "stages/import/cell.h"
 #include "stages/import/nmea/epoch.h"
 
 namespace runcert::nmea {

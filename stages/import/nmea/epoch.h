@@ -6,7 +6,6 @@
 #include <optional>
 #include <string>
 
-#include "core/angle.h"
 #include "core/geodesy.h"
 #include "core/optional_number.h"
 #include "schemas/observations/observations.h"

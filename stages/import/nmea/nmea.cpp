@@ -1,11 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 
-#include "core/failure.h"
-#include "stages/import/clock.h"
 #include "stages/import/clock.h"
 #include "stages/import/format.h"
 #include "stages/import/nmea/epoch.h"

@@ -6,7 +6,6 @@
 #include <charconv>
 
 #include "core/text.h"
-#include "stages/import/cell.h"
 
 namespace runcert::novatel {
 namespace {

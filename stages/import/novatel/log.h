@@ -1,11 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string_view>
 #include <vector>
 
-#include "core/gps_time.h"
 #include "stages/import/cell.h"
 
 namespace runcert::novatel {

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
@@ -23,50 +23,28 @@ namespace {
 constexpr std::string_view position_logs[] = {"BESTGNSSPOSA", "BESTPOSA", "RTKPOSA", "PPPPOSA",
                                               "PSRPOSA",      "INSPVAXA", "INSPVAA", "INSPVASA"};
 
-struct PositionType {
-    std::string_view word;
+/// The words of the table "Position or Velocity Type" (NovAtel, OEM7 Commands and Logs Reference
+/// Manual) by what they count as.
+struct PositionTypes {
     FixType fix;
+    std::array<std::string_view, 10> words;
 };
-
-constexpr PositionType position_types[] = {
-    // Of the table "Position or Velocity Type" (NovAtel, OEM7 Commands and Logs Reference Manual).
-    {"NONE", FixType::none},
-    {"FIXEDPOS", FixType::none},
-    {"FIXEDHEIGHT", FixType::single},
-    {"DOPPLER_VELOCITY", FixType::none},
-    {"SINGLE", FixType::single},
-    {"PSRDIFF", FixType::dgps},
-    {"WAAS", FixType::sbas},
-    {"SBAS", FixType::sbas},
-    {"CDGPS", FixType::dgps},
-    {"OMNISTAR", FixType::dgps},
-    {"PROPAGATED", FixType::dead_reckoning},
-    {"L1_FLOAT", FixType::float_ambiguities},
-    {"IONOFREE_FLOAT", FixType::float_ambiguities},
-    {"NARROW_FLOAT", FixType::float_ambiguities},
-    {"L1_INT", FixType::fixed},
-    {"WIDE_INT", FixType::fixed},
-    {"NARROW_INT", FixType::fixed},
-    {"RTK_DIRECT_INS", FixType::fixed},
-    {"INS_SBAS", FixType::sbas},
-    {"INS_PSRSP", FixType::single},
-    {"INS_PSRDIFF", FixType::dgps},
-    {"INS_RTKFLOAT", FixType::float_ambiguities},
-    {"INS_RTKFIXED", FixType::fixed},
-    {"INS_PPP_CONVERGING", FixType::ppp},
-    {"INS_PPP", FixType::ppp},
-    {"INS_PPP_BASIC_CONVERGING", FixType::ppp},
-    {"INS_PPP_BASIC", FixType::ppp},
-    {"OMNISTAR_HP", FixType::ppp},
-    {"OMNISTAR_XP", FixType::ppp},
-    {"PPP_CONVERGING", FixType::ppp},
-    {"PPP", FixType::ppp},
-    {"PPP_BASIC_CONVERGING", FixType::ppp},
-    {"PPP_BASIC", FixType::ppp}};
+constexpr PositionTypes position_types[] = {
+    {FixType::none, {"NONE", "FIXEDPOS", "DOPPLER_VELOCITY"}},
+    {FixType::single, {"FIXEDHEIGHT", "SINGLE", "INS_PSRSP"}},
+    {FixType::dgps, {"PSRDIFF", "CDGPS", "OMNISTAR", "INS_PSRDIFF"}},
+    {FixType::sbas, {"WAAS", "SBAS", "INS_SBAS"}},
+    {FixType::dead_reckoning, {"PROPAGATED"}},
+    {FixType::float_ambiguities, {"L1_FLOAT", "IONOFREE_FLOAT", "NARROW_FLOAT", "INS_RTKFLOAT"}},
+    {FixType::fixed, {"L1_INT", "WIDE_INT", "NARROW_INT", "RTK_DIRECT_INS", "INS_RTKFIXED"}},
+    {FixType::ppp,
+     {"INS_PPP_CONVERGING", "INS_PPP", "INS_PPP_BASIC_CONVERGING", "INS_PPP_BASIC", "OMNISTAR_HP",
+      "OMNISTAR_XP", "PPP_CONVERGING", "PPP", "PPP_BASIC_CONVERGING", "PPP_BASIC"}}};
 
 FixType read_type(const Cell& cell) {
-    for (const PositionType& type : position_types)
-        if (type.word == cell.text) return type.fix;
+    for (const PositionTypes& each : position_types)
+        if (!cell.text.empty() && std::ranges::find(each.words, cell.text) != each.words.end())
+            return each.fix;
     cell.fail(
         fmt::format("the kind of position \"{}\" is not known", escape_for_message(cell.text)),
         "Hand in logs of satellite positions, as the receiver wrote them");

@@ -3,7 +3,6 @@
 #include <array>
 #include <limits>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/clock.h"

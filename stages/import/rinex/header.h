@@ -1,16 +1,20 @@
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "core/gps_time.h"
 #include "core/satellite.h"
 #include "stages/import/recording.h"
 
 namespace runcert::rinex {
+
+inline constexpr const char* as_written = "Take the file as the receiver or its converter wrote it";
 
 /// A file's lines, one of which may be put back.
 class Lines {
@@ -65,5 +69,48 @@ int read_count(const Lines& lines, const SourceLine& line, std::size_t at, std::
 /// The satellite in three characters; a blank system is GPS, a blank ten 0. Failure where there is
 /// none.
 Satellite read_satellite(const Lines& lines, const SourceLine& line, std::size_t at);
+
+/// One type of observation of a system: what it is, and of which signal.
+struct ObservationType {
+    char what = ' ';  ///< 'C', 'L', 'D', 'S'; ' ' for others
+    SignalCode signal;
+};
+
+using Types = std::vector<ObservationType>;
+
+/// The time scale of the file's epochs, against GPS time.
+enum class Scale : std::uint8_t { gps, utc, beidou };
+
+/// The header of observations, whose lines may come again among the epochs.
+class ObservationHeader {
+  public:
+    explicit ObservationHeader(Lines& lines) : lines_(lines) {}
+
+    /// Reads up to its end. Failure with the line where it is not understood.
+    void read();
+    void read_line(const SourceLine& line);
+    /// Failure where no carrier phase of a system that is used is named.
+    void require_types() const;
+
+    int version = 0;
+    Scale scale = Scale::gps;
+    std::array<Types, 7> types;  ///< by system; of version 2 the same for all
+    std::string format, device;  ///< as MeasurementFacts has them; so the next two
+    std::optional<Ecef> approximate_position;
+    std::vector<std::string> notes;
+
+  private:
+    void read_types_2(const SourceLine& line);
+    void set_types_2();
+    void read_types_3(const SourceLine& line);
+    void read_time_system(const SourceLine& line);
+    void read_scale_factor(const SourceLine& line);
+    void read_position(const SourceLine& line);
+
+    Lines& lines_;
+    std::vector<std::string> type_names_;  ///< of version 2
+    int type_count_ = 0;
+    SatelliteSystem system_ = SatelliteSystem::gps;  ///< whose types are continued
+};
 
 }  // namespace runcert::rinex

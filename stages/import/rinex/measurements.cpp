@@ -15,20 +15,6 @@ namespace runcert::rinex {
 namespace {
 
 constexpr int most_satellites = 200;
-constexpr int most_types = 200;
-constexpr const char* as_written = "Take the file as the receiver or its converter wrote it";
-
-/// One type of observation of a system: what it is, and of which signal.
-struct ObservationType {
-    char what = ' ';  ///< 'C', 'L', 'D', 'S'; ' ' for others
-    SignalCode signal;
-};
-
-using Types = std::vector<ObservationType>;
-
-/// The time scale of the file's epochs, against GPS time.
-enum class Scale : std::uint8_t { gps, utc, beidou };
-
 bool is_used(SatelliteSystem system) {
     return system == SatelliteSystem::gps || system == SatelliteSystem::galileo;
 }
@@ -36,10 +22,10 @@ bool is_used(SatelliteSystem system) {
 class MeasurementReader {
   public:
     MeasurementReader(const RecordingBytes& recording, const TakeMeasurements& take)
-        : lines_(recording), take_(take) {}
+        : lines_(recording), header_(lines_), take_(take) {}
 
     MeasurementFacts read() {
-        read_header();
+        header_.read();
         while (const auto line = lines_.next()) {
             try {
                 read_epoch(*line);
@@ -48,175 +34,22 @@ class MeasurementReader {
                 find_next_epoch();
             }
         }
+        facts_.format = header_.format;
+        facts_.device = header_.device;
+        facts_.approximate_position = header_.approximate_position;
+        facts_.notes = header_.notes;
         facts_.records = std::move(log_).finish(facts_.notes);
         if (epochs_ == 0)
-            throw Failure(place(1), "the file has a header and no epochs", "Take the whole file");
+            throw Failure(lines_.recording().name + ":1", "the file has a header and no epochs",
+                          "Take the whole file");
         note_counts();
         return std::move(facts_);
     }
 
   private:
-    std::string place(std::int64_t line) const {
-        return fmt::format("{}:{}", lines_.recording().name, line);
-    }
-
-    // The header.
-
-    void read_header() {
-        const FirstLine first = read_first_line(lines_);
-        version_ = first.version;
-        const bool known =
-            (version_ >= 210 && version_ < 300) || (version_ >= 300 && version_ < 500);
-        if (first.kind != 'O' || !known)
-            throw Failure(
-                place(1),
-                fmt::format("RINEX {}.{:02} of kind \"{}\" is not read as observations",
-                            version_ / 100, version_ % 100, escape_for_message({&first.kind, 1})),
-                "Give observations (kind O) in RINEX 2.10 to 4.02");
-        facts_.format = fmt::format("RINEX {}.{:02}", version_ / 100, version_ % 100);
-        // Version 2 of one system may leave out its letter, and its time system.
-        if (first.system == 'R') scale_ = Scale::utc;
-        if (first.system == 'C' && version_ >= 300) scale_ = Scale::beidou;
-        bool ended = false;
-        while (const auto line = lines_.next()) {
-            if (label_of(line->text) == "END OF HEADER") {
-                ended = true;
-                break;
-            }
-            read_header_line(*line);
-        }
-        if (!ended)
-            throw Failure(place(1), "the header has no end (END OF HEADER)", "Take the whole file");
-        require_types();
-    }
-
-    void require_types() const {
-        const auto has_phase = [](const Types& types) {
-            return std::ranges::any_of(types, [](const auto& type) { return type.what == 'L'; });
-        };
-        for (const Types& types : types_)
-            if (has_phase(types)) return;
-        throw Failure(place(1),
-                      "the header names no carrier phase of a system that is used (GPS, Galileo)",
-                      "Record and convert with carrier phases (types L1, L1C)");
-    }
-
-    void read_header_line(const SourceLine& line) {
-        const std::string_view label = label_of(line.text);
-        if (label == "# / TYPES OF OBSERV" && version_ < 300) return read_types_2(line);
-        if (label == "SYS / # / OBS TYPES" && version_ >= 300) return read_types_3(line);
-        if (label == "WAVELENGTH FACT L1/2") return note_wavelengths(line);
-        if (label == "TIME OF FIRST OBS") return read_time_system(line);
-        if (label == "SYS / SCALE FACTOR") return read_scale_factor(line);
-        if (label == "APPROX POSITION XYZ") return read_position(line);
-        if (label == "REC # / TYPE / VERS")
-            facts_.device = std::string(trim(characters(line.text, 20, 20)));
-    }
-
-    void read_types_2(const SourceLine& line) {
-        const std::string_view count = trim(characters(line.text, 0, 6));
-        if (!count.empty()) {
-            type_count_ = read_count(lines_, line, 0, 6, 1, most_types, "number of types");
-            type_names_.clear();
-        }
-        for (std::size_t i = 0; i < 9 && std::ssize(type_names_) < type_count_; ++i)
-            type_names_.emplace_back(trim(characters(line.text, 6 + 6 * i, 6)));
-        if (std::ssize(type_names_) == type_count_) set_types_2();
-    }
-
-    /// The signals of version 2's types, which name no attribute.
-    void set_types_2() {
-        const auto has = [&](std::string_view type) {
-            return std::ranges::find(type_names_, type) != type_names_.end();
-        };
-        for (const SatelliteSystem system : {SatelliteSystem::gps, SatelliteSystem::galileo}) {
-            Types types;
-            for (const std::string& name : type_names_) {
-                ObservationType type;
-                if (name.size() == 2 && name[1] >= '1' && name[1] <= '9') {
-                    const char band = name[1];
-                    type.what = name[0] == 'P' ? 'C' : name[0];
-                    char attribute = 'X';
-                    if (system == SatelliteSystem::gps && band == '1')
-                        attribute = name[0] == 'P' || !has("C1") ? 'W' : 'C';
-                    if (system == SatelliteSystem::gps && band == '2')
-                        attribute = name[0] == 'P' || (name[0] != 'C' && has("P2")) ? 'W' : 'X';
-                    type.signal = {static_cast<std::uint8_t>(band - '0'), attribute};
-                }
-                types.push_back(type);
-            }
-            types_[static_cast<std::size_t>(system)] = std::move(types);
-        }
-    }
-
-    void read_types_3(const SourceLine& line) {
-        const std::string_view letter = characters(line.text, 0, 1);
-        if (letter.empty() || letter[0] != ' ') {
-            const auto system = letter.empty() ? std::nullopt : system_of_letter(letter[0]);
-            if (!system)
-                lines_.fail(
-                    line, 0,
-                    fmt::format("\"{}\" is no satellite system", escape_for_message(letter)),
-                    as_written);
-            system_ = *system;
-            type_count_ = read_count(lines_, line, 3, 3, 1, most_types, "number of types");
-            types_[static_cast<std::size_t>(system_)].clear();
-        }
-        Types& types = types_[static_cast<std::size_t>(system_)];
-        for (std::size_t i = 0; i < 13 && std::ssize(types) < type_count_; ++i) {
-            const std::string_view name = characters(line.text, 7 + 4 * i, 3);
-            ObservationType type;
-            if (name.size() == 3 && from_text(name.substr(1), type.signal)) type.what = name[0];
-            types.push_back(type);
-        }
-    }
-
-    /// Version 2 says so of receivers that square the signal. What they record since is whole but
-    /// for slips, which are looked for by halves, too; an open half has its indicator.
-    void note_wavelengths(const SourceLine& line) {
-        if (characters(line.text, 0, 12).find('2') != std::string_view::npos)
-            facts_.notes.push_back(fmt::format(
-                "Line {}: the receiver's phases may slip by half a cycle (wavelength factor 2).",
-                line.number));
-    }
-
-    void read_time_system(const SourceLine& line) {
-        const std::string_view name = trim(characters(line.text, 48, 3));
-        if (name == "GPS" || name == "GAL" || name == "QZS" || name == "IRN")
-            scale_ = Scale::gps;
-        else if (name == "GLO" || name == "UTC")
-            scale_ = Scale::utc;
-        else if (name == "BDT")
-            scale_ = Scale::beidou;
-        else if (!name.empty())
-            lines_.fail(
-                line, 48,
-                fmt::format("the time system \"{}\" is not known", escape_for_message(name)),
-                "Convert with GPS time (GPS)");
-    }
-
-    void read_scale_factor(const SourceLine& line) {
-        const int factor = read_count(lines_, line, 2, 4, 1, 10'000, "scale factor");
-        if (factor != 1)
-            lines_.fail(line, 2, fmt::format("observations scaled by {} are not read", factor),
-                        "Convert without scale factors");
-    }
-
-    void read_position(const SourceLine& line) {
-        Eigen::Vector3d position;
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto value = parse_double(trim(characters(line.text, 14 * i, 14)));
-            if (!value || std::abs(*value) > 1e8) return;
-            position[static_cast<Eigen::Index>(i)] = *value;
-        }
-        if (position.norm() > 6.0e6) facts_.approximate_position = Ecef{position};
-    }
-
-    // Epochs.
-
     void read_epoch(const SourceLine& line) {
         if (trim(line.text).empty()) return;
-        const bool modern = version_ >= 300;
+        const bool modern = header_.version >= 300;
         if (modern && line.text[0] != '>')
             lines_.fail(line, 0, "a line of an epoch was expected, which begins with >",
                         as_written);
@@ -267,8 +100,8 @@ class MeasurementReader {
         const TimeFields at = modern ? TimeFields{2, 4, 7, 10, 13, 16, 18, 11}
                                      : TimeFields{1, 2, 4, 7, 10, 13, 15, 11};
         const GpsTime written = read_time(lines_, line, at);
-        if (scale_ == Scale::gps) return written;
-        if (scale_ == Scale::beidou)
+        if (header_.scale == Scale::gps) return written;
+        if (header_.scale == Scale::beidou)
             return written.plus_nanoseconds(14 * GpsTime::nanoseconds_per_second);
         return gps_from_utc(written.calendar());
     }
@@ -281,9 +114,9 @@ class MeasurementReader {
             if (!special)
                 lines_.fail(line, 0, "the file ends before the event's lines do",
                             "Take the whole file");
-            if (flag == 4) read_header_line(*special);
+            if (flag == 4) header_.read_line(*special);
         }
-        if (flag == 4) require_types();
+        if (flag == 4) header_.require_types();
     }
 
     void read_satellites_3(int count, MeasuredEpoch& epoch) {
@@ -316,7 +149,7 @@ class MeasurementReader {
             satellites.push_back(
                 read_satellite(lines_, line, 32 + 3 * static_cast<std::size_t>(i % 12)));
         }
-        const Types& types = types_[0];
+        const Types& types = header_.types[0];
         for (const Satellite& satellite : satellites)
             for (std::size_t from = 0; from < types.size(); from += 5) {
                 const auto values = lines_.next();
@@ -328,12 +161,12 @@ class MeasurementReader {
     /// Observations of one line: all of a satellite (version 3), or five from that type on (2).
     void read_signals(const SourceLine& line, std::size_t from, Satellite satellite,
                       MeasuredEpoch& epoch) {
-        const bool modern = version_ >= 300;
+        const bool modern = header_.version >= 300;
         if (!is_used(satellite.system)) {
             if (from == 0) ++facts_.set_aside[satellite.system];
             return;
         }
-        const Types& types = types_[static_cast<std::size_t>(satellite.system)];
+        const Types& types = header_.types[static_cast<std::size_t>(satellite.system)];
         if (modern && types.empty())
             lines_.fail(line, 0,
                         fmt::format("the header names no types of {}", name_of(satellite.system)),
@@ -401,7 +234,7 @@ class MeasurementReader {
     void find_next_epoch() {
         while (const auto line = lines_.next()) {
             const bool begins =
-                version_ >= 300 ? line->text.starts_with(">") : begins_epoch_2(*line);
+                header_.version >= 300 ? line->text.starts_with(">") : begins_epoch_2(*line);
             if (!begins) continue;
             lines_.put_back();
             return;
@@ -429,15 +262,10 @@ class MeasurementReader {
     }
 
     Lines lines_;
+    ObservationHeader header_;
     const TakeMeasurements& take_;
     MeasurementFacts facts_;
     RecordLog log_;
-    int version_ = 0;
-    Scale scale_ = Scale::gps;
-    std::array<Types, 7> types_;           ///< by system; of version 2 the same for all
-    std::vector<std::string> type_names_;  ///< of version 2
-    int type_count_ = 0;
-    SatelliteSystem system_ = SatelliteSystem::gps;  ///< whose types are continued
     std::optional<GpsTime> last_time_;
     std::int64_t epochs_ = 0;
     std::int64_t events_ = 0;

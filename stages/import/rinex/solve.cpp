@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/failure.h"
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "core/text.h"

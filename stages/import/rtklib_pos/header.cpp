@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/earth.h"
 
@@ -37,7 +35,7 @@ constexpr OtherName other_names[] = {
 /// The unit of a column, which the header may leave out.
 std::string_view unit_of(Column column) {
     if (column <= Column::longitude) return "deg";
-    if (column >= Column::velocity_east) return "m/s";
+    if (column >= Column::velocity_enu) return "m/s";
     if (column == Column::quality || column == Column::satellites || column == Column::ratio)
         return "";
     return column == Column::age ? "s" : "m";
@@ -46,24 +44,22 @@ std::string_view unit_of(Column column) {
 constexpr const char* as_written = "Take the solution as RTKLIB wrote it";
 constexpr std::string_view dms_unit = "d'\"";
 
-/// Columns that are of use only together: from the first to the last.
+/// Columns that are of use only together, so many from the first on.
 struct ColumnSet {
-    Column first, last;
+    Column first;
+    std::size_t columns;
     std::string_view names;
 };
-
 constexpr ColumnSet column_sets[] = {
-    {Column::latitude, Column::height, "latitude, longitude, height"},
-    {Column::x, Column::z, "x-ecef, y-ecef, z-ecef"},
-    {Column::east, Column::up, "e-baseline, n-baseline, u-baseline"},
-    {Column::sigma_east, Column::root_up_east, "sdn, sde, sdu, sdne, sdeu, sdun"},
-    {Column::sigma_x, Column::root_zx, "sdx, sdy, sdz, sdxy, sdyz, sdzx"},
-    {Column::velocity_east, Column::velocity_up, "vn, ve, vu"},
-    {Column::velocity_x, Column::velocity_z, "vx, vy, vz"},
-    {Column::sigma_velocity_east, Column::root_velocity_up_east,
-     "sdvn, sdve, sdvu, sdvne, sdveu, sdvun"},
-    {Column::sigma_velocity_x, Column::root_velocity_zx, "sdvx, sdvy, sdvz, sdvxy, sdvyz, sdvzx"},
-};
+    {Column::latitude, 3, "latitude, longitude, height"},
+    {Column::x, 3, "x-ecef, y-ecef, z-ecef"},
+    {Column::east, 3, "e-baseline, n-baseline, u-baseline"},
+    {Column::covariance_enu, 6, "sdn, sde, sdu, sdne, sdeu, sdun"},
+    {Column::covariance_xyz, 6, "sdx, sdy, sdz, sdxy, sdyz, sdzx"},
+    {Column::velocity_enu, 3, "vn, ve, vu"},
+    {Column::velocity_xyz, 3, "vx, vy, vz"},
+    {Column::velocity_covariance_enu, 6, "sdvn, sdve, sdvu, sdvne, sdveu, sdvun"},
+    {Column::velocity_covariance_xyz, 6, "sdvx, sdvy, sdvz, sdvxy, sdvyz, sdvzx"}};
 
 Clock read_time_system(const Cell& cell) {
     if (cell.text == "GPST") return Clock::gps;
@@ -118,10 +114,9 @@ void require_complete_sets(const Layout& layout, const Cell& start) {
     for (const ColumnSet& set : column_sets) {
         std::size_t present = 0;
         const auto first = static_cast<std::size_t>(set.first);
-        const auto last = static_cast<std::size_t>(set.last);
-        for (std::size_t i = first; i <= last; ++i)
+        for (std::size_t i = first; i < first + set.columns; ++i)
             present += layout.place[i] ? 1 : 0;
-        if (present != 0 && present != last - first + 1)
+        if (present != 0 && present != set.columns)
             start.fail(fmt::format("of the columns {} only {} are there", set.names, present),
                        as_written);
     }

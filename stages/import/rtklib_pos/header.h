@@ -9,8 +9,8 @@
 
 #include "core/geodesy.h"
 #include "schemas/observations/observations.h"
-#include "stages/import/clock.h"
 #include "stages/import/cell.h"
+#include "stages/import/clock.h"
 #include "stages/import/row_collector.h"
 
 namespace runcert::rtklib_pos {
@@ -18,8 +18,9 @@ namespace runcert::rtklib_pos {
 /// How the rows under a column header line state positions.
 enum class Coordinates { degrees, degrees_minutes_seconds, earth_centred, baseline };
 
-/// What a column holds. Towards east, north, up, or along the Earth-centred axes; `root_*` are
-/// sign times square root of covariances.
+/// What a column holds, towards east, north, up or along the Earth-centred axes. A covariance is
+/// six columns from its first one on: three standard deviations, then sign times square root of the
+/// covariances of axes (0, 1), (1, 2), (2, 0). Of velocities the other two axes follow, too.
 enum class Column : std::size_t {
     latitude,
     longitude,
@@ -34,37 +35,13 @@ enum class Column : std::size_t {
     satellites,
     age,
     ratio,
-    sigma_east,
-    sigma_north,
-    sigma_up,
-    root_east_north,
-    root_north_up,
-    root_up_east,
-    sigma_x,
-    sigma_y,
-    sigma_z,
-    root_xy,
-    root_yz,
-    root_zx,
-    velocity_east,
-    velocity_north,
-    velocity_up,
-    velocity_x,
-    velocity_y,
-    velocity_z,
-    sigma_velocity_east,
-    sigma_velocity_north,
-    sigma_velocity_up,
-    root_velocity_east_north,
-    root_velocity_north_up,
-    root_velocity_up_east,
-    sigma_velocity_x,
-    sigma_velocity_y,
-    sigma_velocity_z,
-    root_velocity_xy,
-    root_velocity_yz,
-    root_velocity_zx,
-    count
+    covariance_enu,
+    covariance_xyz = covariance_enu + 6,
+    velocity_enu = covariance_xyz + 6,
+    velocity_xyz = velocity_enu + 3,
+    velocity_covariance_enu = velocity_xyz + 3,
+    velocity_covariance_xyz = velocity_covariance_enu + 6,
+    count = velocity_covariance_xyz + 6
 };
 
 /// What a column header line says about the rows below it. Two fields, the time, stand before those

@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "stages/import/earth.h"
 #include "stages/import/cell.h"
+#include "stages/import/earth.h"
 #include "stages/import/rtklib_pos/header.h"
 
 namespace runcert::rtklib_pos {
@@ -45,19 +45,11 @@ GpsTime read_instant(std::span<const Cell> fields, Clock clock) {
     return read_week_time(fields[0], fields[1], clock);
 }
 
-Geodetic read_degrees(const Fields& fields) {
-    const Geodetic position{
-        .latitude = Angle::from_degrees(fields.real(Column::latitude, "latitude")),
-        .longitude = Angle::from_degrees(fields.real(Column::longitude, "longitude")),
-        .height_m = fields.real(Column::height, "height")};
-    return checked_geodetic(position, fields.cell(Column::latitude), fields.cell(Column::longitude),
-                            fields.cell(Column::height));
-}
-
-Geodetic read_degrees_minutes_seconds(const Fields& fields) {
+Geodetic read_angles(const Fields& fields, bool dms) {
     const auto angle = [&](Column column, std::string_view meaning) {
-        return read_dms(fields.cell(column), fields.cell(column, 1), fields.cell(column, 2),
-                        meaning);
+        return dms ? read_dms(fields.cell(column), fields.cell(column, 1), fields.cell(column, 2),
+                              meaning)
+                   : Angle::from_degrees(fields.real(column, meaning));
     };
     const Geodetic position{.latitude = angle(Column::latitude, "latitude"),
                             .longitude = angle(Column::longitude, "longitude"),
@@ -74,17 +66,10 @@ Geodetic read_baseline(const Fields& fields, const LocalFrame& base) {
 
 Geodetic read_position(const Fields& fields, const Layout& layout,
                        const std::optional<LocalFrame>& base) {
-    switch (layout.coordinates) {
-        case Coordinates::degrees:
-            return read_degrees(fields);
-        case Coordinates::degrees_minutes_seconds:
-            return read_degrees_minutes_seconds(fields);
-        case Coordinates::earth_centred:
-            return checked_ecef(fields.reals(Column::x, "coordinate"), fields.cell(Column::x));
-        case Coordinates::baseline:
-            break;
-    }
-    return read_baseline(fields, *base);
+    if (layout.coordinates == Coordinates::baseline) return read_baseline(fields, *base);
+    if (layout.coordinates == Coordinates::earth_centred)
+        return checked_ecef(fields.reals(Column::x, "coordinate"), fields.cell(Column::x));
+    return read_angles(fields, layout.coordinates == Coordinates::degrees_minutes_seconds);
 }
 
 void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordinates coordinates) {
@@ -139,19 +124,19 @@ Eigen::Matrix3d read_covariance(const Fields& fields, Column enu, Column ecef,
 void read_velocity(const Fields& fields, const Geodetic& place,
                    const std::optional<LocalFrame>& base, RecordedVelocity& velocity) {
     Eigen::Vector3d enu_m_s;
-    if (fields.has(Column::velocity_x))
+    if (fields.has(Column::velocity_xyz))
         enu_m_s = rotation_enu_from_ecef(place.latitude, place.longitude) *
-                  fields.reals(Column::velocity_x, "velocity");
-    else if (fields.has(Column::velocity_east))
+                  fields.reals(Column::velocity_xyz, "velocity");
+    else if (fields.has(Column::velocity_enu))
         enu_m_s =
-            rotation_from_stated(place, base) * fields.reals(Column::velocity_east, "velocity");
+            rotation_from_stated(place, base) * fields.reals(Column::velocity_enu, "velocity");
     else
         return;
     velocity.recorded_velocity_east_m_s = enu_m_s(0);
     velocity.recorded_velocity_north_m_s = enu_m_s(1);
     velocity.recorded_velocity_up_m_s = enu_m_s(2);
     const StatedAccuracy accuracy = accuracy_from_covariance(read_covariance(
-        fields, Column::sigma_velocity_east, Column::sigma_velocity_x, place, base));
+        fields, Column::velocity_covariance_enu, Column::velocity_covariance_xyz, place, base));
     velocity.sigma_recorded_velocity_east_m_s = accuracy.sigma_east_m;
     velocity.sigma_recorded_velocity_north_m_s = accuracy.sigma_north_m;
     velocity.sigma_recorded_velocity_up_m_s = accuracy.sigma_up_m;
@@ -191,7 +176,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout,
     set_position(row.observation, place);
     set_written_coordinates(row.written, fields, layout.coordinates);
     static_cast<StatedAccuracy&>(row.observation) = accuracy_from_covariance(
-        read_covariance(fields, Column::sigma_east, Column::sigma_x, place, base));
+        read_covariance(fields, Column::covariance_enu, Column::covariance_xyz, place, base));
     read_velocity(fields, place, base, row.observation);
     return row;
 }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/format.h"
 #include "stages/import/rtklib_pos/header.h"

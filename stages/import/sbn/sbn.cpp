@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "core/failure.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
@@ -33,8 +32,7 @@ struct GeodeticRow {
 
 constexpr std::string_view frame_start = "\xa0\xa2";
 constexpr std::string_view frame_end = "\xb0\xb3";
-constexpr std::size_t before_payload = 4;
-constexpr std::size_t after_payload = 4;
+constexpr std::size_t before_payload = 4, after_payload = 4;
 /// A SiRF payload is shorter than 1 KiB; with the limit a damaged length costs little.
 constexpr std::size_t longest_payload = 1023;
 
@@ -130,8 +128,7 @@ constexpr Number<std::uint8_t> satellites{88};
 constexpr Number<std::uint8_t> sdop{95, 0.01}, vsdop{96, 0.01};  ///< Locosys' own
 }  // namespace field
 
-constexpr std::size_t message_bytes = 91;
-constexpr std::size_t locosys_bytes = 97;
+constexpr std::size_t message_bytes = 91, locosys_bytes = 97;
 constexpr std::uint8_t wgs84 = 21;
 
 constexpr const char* damaged =
@@ -153,16 +150,10 @@ std::optional<double> error_estimate(const field::Number<Integer>& field,
 /// plane, in space; 7 dead reckoning. Bit 7: differential corrections were applied. What fewer than
 /// three satellites make is carried on from before.
 FixType fix_of(std::uint16_t nav_type) {
-    switch (nav_type & 7) {
-        case 0:
-            return FixType::none;
-        case 1:
-        case 2:
-        case 7:
-            return FixType::dead_reckoning;
-        default:
-            return (nav_type & 0x80) != 0 ? FixType::dgps : FixType::single;
-    }
+    const int kind = nav_type & 7;
+    if (kind == 0) return FixType::none;
+    if (kind < 3 || kind == 7) return FixType::dead_reckoning;
+    return (nav_type & 0x80) != 0 ? FixType::dgps : FixType::single;
 }
 
 GpsTime read_instant(std::string_view payload, const RecordingBytes& recording,
@@ -197,15 +188,13 @@ void read_velocity(std::string_view payload, RecordedVelocity& velocity) {
               Angle::from_degrees(field::course.real(payload)));
     velocity.recorded_velocity_up_m_s = field::climb.real(payload);
     // EHVE is of the vector; Locosys receivers leave it at zero and state SDOP, of the speed alone.
-    if (const auto error = error_estimate(field::velocity_error, payload)) {
-        set_velocity_accuracy(velocity, *error, 2);
-    } else if (payload.size() >= locosys_bytes) {
-        if (const auto sdop = error_estimate(field::sdop, payload))
-            set_velocity_accuracy(velocity, *sdop, 1);
-    }
-    if (payload.size() >= locosys_bytes)
-        if (const auto vsdop = error_estimate(field::vsdop, payload))
-            velocity.sigma_recorded_velocity_up_m_s = *vsdop;
+    const auto error = error_estimate(field::velocity_error, payload);
+    if (error) set_velocity_accuracy(velocity, *error, 2);
+    if (payload.size() < locosys_bytes) return;
+    if (const auto sdop = error_estimate(field::sdop, payload); sdop && !error)
+        set_velocity_accuracy(velocity, *sdop, 1);
+    if (const auto vsdop = error_estimate(field::vsdop, payload))
+        velocity.sigma_recorded_velocity_up_m_s = *vsdop;
 }
 
 void read_position(std::string_view payload, Observation& row, const RecordingBytes& recording,

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/failure.h"
 #include "core/geodesy.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/clock.h"

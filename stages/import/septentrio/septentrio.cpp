@@ -1,15 +1,10 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <optional>
 
-#include "core/failure.h"
 #include "core/geodesy.h"
-#include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
-#include "stages/import/cell.h"
-#include "stages/import/cell.h"
 #include "stages/import/format.h"
 
 /// The text that Septentrio's sbf2asc makes of SBF: rows whose first field says what they are

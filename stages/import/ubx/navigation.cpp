@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "stages/import/byte_order.h"

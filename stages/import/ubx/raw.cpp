@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
-#include <tuple>
 
 #include "core/failure.h"
 #include "stages/import/byte_order.h"

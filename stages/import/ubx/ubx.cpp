@@ -1,10 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <utility>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/format.h"
 #include "stages/import/ubx/epoch.h"

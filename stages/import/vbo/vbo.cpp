@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/format.h"

@@ -34,8 +34,8 @@ class Places {
     explicit Places(const Geodetic& origin);
     void see(const Observation& row);
 
-    /// Those beside the origin's own, in order of time: one that is near to another found before
-    /// has its origin.
+    /// The places other than the origin's, in order of time. One near a place found before takes
+    /// over its origin.
     std::vector<FramePlace> found() const;
 
   private:

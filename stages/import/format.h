@@ -32,7 +32,7 @@ struct Format {
 /// By their places.
 const std::vector<const Format*>& formats();
 
-/// Null where there is none of that name.
+/// Null for an unknown name.
 const Format* find_format(std::string_view name);
 
 }  // namespace runcert

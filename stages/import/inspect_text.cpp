@@ -185,7 +185,7 @@ void add_record_concerns(const Inspection& it, std::vector<std::string>& concern
             "More than 1 % of its records cannot be read: nothing in it can be certified.");
 }
 
-/// What of the accuracy the attempt must state.
+/// The accuracy that the attempt must state.
 std::string_view accuracy_key(bool heights) {
     return heights ? "accuracy: {horizontal_m: ..., vertical_m: ...}"
                    : "accuracy: {horizontal_m: ...}";

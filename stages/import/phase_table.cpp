@@ -24,7 +24,7 @@ namespace {
 
 /// The place is solved anew after so long: elevations are good to 0.1 degrees at 100 m/s.
 constexpr std::int64_t place_holds_ns = 10 * GpsTime::nanoseconds_per_second;
-/// Heights that a solution of pseudoranges may have (m); others are none.
+/// Heights that a pseudorange solution may have (m); any other solution is rejected.
 constexpr double lowest_m = -1000.0, highest_m = 30'000.0;
 
 /// All measurements, held: 56 bytes a signal.
@@ -188,7 +188,7 @@ PhaseMark mark_of(const SignalMeasurement& signal) {
 
 void give_rows(const Held& held, const TakePhaseRow& take) {
     Sky sky(held);
-    // Of what comes before the first solution, too, the elevations are wanted.
+    // Epochs before the first solution need elevations, too.
     for (std::size_t i = 0; i < held.epochs.size() && !sky.has_place(); ++i)
         sky.locate(held.epochs[i]);
     std::int64_t number = 0;

@@ -51,10 +51,10 @@ class WrittenResolution {
     /// Takes in a row. All rows that have a position have it in the same unit.
     void see(const WrittenCells& cells);
 
-    /// Of its times, s.
+    /// The step of its times, s.
     std::optional<double> time_s() const;
 
-    /// Of its horizontal coordinates, m: the coarsest coordinate's. A degree counts its length
+    /// The step of its coarsest horizontal coordinate, m. A degree counts its length
     /// along the meridian or the parallel of the WGS 84 ellipsoid at `latitude`; a metre of a UTM
     /// grid counts as one on the ground.
     std::optional<double> position_m(Angle latitude) const;

@@ -30,8 +30,8 @@ class StepCount {
     std::size_t steps_ = 0;
 };
 
-/// What the rows of a recording show as a whole, gathered one by one, so that nobody needs to hold
-/// them for it.
+/// What the rows of a recording show as a whole, gathered one by one without
+/// holding them.
 class RowSummary {
   public:
     /// Takes in a row, whose time still counts from the GPS epoch.

@@ -64,7 +64,7 @@ std::optional<std::int64_t> day_of(const Parts& parts, DateOrder order) {
     return day_number(year.size() == 2 ? 2000 + *y : *y, *m, *d);
 }
 
-/// The days (since 1980-01-06) that a date is in each order; nothing where it is none.
+/// The days (since 1980-01-06) that a date is in each order; nothing where it is no date.
 std::array<std::optional<std::int64_t>, 3> days_of(std::string_view date) {
     std::array<std::optional<std::int64_t>, 3> days;
     const auto with_marks = parted(date);

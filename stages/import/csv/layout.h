@@ -26,7 +26,7 @@ struct Unit {
     double factor = 1.0;
 };
 
-/// By any of its spellings, in any case; nothing for a text that is none.
+/// The unit by any of its spellings, in any case; nothing for any other text.
 std::optional<Unit> find_unit(std::string_view text);
 
 /// The name without a unit in brackets at its end: "Speed" of "Speed (km/h)".
@@ -67,7 +67,7 @@ enum class Column : std::size_t {
     count
 };
 
-/// What there is to say of a column.
+/// What a column holds.
 struct ColumnKind {
     std::string_view name;                            ///< its key in an attempt ("sigma_east")
     std::optional<Quantity> quantity = std::nullopt;  ///< of its numbers, where they have a unit
@@ -145,7 +145,7 @@ struct Layout : ColumnPlaces<Column> {
 /// Finds the header line and reads it: the first line that has all the names that the attempt gives
 /// to columns. Where it gives numbers alone, the table begins with the first line whose time is a
 /// number or begins with a digit. Failure on a name that is not there or there twice, on a number
-/// beyond the last column, and on a unit that contradicts the attempt or is none that is read.
+/// beyond the last column, and on a unit that contradicts the attempt or is not read.
 Layout read_layout(const Receiver& receiver, const Description& description,
                    const RecordingBytes& recording);
 

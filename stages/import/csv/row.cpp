@@ -265,7 +265,7 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
         written.coordinates[i] = fields.cell(columns[i]).text;
 }
 
-/// What of a time shows its decimals.
+/// The part of a time that shows its decimals.
 std::string_view written_time(std::string_view text, const Description& description) {
     if (description.date_order) return seconds_text(text);
     if (description.time_shift == 0) return text;

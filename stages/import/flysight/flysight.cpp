@@ -181,7 +181,7 @@ std::string_view without_returns(std::string_view text) {
     return text;
 }
 
-/// Whether a line is one of what a FlySight 2 logs of its own workings: `29276.099,"..."`.
+/// Whether a line is of the log that a FlySight 2 keeps of its own workings: `29276.099,"..."`.
 bool is_working_line(std::string_view text) {
     const std::size_t comma = text.find(',');
     return comma != std::string_view::npos && parse_double(text.substr(0, comma)) &&

@@ -23,7 +23,7 @@ bool recognises(std::string_view bytes);
 
 /// gpsbabel's name of a recording's format ("garmin_fit"): the receiver's gpsbabel_type, or what is
 /// recognised. Failure where there is neither, and where the name is none of the formats, files
-/// with tracks, that gpsbabel 1.8.0 reads: names of devices, and options after a comma, are none.
+/// with tracks, that gpsbabel 1.8.0 reads: names of devices and options after a comma are refused.
 std::string type_of(const Receiver& receiver, const RecordingBytes& recording);
 
 /// Has gpsbabel read a recording as its format `type` (checked by type_of) and write GPX 1.0, which

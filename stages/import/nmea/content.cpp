@@ -138,7 +138,7 @@ constexpr std::pair<char, FixType> modes[] = {
     {'A', FixType::single}, {'E', FixType::dead_reckoning},
     {'N', FixType::none}};
 
-/// The fix type of the best of the systems' modes; unknown where none is known.
+/// The fix type of the best of the systems' modes; unknown where they have other letters.
 FixType best_of_modes(std::string_view systems) {
     for (const auto& [letter, fix] : modes)
         if (systems.find(letter) != std::string_view::npos) return fix;

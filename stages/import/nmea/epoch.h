@@ -80,7 +80,7 @@ struct Epoch {
     bool has(SentenceType type) const { return (sentences >> static_cast<unsigned>(type)) & 1U; }
 };
 
-/// What the joining of sentences came across.
+/// What was counted while sentences were joined.
 struct Tally {
     unsigned sentences = 0;  ///< bit set of the SentenceTypes that were read
     std::int64_t without_checksum = 0;
@@ -151,7 +151,7 @@ bool has_fix(const Epoch& epoch);
 /// Where the row of an epoch comes from: the sentence that gives its position, or could.
 RecordPlace place_of(const Epoch& epoch);
 
-/// What the rows of a recording were made of.
+/// Counts of what the rows of a recording were made of.
 struct RowTally {
     std::int64_t above_sea_level = 0;
     std::int64_t without_height = 0;
@@ -160,7 +160,7 @@ struct RowTally {
     std::int64_t ellipses_disagree = 0;
 };
 
-/// Makes rows of epochs, and counts what is worth saying of them.
+/// Makes rows of epochs, and counts what the notes say of them.
 class RowMaker {
   public:
     /// The row of an epoch that says_position.

@@ -12,7 +12,7 @@
 namespace runcert::nmea {
 namespace {
 
-/// What dates a recording's epochs.
+/// The date that a recording's epochs are counted from.
 struct FirstDay {
     std::int64_t day = 0;  ///< of its first epoch, days since 1980-01-06
     /// Whether dates of epochs without a fix count: no other epoch has one. A receiver that has no

@@ -14,7 +14,7 @@ namespace runcert::nmea {
 /// The sentences that are read, whatever their talker.
 enum class SentenceType : std::uint8_t { gga, gns, rmc, vtg, gst, gsa, zda, txt };
 
-/// How a type is called, and how many fields, the address included, it must have and has in full.
+/// The name of a type, and how many fields, the address included, it must have and has in full.
 struct SentenceKind {
     std::string_view word;
     std::size_t least, full;
@@ -58,7 +58,7 @@ struct Sentence {
 /// Why a damaged sentence cannot be read.
 Failure failure_of(const Sentence& sentence);
 
-/// What was passed over on the way.
+/// Counts of what was passed over.
 struct PassedOver {
     std::int64_t lines_without_sentence = 0;
     std::int64_t other_sentences = 0;

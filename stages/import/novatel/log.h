@@ -17,10 +17,10 @@ struct Log {
     std::vector<Cell> fields;      ///< after the semicolon
 };
 
-/// Whether a line begins as a log of that name, with either header.
+/// Whether a line begins a log of this name, with a long or a short header.
 bool is_log(std::string_view line, std::string_view name);
 
-/// The name of the log that a line begins; empty where it is none.
+/// The name of the log that begins on a line; empty where none does.
 std::string_view log_name(std::string_view line);
 
 /// NovAtel's CRC-32: polynomial EDB88320, reflected, beginning with 0, not inverted at the end.

@@ -45,7 +45,7 @@ std::string_view label_of(std::string_view line);
 std::string_view characters(std::string_view line, std::size_t at, std::size_t size);
 
 /// The first line of any RINEX file ([RINEX3] table A1): version (3.03 is 303) and kind ('O', 'N').
-/// Failure where it is none.
+/// Failure where it is not one.
 struct FirstLine {
     int version = 0;
     char kind = ' ';

@@ -142,8 +142,8 @@ void ObservationHeader::read_line(const SourceLine& line) {
     const std::string_view label = label_of(line.text);
     if (label == "# / TYPES OF OBSERV" && version < 300) return read_types_2(line);
     if (label == "SYS / # / OBS TYPES" && version >= 300) return read_types_3(line);
-    // Version 2 says so of receivers that square the signal. What they record since is whole but
-    // for slips, which are looked for by halves, too; an open half has its indicator.
+    // Said of receivers that square the signal. Their phases are whole cycles but for slips, which
+    // are looked for by halves, too; an open half cycle has its indicator.
     if (label == "WAVELENGTH FACT L1/2" &&
         characters(line.text, 0, 12).find('2') != std::string_view::npos)
         notes.push_back(fmt::format(

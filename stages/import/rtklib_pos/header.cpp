@@ -185,7 +185,7 @@ Layout read_column_line(const SourceLine& line, const RecordingBytes& recording)
     const Cell* first_other = nullptr;
     for (const Cell& cell : std::span(cells).subspan(1)) {
         const std::optional<Column> column = find_column(cell);
-        // Behind another program's columns a name that RTKLIB uses, too, is that program's.
+        // Behind another program's columns, a name that RTKLIB also uses is that program's.
         if (!column || (first_other && layout[*column])) {
             if (!first_other) first_other = &cell;
             layout.passed_over.push_back(escape_for_message(cell.text));

@@ -14,11 +14,11 @@
 namespace runcert::sbn {
 namespace {
 
-/// A piece of a log: a message, or one that is none.
+/// A piece of a log: a message, or bytes that are none.
 struct Frame {
     std::size_t offset = 0;          ///< of its first byte in the log
-    std::string_view payload;        ///< its message number first; empty where it is none
-    std::optional<Failure> failure;  ///< why it is none
+    std::string_view payload;        ///< message number first; empty for other bytes
+    std::optional<Failure> failure;  ///< why they are no message
 };
 
 /// An epoch out of message 41.

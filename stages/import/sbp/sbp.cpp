@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t record_bytes = 32;
 
-/// What of the records a logger fills in; the older ones leave some fields at zero.
+/// Which fields of its records a logger fills in; older ones leave some at zero.
 struct Filled {
     bool satellites = false;  ///< the count of satellites
     bool sdop = false;        ///< SDOP and VSDOP; without them the two bytes are flags

@@ -135,7 +135,7 @@ class Reader {
     RowCollector timed_;
 };
 
-/// The block that a line is a row of; null where it is none.
+/// The block whose row a line is; null where it is no row.
 const Block* block_of(std::string_view line) {
     if (is_row(line, geodetic)) return &geodetic;
     return is_row(line, cartesian) ? &cartesian : nullptr;

@@ -103,7 +103,7 @@ FixType fix_of(const Epoch& epoch) {
     return epoch.has(Part::status) ? fix_at(epoch[Part::status], 4) : FixType::unknown;
 }
 
-/// So much GPS time is ahead of UTC (s); nothing where it is not announced.
+/// How far GPS time is ahead of UTC (s); nothing where that is not announced.
 std::optional<std::int64_t> leap_seconds_at(GpsTime time) {
     UtcTime utc = utc_from_gps(time);
     if (!utc.leap_seconds_known) return std::nullopt;
@@ -175,7 +175,7 @@ Eigen::Matrix3d covariance_at(std::string_view cov, std::size_t at) {
     return covariance;
 }
 
-/// Whether COV states a covariance with variances that are some.
+/// Whether COV states a covariance whose variances are finite and positive.
 bool is_usable(const Eigen::Matrix3d& covariance) {
     return covariance.allFinite() && (covariance.diagonal().array() > 0.0).all();
 }

@@ -58,7 +58,7 @@ struct Epoch {
     std::string_view operator[](Part part) const {
         return parts[static_cast<std::size_t>(part)]->payload;
     }
-    /// Whether there is enough to make a row of.
+    /// Whether it has enough for a row.
     bool is_whole() const { return has(Part::pvt) || (has_position() && has_time()); }
     bool has_position() const { return has(Part::pvt) || has(Part::posllh) || has(Part::sol); }
     bool has_time() const { return has_utc() || has(Part::timegps) || has(Part::sol); }
@@ -72,7 +72,7 @@ struct Epoch {
     }
 };
 
-/// What the rows of a recording were made of.
+/// Counts of what the rows of a recording were made of.
 struct RowTally {
     std::int64_t without_time = 0;    ///< epochs left out
     std::int64_t in_utc = 0;          ///< epochs whose time is of UTC
@@ -85,7 +85,7 @@ struct RowTally {
     std::int64_t with_dead_reckoning = 0;
 };
 
-/// Makes rows of epochs, and counts what is worth saying of them.
+/// Makes rows of epochs, and counts what the notes say of them.
 class RowMaker {
   public:
     explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}

@@ -15,7 +15,7 @@ namespace {
 constexpr MessageId raw_measurements = 0x0215;  ///< RXM-RAWX
 constexpr MessageId receiver_version = 0x0a04;  ///< MON-VER
 
-/// A text of a fixed size, filled up with NUL; empty where it is none.
+/// A text of a fixed size, filled up with NUL; empty where it is not printable.
 std::string_view text_at(std::string_view payload, std::size_t at, std::size_t size) {
     const std::string_view field = payload.substr(std::min(at, payload.size()), size);
     const std::string_view text = trim(field.substr(0, field.find('\0')));

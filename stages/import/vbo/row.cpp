@@ -106,7 +106,7 @@ std::optional<unsigned> take_number(std::string_view& text) {
     return value;
 }
 
-/// Takes what is no digit off the text.
+/// Drops everything before the next digit.
 void skip_to_digit(std::string_view& text) {
     text.remove_prefix(std::min(text.find_first_of("0123456789"), text.size()));
 }

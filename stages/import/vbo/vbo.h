@@ -81,8 +81,8 @@ using Row = RowCells<Column>;
 /// "06:23:45.04"; nothing for any other text. Second 60 at the end of the day only.
 std::optional<std::int64_t> time_of_day_ns(std::string_view text);
 
-/// What a row says, but its time. `east_positive`: which way longitudes count. Failure at the
-/// field that cannot be read.
+/// Reads everything of a row but its time. `east_positive`: which way longitudes count. Failure at
+/// the field that cannot be read.
 TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive);
 
 /// Which way longitudes count, and how that is known.
@@ -92,7 +92,7 @@ enum class LongitudeSense {
     assumed_west    ///< Racelogic's rule; the headings show nothing
 };
 
-/// What has to be known before the rows are read.
+/// What must be known before the rows are read.
 struct Survey {
     Coordinates coordinates = Coordinates::minutes;
     bool coordinates_by_speeds = false;  ///< the recorded speeds show what they are written in

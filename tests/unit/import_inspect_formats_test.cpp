@@ -3,7 +3,6 @@
 
 #include "import_test_support.h"
 #include "stages/import/inspect.h"
-#include "stages/import/inspect.h"
 
 // What inspection says beyond counts: how late recorded velocities are, vertical speeds, records
 // that cannot be read, local time; and the figures that the README of the recorded data gives.

@@ -1,6 +1,5 @@
 #include "core/random.h"
 #include "import_test_support.h"
-#include "stages/import/recording.h"
 #include "stages/import/format.h"
 #include "stages/import/recording.h"
 

@@ -181,16 +181,14 @@ std::string_view without_returns(std::string_view text) {
     return text;
 }
 
-/// Whether a line is of the log that a FlySight 2 keeps of its own workings: `29276.099,"..."`.
-bool is_working_line(std::string_view text) {
-    const std::size_t comma = text.find(',');
-    return comma != std::string_view::npos && parse_double(text.substr(0, comma)) &&
-           text.substr(comma + 1).starts_with('"');
-}
-
+/// Whether it is the log that a FlySight 2 keeps of its own workings: `29276.099,"..."`.
 bool is_log_of_workings(std::string_view bytes) {
     const auto first = LineReader(bytes).next();
-    return first && is_working_line(without_returns(first->text)) &&
+    if (!first) return false;
+    const std::string_view text = without_returns(first->text);
+    const std::size_t comma = text.find(',');
+    return comma != std::string_view::npos && parse_double(text.substr(0, comma)) &&
+           text.substr(comma + 1).starts_with('"') &&
            std::ranges::any_of(marks_of_workings, [&](std::string_view mark) {
                return bytes.find(mark) != std::string_view::npos;
            });

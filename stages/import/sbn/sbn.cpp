@@ -30,8 +30,7 @@ struct GeodeticRow {
     std::optional<std::int64_t> leap_seconds;
 };
 
-constexpr std::string_view frame_start = "\xa0\xa2";
-constexpr std::string_view frame_end = "\xb0\xb3";
+constexpr std::string_view frame_start = "\xa0\xa2", frame_end = "\xb0\xb3";
 constexpr std::size_t before_payload = 4, after_payload = 4;
 /// A SiRF payload is shorter than 1 KiB; with the limit a damaged length costs little.
 constexpr std::size_t longest_payload = 1023;
@@ -246,13 +245,12 @@ struct LeapCount {
 };
 
 std::int64_t right_leap_seconds(GpsTime instant) {
-    const CalendarTime utc = utc_from_gps(instant).time;
-    CalendarTime minute = utc;
-    minute.second = 0;
-    minute.nanosecond = 0;
-    return (instant.nanoseconds_since(GpsTime::from_calendar(minute)) - utc.nanosecond) /
+    CalendarTime minute = utc_from_gps(instant).time;
+    const auto second = std::exchange(minute.second, 0);
+    const auto nanosecond = std::exchange(minute.nanosecond, 0);
+    return (instant.nanoseconds_since(GpsTime::from_calendar(minute)) - nanosecond) /
                GpsTime::nanoseconds_per_second -
-           utc.second;
+           second;
 }
 
 /// Reads a log frame by frame.
@@ -331,7 +329,7 @@ class Reader {
 };
 
 bool recognises(std::string_view bytes) {
-    if (!bytes.starts_with("\xa0\xa2")) return false;
+    if (!bytes.starts_with(frame_start)) return false;
     const RecordingBytes nameless{{}, bytes};
     const auto first = FrameReader(nameless).next();
     return first && !first->failure;

@@ -45,8 +45,7 @@ struct ReceiverRecord {
     std::vector<std::string> witnesses = {};  ///< files that the audit of screening goes by
 };
 
-/// A run folder as an audit finds it. Every hash that one of its files names of another that is
-/// there has been found to hold.
+/// A run folder as an audit finds it; all hashes that its files name of one another hold.
 struct RunRecord {
     Attempt attempt;
     std::vector<ReceiverRecord> receivers = {};
@@ -70,8 +69,7 @@ struct WalkOptions {
     bool all = false;                   ///< hashes in full, and lists that are else cut
 };
 
-/// The walk through a run: what it is, and for each stage and receiver what came in, what went out,
-/// what was decided and why.
+/// What a run is, and what came in, went out and was decided, and why, by stage and receiver.
 Walk walk_through(const RunRecord& record, const WalkOptions& options);
 
 /// What an audit needs of report.json.

@@ -63,9 +63,8 @@ struct AuditSubject {
 };
 
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
-/// the recording, the minimal detectable biases. An entry begins with "epoch ..." or
-/// "epochs ..." for rows and "before epoch ..." for a break. With `all` the rows used are entries
-/// too. Tables of any revision.
+/// the recording, the minimal detectable biases. Entries begin with "epoch ..." or "epochs ...",
+/// those of breaks with "before epoch ...". With `all` used rows are entries. Any table revision.
 Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all);
 
 /// What the tests rested on, and what they found over the whole recording.

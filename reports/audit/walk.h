@@ -81,8 +81,7 @@ std::string walk_text(const Walk& walk);
 /// One section, and its parts, likewise.
 std::string section_text(const Section& section);
 
-/// The walk as one page of HTML that is also well-formed XML: no script, nothing from elsewhere,
-/// every text escaped.
+/// The walk as one page, HTML and well-formed XML: no script, nothing from elsewhere, all escaped.
 std::string walk_html(const Walk& walk);
 
 }  // namespace runcert

@@ -100,8 +100,7 @@ std::string text_of(const FactTable& table) {
     return text;
 }
 
-/// Whether an empty line parts two blocks: beside tables and lists of facts, but for what belongs
-/// to the fact before it.
+/// Whether an empty line parts two blocks: beside tables and facts, but for what belongs to a fact.
 bool is_parted(const Block& before, const Block& after) {
     const Entries* entries = std::get_if<Entries>(&after);
     if (entries && entries->nested) return false;

@@ -169,8 +169,7 @@ int height_of(const Json& figure) {
     return static_cast<int>(std::clamp(620.0 * shape, 170.0, 430.0)) + 90;
 }
 
-/// Six ticks at most along the longer axis, on both alike: a step of 1, 2 or 5 times a power of
-/// ten.
+/// At most six ticks along the longer axis, on both a step of 1, 2 or 5 times a power of ten.
 std::string equal_scale(const Json& figure) {
     if (!figure["equal_scale"].get<bool>()) return {};
     const double length = std::max(figure["x_max"].get<double>() - figure["x_min"].get<double>(),

@@ -20,8 +20,7 @@ std::string short_text(double value, int digits) {
 /// From here on Student's t is the normal distribution.
 constexpr double many_degrees_of_freedom = 10000.0;
 
-/// Decimals for every contribution of a budget: three digits of the combined uncertainty, no finer
-/// than the files hold it.
+/// Decimals for all contributions: three digits of the combined uncertainty, as far as files go.
 int contribution_decimals(const CertifiableWindow& window, const SpeedUnit& unit) {
     return std::min(uncertainty_decimals(window.standard_uncertainty_m_s * unit.per_m_s) + 1, 5);
 }

@@ -10,8 +10,7 @@
 namespace runcert {
 namespace {
 
-/// A unit of speed as D-SI writes it (https://doi.org/10.5281/zenodo.3522631); it has none for the
-/// statute mile.
+/// A unit of speed as D-SI writes it (https://doi.org/10.5281/zenodo.3522631), which has no mph.
 std::string d_si_unit(const SpeedUnit& unit) {
     if (unit.name == "km/h") return "\\kilo\\metre\\per\\hour";
     if (unit.name == "kn") return "\\nauticalmile\\per\\hour";

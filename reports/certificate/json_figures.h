@@ -22,8 +22,7 @@ Json residual_figure(const ReceiverResults& results);
 Json test_figure(const ScreenedTable& table);
 /// Adds the speed by carrier phases to the figure of a window.
 void add_phase_speed(Json& figure, const PhaseView& view);
-/// Sky, satellites over time, residuals, and displacements beside the positions'; none where the
-/// phases say nothing.
+/// Sky, satellites over time, residuals, displacements; none where the phases say nothing.
 std::vector<Json> phase_figures(const PhaseView& view, const Json& window);
 
 /// Least and largest of what was seen.
@@ -43,8 +42,7 @@ struct CurveStyle {
     int y_decimals = 3;
 };
 
-/// Collects the points of a curve, as `figures[].curves[]` of the report holds them: in order, a
-/// null where the line breaks.
+/// Collects a curve, as `figures[].curves[]` of the report: in order, null where the line breaks.
 class Curve {
   public:
     explicit Curve(const CurveStyle& style);

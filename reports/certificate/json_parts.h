@@ -9,8 +9,7 @@
 #include "reports/certificate/report_data.h"
 #include "reports/words/figures.h"
 
-// The parts of a report's predicate, `reports/certificate/v1.yaml`; `report_json` puts them
-// together.
+// The parts of a report's predicate (`v1.yaml`), which `report_json` puts together.
 
 namespace runcert {
 
@@ -26,8 +25,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index);
 /// What is to be drawn. `profiles` are the above.
 Json figures_json(const ReportInputs& inputs, const Json& profiles);
 
-/// The signatures that the report needs: those of its rules and of its attempt, for each role the
-/// largest count.
+/// The signatures that its rules and its attempt require, for each role the largest count.
 Json signatures_required_json(const ReportInputs& inputs);
 /// What every certificate of a measurement says (ISO/IEC 17025:2017 7.8.2), in the words of PTB's
 /// Digital Calibration Certificate where it has one (https://www.ptb.de/dcc/).
@@ -43,8 +41,7 @@ Json screening_json(const ScreenedTable& table);
 /// The same as shown, a line for each thing that an official asks.
 Json screening_facts(const ScreenedTable& table);
 
-/// Of a profile: which speed the rule counts, "Speed over 3 s, by the definition: Displacement over
-/// time."
+/// Of a profile: which speed counts, "Speed over 3 s, by the definition: Displacement over time."
 std::string rule_words(const Profile& profile);
 /// Sets what the profile looks for where it is not the usual: a time, horizontally, from positions.
 void set_rule(Json& json, const Profile& profile);
@@ -55,8 +52,7 @@ void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& prof
 /// Sets what must be read with the verdict: notes, replaced figures, clauses that could not be
 /// confirmed. Nothing where there are none.
 void set_reservations(Json& json, const ProfileVerdict& verdict);
-/// The certified window of a verdict, which has one. `windows` is null where the search's results
-/// do not hold the rule.
+/// The certified window, which the verdict must have. `windows` is null where none were searched.
 Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
                  const Profile& profile);
 /// The refused window of a verdict, which has one.

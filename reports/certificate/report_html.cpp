@@ -32,9 +32,8 @@ constexpr std::string_view page_scripts[] = {
     "page.js"};
 
 /// What stands before and after each piece of a very long word, so that a line may end there. A
-/// browser takes <wbr> and copies nothing of it. WeasyPrint 57 passes many of them over, but not a
-/// zero-width space, which the PDF does not hold; pieces in elements of their own it lays out
-/// faster.
+/// browser takes <wbr> and does not copy it. WeasyPrint 57 passes many of them over, but not a
+/// zero-width space, which the PDF does not hold; it is faster with each piece in an element.
 struct WordPieces {
     std::string_view before, after;
 };

@@ -77,8 +77,7 @@ void check_inputs(const ReportInputs& inputs) {
                                inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
 }
 
-/// By a field table, as the stages' products. Of a curve's many points a few stand for all: they
-/// are made by one line of code.
+/// By a field table, as the stages' products. Three points of a curve stand for all of them.
 void check_predicate(Json predicate, const std::string& where) {
     for (Json& figure : predicate["figures"])
         for (Json& curve : figure["curves"])

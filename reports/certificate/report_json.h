@@ -22,9 +22,8 @@ nlohmann::ordered_json parse_report(const std::string& text, const std::string& 
 /// "HASH  NAME" for each, as `sha256sum` prints them.
 std::string report_id(const std::vector<ReportSubject>& subjects);
 
-/// The bytes of report.json: JSON, UTF-8, indented by 2, lists of plain numbers on one line, a line
-/// end at its end. `<`, `>` and `&` are written as escapes, so that the text can stand in a page as
-/// it is.
+/// The bytes of report.json: UTF-8, indented by 2, lists of numbers on one line, a line end at its
+/// end; `<`, `>` and `&` as escapes, so that the text can stand in a page as it is.
 std::string report_text_of(const nlohmann::ordered_json& report);
 
 }  // namespace runcert

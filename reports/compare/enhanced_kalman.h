@@ -46,8 +46,7 @@ struct EnhancedKalmanEpoch {
 struct EnhancedKalmanState {
     Geodetic position;
     Eigen::Matrix3d covariance_enu_m2 = Eigen::Matrix3d::Identity();
-    /// East, north, up from the state before to this one, over the time between; empty where the
-    /// filter begins.
+    /// East, north, up since the state before, over the time between; empty at the beginning.
     std::optional<Eigen::Vector3d> velocity_enu_m_s;
 };
 

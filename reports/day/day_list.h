@@ -54,8 +54,7 @@ struct ReportIdentity {
     std::string verdict_sha256 = {};  ///< of the verdict that it reports
 };
 
-/// Reads that much of a report, without holding the rest of it in memory. Failure, with `where`,
-/// where it is none.
+/// Reads that much of a report, without the rest of it in memory. Failure where it is none.
 ReportIdentity read_report_identity(std::string_view text, const std::string& where);
 
 /// An attempt that is done, from its verdict and its report. Failure where the two, or the id under

@@ -34,8 +34,7 @@ TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempt
 /// What the title of a result speaks of.
 OutcomeState state_of(const DayResult& result);
 
-/// "2022-03-18 08:51:22.300 UTC", or "12.340 s after the first epoch"; empty where there is no
-/// window.
+/// "2022-03-18 08:51:22.300 UTC", "12.340 s after the first epoch"; empty without a window.
 std::string window_words(const DayResult& result);
 
 /// "cannot be separated from rank 2", "... from ranks 1 to 4"; empty where both neighbours are.
@@ -65,9 +64,8 @@ struct Picture {
     std::vector<PictureLine> lines = {};
 };
 
-/// Speeds with their uncertainties as bars, line by line, and the speeds to reach: SVG for a page
-/// whose style has the classes of `template/day.css`. As wide as where it stands, in letters that
-/// keep their size.
+/// Speeds with their uncertainties as bars, and required speeds: SVG for a page with the classes of
+/// `template/day.css`, as wide as where it stands, in letters that keep their size.
 std::string picture_svg(const Picture& picture);
 
 }  // namespace runcert

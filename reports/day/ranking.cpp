@@ -31,8 +31,7 @@ bool told_apart(const Entry& a, const Entry& b) {
     return !(std::abs(a.speed() - b.speed()) < std::hypot(a.uncertainty(), b.uncertainty()));
 }
 
-/// The last place that one is not told apart from, going step by step (1 or -1) from it; nothing
-/// where that has its own rank.
+/// The last rank, going by `step` (1 or -1), that one is not told apart from; nothing but its own.
 std::optional<std::int64_t> tied_rank(const std::vector<Entry>& entries,
                                       const std::vector<DayPlace>& places, std::size_t from,
                                       std::ptrdiff_t step) {

@@ -12,9 +12,8 @@
 
 namespace runcert {
 
-/// A speed has moved where it differs by more than this part of its standard uncertainty (the
-/// smaller of the two). Its uncertainty has moved where it differs by more than this part of
-/// itself.
+/// A speed has moved where it differs by more than this part of the smaller standard uncertainty,
+/// an uncertainty where it differs by more than this part of itself.
 inline constexpr double moved_fraction_of_uncertainty = 0.1;
 
 /// An attempt that is processed in one of two days and not in the other, or fails otherwise.
@@ -66,9 +65,8 @@ DayComparison compare_days(const std::filesystem::path& old_out,
 /// The results alone, without causes.
 DayComparison compare_results(const DayResults& old_day, const DayResults& new_day);
 
-/// For people: one line says what is the same, then every difference and why. At most 100 columns.
-/// Lists are cut at 20 entries unless `all`; attempts that changed for the same reasons stand
-/// together.
+/// For people: a line on what is the same, then every difference and why; at most 100 columns.
+/// Lists are cut at 20 unless `all`; attempts that changed for the same reasons stand together.
 std::string comparison_text(const DayComparison& comparison, const std::filesystem::path& old_out,
                             const std::filesystem::path& new_out, bool all = false);
 

@@ -90,8 +90,7 @@ class MemberLines {
     std::string text_;
 };
 
-/// The header's members as text, cut out of a product; nothing where it is not laid out as the
-/// program writes it.
+/// The header's members, cut out of a product; nothing where it is laid out otherwise.
 std::optional<std::string> header_text(std::string_view product, bool is_table) {
     MemberLines members;
     bool inside = !is_table;
@@ -112,8 +111,7 @@ std::optional<std::string> header_text(std::string_view product, bool is_table) 
     return members.text();
 }
 
-/// The header alone. Parsing all that a table says of its columns takes ten times as long as
-/// parsing what is needed here.
+/// The header alone: parsing all that a table says of its columns takes ten times as long.
 Json header_in(const RunFolder& run, const std::string& product) {
     const fs::path file = run.folder / product;
     const FileView view(file);

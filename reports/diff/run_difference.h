@@ -109,8 +109,7 @@ struct RunDifference : RunCauses {
 /// Compares two run folders. Failure where one is not a run folder, or holds what cannot be read.
 RunDifference difference_of_runs(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// For people: one line for what is the same, every difference where not. With `all` no list is
-/// cut. At most 100 columns.
+/// For people, in at most 100 columns: what is the same, and every difference; `all` cuts no list.
 std::string difference_text(const RunDifference& difference, const std::filesystem::path& a,
                             const std::filesystem::path& b, bool all);
 

@@ -28,8 +28,7 @@ struct CellDifference {
     std::string b;
     std::optional<double> difference = {};  ///< b less a, of numbers
     std::optional<double> ratio = {};       ///< its size against the first table's uncertainty
-    /// Within a thousandth of the uncertainty (of an uncertainty: of itself), or one unit of the
-    /// last digit written.
+    /// Within a thousandth of the uncertainty (of one: of itself), or a unit of the last digit.
     bool tolerated = false;
 };
 

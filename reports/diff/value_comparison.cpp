@@ -76,8 +76,7 @@ bool is_of_search(std::string_view path) {
     return path.starts_with("estimation.variance_factor");
 }
 
-/// Whether two texts have the same words, and numbers that differ by one unit of their last digit
-/// at most.
+/// Whether two texts have the same words, and numbers within one unit of their last digit.
 bool is_same_prose(std::string_view a, std::string_view b) {
     constexpr std::string_view digits = "0123456789.";
     const auto word_at = [&](std::string_view text) {

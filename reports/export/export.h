@@ -20,9 +20,8 @@ std::string geojson_text(const Track& track);
 /// absolute, and `ele` (above the ellipsoid, as the file's description says) where it was measured.
 std::string gpx_text(const Track& track);
 
-/// A table (ECSV) as plain CSV: one header row, no comments, LF. Text that a spreadsheet would take
-/// for a formula gets an apostrophe before it; numbers stay as they are. `where` names the table in
-/// messages.
+/// A table (ECSV, named `where` in messages) as plain CSV: one header row, no comments, LF. Numbers
+/// stay; text that a spreadsheet would take for a formula gets an apostrophe before it.
 std::string csv_text(std::string_view table, const std::string& where);
 
 }  // namespace runcert

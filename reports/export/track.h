@@ -78,8 +78,7 @@ struct TrackInput {
 
 /// The smoothed trajectory in geodetic coordinates, cut into arcs at gaps, with windows and gates.
 /// Where heights were not measured, the points lie at the attempt's height and state none. Failure
-/// where the run is in engineering coordinates, or a window names an epoch that the trajectory does
-/// not have.
+/// where the run is in engineering coordinates, or a window's epoch is not in the trajectory.
 Track track_of(const TrackInput& input);
 
 /// A fact of a feature on the map, its value as text.

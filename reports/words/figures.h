@@ -34,8 +34,7 @@ const SpeedUnit& speed_unit(std::string_view name);
 /// A standard uncertainty or another small size, rounded to two significant digits: "0.018".
 std::string uncertainty_text(double uncertainty);
 
-/// A figure with so many significant digits: "0.00058", "-72.0", "4100"; "0" for zero. Below 1e-6
-/// as scientific_text writes it.
+/// So many significant digits: "0.00058", "-72.0", "4100"; "0"; below 1e-6 as scientific_text.
 std::string significant_text(double value, int digits);
 
 /// A figure in its shortest form, with its unit where it has one: "202.9", "1000 m".
@@ -46,12 +45,10 @@ std::string number_text(double value, std::string_view unit = {});
 std::string quantity_text(double value, std::optional<double> expanded_uncertainty = std::nullopt,
                           std::string_view unit = {});
 
-/// A figure of a verdict: as the verdict shows it, else by `quantity_text`, "0.42 m ± 0.08 m
-/// (k = 2)".
+/// As the verdict shows the figure, else by `quantity_text`: "0.42 m ± 0.08 m (k = 2)".
 std::string figure_value_text(const Figure& figure);
 
-/// The same with its name and note: "height difference: 0.42 m ± 0.08 m (k = 2); above the
-/// ellipsoid".
+/// With its name and note: "height difference: 0.42 m ± 0.08 m (k = 2); above the ellipsoid".
 std::string figure_text(const Figure& figure);
 
 /// A coverage factor with at most two decimals: "2", "2.07".
@@ -80,16 +77,14 @@ struct SpeedsToShow {
 ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
                       std::optional<int> rule_decimals = std::nullopt);
 
-/// A verdict's shown figures; of a verdict that states none, made from its numbers in that unit.
-/// The verdict has a speed.
+/// The figures that a verdict, which has a speed, shows; else made of its numbers in that unit.
 ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 
-/// Another speed of the same rule, with the unit and decimals of the measured one, rounded to that
-/// side; of a verdict without a speed, to the nearest with the unit's usual decimals: "224.18
-/// km/h".
+/// Another speed of the same rule, "224.18 km/h", with unit and decimals of the measured one,
+/// rounded to that side; without a measured one to the nearest, with the unit's usual decimals.
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
                          SafeSide side = SafeSide::down);
 

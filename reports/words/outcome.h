@@ -5,7 +5,7 @@
 
 #include "schemas/verdict/verdict.h"
 
-// What a rule's outcome and its standing are called, on every page and terminal.
+// What a rule's outcome and its standing are called, and what they rest on, on every page.
 
 namespace runcert {
 
@@ -30,10 +30,9 @@ struct OutcomeWords {
     std::string tone;  ///< how a page colours it: "yes", "open", "no" or "refused"
 };
 
-/// "Record beaten" only where the measurement says so, the rule is the body's own and nothing is
-/// left to be attested or signed, by keys that the reader's roster vouches for; else what was
-/// measured and what it waits for: "Measured speed exceeds the record; 5 requirements still to be
-/// attested".
+/// "Record beaten" only where the measurement says so, the rule is the body's own and all of it was
+/// attested and signed by keys that the reader's roster vouches for; else what was measured, and
+/// what it waits for: "Measured speed exceeds the record; 5 requirements still to be attested".
 OutcomeWords outcome_words(const OutcomeState& state);
 
 /// "rule “nalsa”, revision 1", "the attempt's own rule “x”, revision 1".

@@ -9,12 +9,11 @@
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 
-// What the estimation found of noise and frame, as report and audit say it.
+// What a recording says of itself, and what its phases and the estimate show.
 
 namespace runcert {
 
-/// "solved by RTKLIB ver.2.4.3 from rover.obs, base.obs, as the recording's header says", without
-/// what it does not say.
+/// "solved by RTKLIB ver.2.4.3 from rover.obs, as the recording's header says", as far as it does.
 std::string processing_text(const Processing& processing);
 
 /// What screening found of a receiver's carrier phases, a sentence each: slips, pairs of epochs

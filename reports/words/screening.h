@@ -23,12 +23,10 @@ std::string fix_type_errors_text(const FixTypeErrors& errors);
 std::string delay_words(double delay_s);
 
 /// "over epochs 71 to 375 they are 43 s behind the positions (the speeds differ by 6.27 m/s, at
-/// that delay by 0.30 m/s)": where the recorded velocities have a delay that is not taken off;
-/// empty where nowhere.
+/// that delay by 0.30 m/s)": where recorded velocities have a delay that is not taken off, if so.
 std::string other_moments_text(const VelocityComparison& velocity);
 
-/// "they contradict the positions at 96 % of the epochs": of velocities that are no source of a
-/// speed; empty of others.
+/// "they contradict the positions at 96 % of the epochs"; empty where they are fit for a speed.
 std::string unfit_text(const VelocityComparison& velocity);
 
 /// "0.120 s ± 0.004 s behind the positions, which is allowed for; compared at 601 epochs, they
@@ -62,8 +60,7 @@ std::string where_text(const UndetectedError& error);
 std::string undetected_error_text(const UndetectedError& error, double power,
                                   const SpeedUnit& unit);
 
-/// Whether no such error could have changed the speed; and whether what it could have done to the
-/// speed has no limit.
+/// Whether no such error could have changed the speed; whether that has no limit.
 bool is_harmless(const UndetectedError& error);
 bool is_unlimited(const UndetectedError& error);
 

@@ -122,8 +122,7 @@ std::string refused_for_decision(const ClauseContext& context) {
         largest->statistic, largest->threshold);
 }
 
-/// What the recording shows in a window that cannot be certified, where that reaches the required
-/// speed; empty otherwise.
+/// What a window that cannot be certified shows, where that reaches the required speed; else empty.
 std::string shown_though_refused(const ClauseContext& context) {
     const auto& indicated = context.windows.indicated;
     if (!indicated || indicated->refusals.empty() || !context.required_speed) return {};
@@ -246,8 +245,7 @@ std::string chance_text(double probability) {
                : "1 in more than a thousand million";
 }
 
-/// How often positions err unseen, what a witness makes of that, and the speed that the true one is
-/// below with a small risk.
+/// How often positions err unseen, what a witness makes of that, and the lowest likely true speed.
 std::string fault_words(const ClauseContext& context) {
     const auto& evidence = context.speed->evidence;
     if (!evidence || !(evidence->fault_probability > 0.0) || !(evidence->fault_m_s > 0.0))
@@ -274,8 +272,7 @@ std::string fault_words(const ClauseContext& context) {
                                unit.name);
 }
 
-/// Whether the fastest window, which proves less than the certified one, could have reached the
-/// required speed.
+/// Whether the fastest window, which proves less, could have reached the required speed.
 bool fastest_might_reach(const ClauseContext& context) {
     const auto& fastest = context.windows.fastest;
     return fastest &&
@@ -332,8 +329,7 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         Outcome outcome = decide(*context.speed, *context.required_speed, context.decision->level);
         if (outcome == Outcome::not_beaten && fastest_might_reach(context))
             outcome = Outcome::not_proven;
-        // A speed below the required one does not show that the record was not beaten where the
-        // recording shows more.
+        // A speed below the required one proves nothing where the recording shows more.
         if (outcome == Outcome::not_beaten && !shown.empty()) {
             verdict.outcome = Outcome::not_certifiable;
             verdict.reason = fmt::format(

@@ -82,8 +82,7 @@ std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                           heading_of(course).value_or(0.0));
 }
 
-/// The speed that the rule counts, and its expanded uncertainty; nothing where the current that it
-/// subtracts is not known.
+/// The speed that counts, with its uncertainty; nothing where a current to subtract is not known.
 void set_speed(ClauseContext& context) {
     std::optional<SpeedPosterior> found = posterior_of(context.windows);
     if (!found) return;

@@ -44,12 +44,10 @@ struct CourseFacts {
     /// Largest distance of the track in the window from the straight line through its ends. Never
     /// negative: noise alone makes it some standard uncertainties of a position.
     CourseFigure straightness_m;
-    /// Direction of travel at the window's end less that at its beginning, -180 to 180, to the
-    /// right positive.
+    /// Direction of travel at the window's end less that at its beginning, -180 to 180, + right.
     CourseFigure turning_deg;
     /// Smallest speed from the standing that the run began with (from the run's beginning where it
-    /// began otherwise) up to and with the window's first row. A run's own first row is but below
-    /// the speed that cuts runs.
+    /// began otherwise) to the window's first row. A run's first row is just below the cut.
     CourseFigure speed_before_m_s = {};
     /// Whether that speed is of a craft at rest: below `standing_below_m_s`, or not above
     /// `moving_above_m_s` and its velocity v, of covariance C, within its uncertainty of zero:

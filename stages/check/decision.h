@@ -12,8 +12,7 @@
 
 namespace runcert {
 
-/// A body's rounding of a speed to decimals of its unit. Of two figures equally near, `nearest`
-/// takes the upper one.
+/// A body's rounding of a speed to decimals of its unit; `nearest` takes a half up.
 struct DecimalRounding {
     StepRounding mode = StepRounding::nearest;
     double unit_m_s = 1.0;  ///< metres per second in the unit
@@ -70,8 +69,7 @@ struct SpeedPosterior {
     /// that range is the least favourable to a decision is the one that it is taken at.
     double bias_limit_m_s = 0.0;
     /// Of the standard uncertainty, how much faster the positions are than the weighted mean with
-    /// the witnesses; negative where they are slower. What counts of it is the less favourable
-    /// side.
+    /// the witnesses (negative: slower). It counts on the less favourable side.
     double difference_m_s = 0.0;
     /// What positions and witnesses say, where either may be at fault.
     std::optional<SpeedEvidence> evidence = std::nullopt;

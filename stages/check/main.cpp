@@ -13,8 +13,7 @@ using namespace runcert;
 namespace {
 
 ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
-    // Every table is gone through whole, whose values are checked thereby; what is not used of it
-    // is not kept.
+    // Every table is read whole, which checks its values; what is not used of it is not kept.
     auto observations = run.open(products::observations, receiver, open_observations);
     auto enu = run.open(products::enu, receiver, open_enu);
     auto screened = run.open(products::screened, receiver, open_screened);

@@ -16,9 +16,8 @@ void say(std::vector<std::string>& sentences, fmt::format_string<Args...> text, 
     sentences.push_back(fmt::format(text, std::forward<Args>(args)...));
 }
 
-/// What must be read with a profile's verdict, a sentence each: definitions of speed on both sides
-/// of the required speed, a mean of several windows, the current, figures replaced, clauses that
-/// could not be confirmed.
+/// What must be read with a profile's verdict, a sentence each: definitions of speed that disagree,
+/// a mean of several windows, the current, figures replaced, clauses that are not confirmed.
 std::vector<std::string> notes_of(const ClauseContext& context);
 
 /// Course, craft, wind and current in the window, as figures.

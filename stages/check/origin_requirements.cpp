@@ -12,8 +12,7 @@
 namespace runcert {
 namespace {
 
-/// By how much the mean interval of the stamps may be off the receiver's by chance: what the
-/// scatter of the steps makes.
+/// By how much scatter of the steps may put the mean interval of the stamps off the receiver's.
 double rate_by_chance(const ReceiverFindings& judged) {
     const auto& rows = judged.trajectory;
     if (rows.size() < 2) return 1.0;

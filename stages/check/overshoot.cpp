@@ -14,8 +14,7 @@ struct Sample {
     double sigma_m_s2 = 0.0;
 };
 
-/// The acceleration along the track, of each stretch of an arc in which the craft is fast enough to
-/// have a direction.
+/// The acceleration along the track, by stretches in which the craft is fast enough to have one.
 std::vector<std::vector<Sample>> stretches_of(const std::vector<TrajectoryEpoch>& rows) {
     constexpr double slowest_m_s = 2.0;
     std::vector<std::vector<Sample>> stretches;

@@ -40,8 +40,7 @@ bool concerns(const AttemptInput& input, const Profile& profile, const Attempt& 
     return !replaced && (input.profile.empty() || input.profile == profile.id);
 }
 
-/// The ids of the clauses in which an official answers for an input under a rule; none for what the
-/// rule does not look at.
+/// In which clauses (ids) an official answers for an input that the rule looks at.
 std::vector<std::string> clauses_answering(const AttemptInput& input, const Profile& profile,
                                            const Attempt& attempt) {
     std::vector<std::string> ids;

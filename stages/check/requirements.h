@@ -35,9 +35,8 @@ struct JudgedSpeed {
     bool over_course = false;  ///< from one line of the attempt's course to the other
 };
 
-/// Compares with a stated speed; or, over a course, with the speed that declared times at its lines
-/// make over its length. Times say nothing of another window, nor of one whose crossings they miss
-/// by more than 2 s.
+/// Compares with a stated speed or, over a course, with that of declared times at its lines, which
+/// say nothing of another window, nor of one whose crossings they miss by more than 2 s.
 DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
                                    const std::optional<Course>& course);
 
@@ -149,8 +148,7 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 /// ask itself and for which the attempt states or hands in something.
 std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt);
 
-/// What the attempt states or hands in, and nobody observed, that an official answers for in that
-/// clause.
+/// What an official answers for in that clause: stated or handed in, observed by nobody.
 std::vector<AttemptInput> inputs_answered_in(const Clause& clause, const ClauseContext& context);
 
 /// Inputs with their values, as evidence.

@@ -19,8 +19,7 @@ Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
             .shown = std::move(shown)};
 }
 
-/// By which key of the attempt epochs are left out for that reason, and what to write; empty where
-/// by none.
+/// By which key of the attempt epochs are left out for that reason, and what to write; or empty.
 std::string_view what_decides(Reason reason, const ReceiverFindings& judged) {
     switch (reason) {
         case Reason::float_ambiguities:

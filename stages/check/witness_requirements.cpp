@@ -133,8 +133,7 @@ Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
     return finding;
 }
 
-/// "; the recorded velocities show 23.20 kn at 10:03:43.0 UTC": what a refused window shows is
-/// named.
+/// What a refused window shows: "; the recorded velocities show 23.20 kn at 10:03:43.0 UTC".
 std::string shown_speed(const ClauseContext& context) {
     if (!context.windows.indicated) return {};
     return "; the recorded velocities show " + indicated_text(context);

@@ -73,29 +73,6 @@ std::string set_by(const Attempt& attempt, const std::string& path, bool is_defa
     return is_default ? "default" : "NOT THE ATTEMPT: another program's default, or changed";
 }
 
-struct Parameters {
-    FactTable table;
-    std::int64_t replaced = 0;
-};
-
-Parameters parameters_of(const Attempt& attempt, const Header& header, bool all) {
-    Parameters found{.table = {.heads = {"parameter", "used", "default", "unit", "set by"}}};
-    for (const auto& [name, used] : header.parameters->items()) {
-        const FieldRule* rule = rule_of(header.stage, name);
-        const Json fallback = rule ? default_of(*rule, attempt.craft.kind) : Json();
-        const bool is_default = rule && is_same(used, fallback);
-        found.replaced += is_default ? 0 : 1;
-        if (!is_default || all)
-            found.table.rows.push_back({header.stage + "." + name, value_text(used),
-                                        !rule                ? "not known"
-                                        : fallback.is_null() ? "none"
-                                                             : value_text(fallback),
-                                        rule ? rule->unit : "",
-                                        set_by(attempt, header.stage + "." + name, is_default)});
-    }
-    return found;
-}
-
 struct Product {
     std::string stage;
     std::string receiver;
@@ -258,7 +235,21 @@ std::string span_text(const WindowSpan& span) {
 
 std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all) {
     if (header.parameters->empty()) return {Paragraph{"Parameters. The stage has none."}};
-    auto [table, replaced] = parameters_of(attempt, header, all);
+    FactTable table{.heads = {"parameter", "used", "default", "unit", "set by"}};
+    std::int64_t replaced = 0;
+    for (const auto& [name, used] : header.parameters->items()) {
+        const std::string path = header.stage + "." + name;
+        const FieldRule* rule = rule_of(header.stage, name);
+        const Json fallback = rule ? default_of(*rule, attempt.craft.kind) : Json();
+        const bool is_default = rule && is_same(used, fallback);
+        replaced += is_default ? 0 : 1;
+        if (!is_default || all)
+            table.rows.push_back({path, value_text(used),
+                                  !rule                ? "not known"
+                                  : fallback.is_null() ? "none"
+                                                       : value_text(fallback),
+                                  rule ? rule->unit : "", set_by(attempt, path, is_default)});
+    }
     const auto count = static_cast<std::int64_t>(header.parameters->size());
     std::vector<Block> blocks;
     if (replaced == 0)

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -19,13 +20,6 @@ constexpr std::string_view columns =
 
 /// Places by attempt.
 using Places = std::map<std::string_view, const DayPlace*>;
-
-std::string joined(const std::vector<std::string>& texts) {
-    std::string all;
-    for (const std::string& text : texts)
-        all += (all.empty() ? "" : "; ") + text;
-    return all;
-}
 
 std::string cell(const std::optional<double>& value, int decimals) {
     return value ? format_fixed(*value, decimals) : "";
@@ -52,15 +46,17 @@ std::string row(const AttemptResult& attempt, const DayResult* result, const Day
     const DayCraft craft = attempt.craft.value_or(DayCraft{});
     const DayFailure failure = attempt.failure.value_or(DayFailure{});
     constexpr std::string_view no_result = ",,,,,,,,,,,,,,,,,";
-    return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
-                       csv_cell(attempt.source), attempt.state, csv_cell(craft.name),
-                       csv_cell(craft.craft_class),
-                       result ? result_cells(*result, *place) : std::string(no_result),
-                       csv_cell(result ? result->reason : attempt.reason),
-                       csv_cell(result ? joined(result->replaced) : ""), csv_cell(failure.step),
-                       csv_cell(plain_text(failure.problem)), csv_cell(plain_text(failure.where)),
-                       csv_cell(plain_text(failure.remedy)), csv_cell(joined(attempt.notes)),
-                       attempt.report_id, csv_cell(attempt.report));
+    const std::vector<std::string> none;
+    return fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
+        csv_cell(attempt.source), attempt.state, csv_cell(craft.name), csv_cell(craft.craft_class),
+        result ? result_cells(*result, *place) : std::string(no_result),
+        csv_cell(result ? result->reason : attempt.reason),
+        csv_cell(fmt::format("{}", fmt::join(result ? result->replaced : none, "; "))),
+        csv_cell(failure.step), csv_cell(plain_text(failure.problem)),
+        csv_cell(plain_text(failure.where)), csv_cell(plain_text(failure.remedy)),
+        csv_cell(fmt::format("{}", fmt::join(attempt.notes, "; "))), attempt.report_id,
+        csv_cell(attempt.report));
 }
 
 }  // namespace

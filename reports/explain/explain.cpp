@@ -56,7 +56,7 @@ std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Prof
                                       "not claim",
                                       escape_for_message(entry.profile)),
                           "Run the stages again, or `runcert certify`");
-        views.push_back({verdict, entry, *profile, options});
+        views.push_back({entry, *profile, options});
     }
     if (views.empty())
         throw Failure("--profile",

@@ -14,7 +14,6 @@ namespace runcert {
 
 /// One profile of the verdict, and its rule.
 struct ProfileView {
-    const Verdict& all;
     const ProfileVerdict& verdict;
     const Profile& profile;
     const ExplainOptions& options;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/speed_unit.h"
 #include "core/statistics.h"
 #include "core/text.h"
 
@@ -38,8 +39,6 @@ bool same_decision(const ScreenedEpoch& a, const ScreenedEpoch& b) {
             return true;
     }
 }
-
-constexpr double km_h_per_m_s = 3.6;
 
 struct Quantity {
     std::string_view name;

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "reports/certificate/json_parts.h"
 
 namespace runcert {
@@ -92,9 +93,9 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
         if (row->arc != arc) curve.interrupt();
         arc = row->arc;
         if (!(row->*speed)) continue;
-        const double value = *(row->*speed) * kmh_per_m_s;
+        const double value = *(row->*speed) * km_h_per_m_s;
         if (speed == &TrajectoryEpoch::speed_m_s && row->sigma_speed_m_s)
-            curve.add(row->time.seconds(), value, 2.0 * *row->sigma_speed_m_s * kmh_per_m_s,
+            curve.add(row->time.seconds(), value, 2.0 * *row->sigma_speed_m_s * km_h_per_m_s,
                       methods.speeds);
         else
             curve.add(row->time.seconds(), value);
@@ -177,10 +178,10 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
         times.widen(rows[i]->time.seconds());
-        speeds.widen(*rows[i]->speed_m_s * kmh_per_m_s);
+        speeds.widen(*rows[i]->speed_m_s * km_h_per_m_s);
         if (begins) curve.interrupt();
         if (begins || i % every == 0)
-            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * kmh_per_m_s);
+            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * km_h_per_m_s);
     }
     figure["curves"].push_back(curve.json());
     for (const Json& profile : profiles) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/speed_unit.h"
 #include "reports/certificate/report_data.h"
 
 // The figures of a report, `figures[]` of its predicate; `figures_json` puts them together.
@@ -83,6 +84,5 @@ std::size_t thinning(std::size_t rows);
 std::string thinning_words(std::size_t every);
 
 constexpr const char* time_label = "time from the first epoch (s)";
-constexpr double kmh_per_m_s = 3.6;
 
 }  // namespace runcert

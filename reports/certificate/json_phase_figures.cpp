@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.h"
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "reports/certificate/json_figures.h"
 #include "reports/words/recording.h"
 
@@ -18,7 +19,7 @@ constexpr double longest_step_s = 1.5;  ///< between epochs of a line that is no
 
 /// The sky from above: zenith in the middle, north up, the horizon around it.
 Eigen::Vector2d on_the_sky(double azimuth_deg, double elevation_deg) {
-    const double azimuth = azimuth_deg * std::numbers::pi / 180.0;
+    const double azimuth = azimuth_deg * radians_per_degree;
     return (90.0 - elevation_deg) * Eigen::Vector2d(std::sin(azimuth), std::cos(azimuth));
 }
 
@@ -182,7 +183,7 @@ void add_phase_speed(Json& figure, const PhaseView& view) {
     Curve curve({"by carrier phases, ± 2 standard uncertainties", "line", "vermilion"});
     const double from_s = figure["x_min"].get<double>(), to_s = figure["x_max"].get<double>();
     Range speeds;
-    add_values(curve, speeds, view.speed_m_s, from_s, to_s, kmh_per_m_s);
+    add_values(curve, speeds, view.speed_m_s, from_s, to_s, km_h_per_m_s);
     if (curve.empty()) return;
     curve.add_to(figure);
     figure["y_min"] = rounded(std::min(figure["y_min"].get<double>(), *speeds.least), 6);

@@ -1,15 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "core/angle.h"
 #include "reports/certificate/report_data.h"
 #include "satellites/line_of_sight.h"
 
 namespace runcert {
 namespace {
-
-constexpr double degrees = 180.0 / std::numbers::pi;
 
 class View {
   public:
@@ -104,8 +102,9 @@ class View {
         const Eigen::Vector3d enu = place.enu_from_ecef * sight.direction;
         SatelliteInView seen;
         seen.time_s = time_s(epoch);
-        seen.azimuth_deg = std::atan2(enu.x(), enu.y()) * degrees;
-        seen.elevation_deg = std::asin(std::clamp(sight.sine_of_elevation, -1.0, 1.0)) * degrees;
+        seen.azimuth_deg = std::atan2(enu.x(), enu.y()) * degrees_per_radian;
+        seen.elevation_deg =
+            std::asin(std::clamp(sight.sine_of_elevation, -1.0, 1.0)) * degrees_per_radian;
         for (std::size_t i = 0; i < satellite.signals; ++i) {
             const PhaseFinding& finding = phases_.screening.findings[satellite.first_signal + i];
             seen.used = seen.used || (finding.arc > 0 && !finding.supports);

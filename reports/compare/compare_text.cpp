@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/compare/compare.h"
 
@@ -7,7 +8,7 @@ namespace runcert {
 namespace {
 
 std::string in_km_h(std::optional<double> mps) {
-    return mps ? format_fixed(*mps * 3.6, 3) : "-";
+    return mps ? format_fixed(*mps * km_h_per_m_s, 3) : "-";
 }
 
 std::string in_seconds(std::optional<ElapsedTime> time) {

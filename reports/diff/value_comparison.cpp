@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "files/document_schema.h"
 
@@ -36,7 +37,10 @@ int decimals_of(double value) {
 /// The factor from m/s to the unit that a speed's name ends with; nothing of what is no speed.
 std::optional<double> speed_unit(std::string_view name) {
     constexpr std::pair<std::string_view, double> units[] = {
-        {"_m_s", 1.0}, {"_km_h", 3.6}, {"_knots", 3.6 / 1.852}, {"_mph", 3.6 / 1.609344}};
+        {"_m_s", 1.0},
+        {"_km_h", km_h_per_m_s},
+        {"_knots", km_h_per_m_s / (metres_per_nautical_mile / 1000.0)},
+        {"_mph", km_h_per_m_s / (metres_per_statute_mile / 1000.0)}};
     for (const auto& [end, factor] : units)
         if (name.ends_with(end)) return factor;
     return std::nullopt;

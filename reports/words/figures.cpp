@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -21,10 +22,11 @@ std::string without_letters(std::string iso) {
 }  // namespace
 
 const std::array<SpeedUnit, 4>& speed_units() {
-    static constexpr std::array<SpeedUnit, 4> units{{{"km_h", "km/h", 3.6, 2, 4},
-                                                     {"m_s", "m/s", 1.0, 3, 6},
-                                                     {"knots", "kn", 3600.0 / 1852.0, 2, 4},
-                                                     {"mph", "mph", 3600.0 / 1609.344, 2, 4}}};
+    static constexpr std::array<SpeedUnit, 4> units{
+        {{"km_h", "km/h", km_h_per_m_s, 2, 4},
+         {"m_s", "m/s", 1.0, 3, 6},
+         {"knots", "kn", 3600.0 / metres_per_nautical_mile, 2, 4},
+         {"mph", "mph", 3600.0 / metres_per_statute_mile, 2, 4}}};
     return units;
 }
 

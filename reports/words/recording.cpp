@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/prose.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 
@@ -116,7 +117,7 @@ std::string phase_window_sentence(const WitnessedSpeed& phases) {
                         : fmt::format("{} pairs of epochs were", refusals),
         speed_with_uncertainty_text(phases.speed_m_s, 2.0 * phases.standard_uncertainty_m_s,
                                     speed_unit("km/h")),
-        3.6 * (phases.speed_m_s + phases.difference_m_s), format_fixed(phases.apart_m, 3),
+        km_h_per_m_s * (phases.speed_m_s + phases.difference_m_s), format_fixed(phases.apart_m, 3),
         phases.apart_azimuth_deg ? fmt::format(", towards {} degrees from north",
                                                format_fixed(*phases.apart_azimuth_deg, 0))
                                  : std::string());

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "files/yaml_input.h"
 #include "schemas/common/codec.h"
@@ -112,14 +113,14 @@ void take_all(const YamlValue& map, T& value) {
     value = read_members<T>(map);
 }
 
-/// A speed in the four units people use (knot 1852 m/h, statute mile 1609.344 m, both exact).
+/// A speed in the four units people use.
 inline void put_speed(nlohmann::ordered_json& map, const std::string& name,
                       const std::optional<double>& speed_m_s) {
     if (!speed_m_s) return;
-    map[name + "_km_h"] = *speed_m_s * 3.6;
+    map[name + "_km_h"] = *speed_m_s * km_h_per_m_s;
     map[name + "_m_s"] = *speed_m_s;
-    map[name + "_knots"] = *speed_m_s * 3600.0 / 1852.0;
-    map[name + "_mph"] = *speed_m_s * 3600.0 / 1609.344;
+    map[name + "_knots"] = *speed_m_s * 3600.0 / metres_per_nautical_mile;
+    map[name + "_mph"] = *speed_m_s * 3600.0 / metres_per_statute_mile;
 }
 template <class T>
 void take_speed(const YamlValue& map, const std::string& name, T& speed_m_s) {

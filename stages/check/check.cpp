@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/prose.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
@@ -57,7 +58,7 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
             "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
             "more than their uncertainty of {:.3f} km/h: screening may have kept an outlier or "
             "rejected a right one.",
-            robust->difference_m_s * 3.6, robust->limit_m_s * 3.6);
+            robust->difference_m_s * km_h_per_m_s, robust->limit_m_s * km_h_per_m_s);
     if (!robust && estimation.robust_unsolved > 0)
         return "The robust estimate, which is the check on screening, did not converge over the "
                "stretch of this window.";
@@ -69,8 +70,8 @@ std::string differences_text(const std::vector<WitnessedSpeed>& witnesses) {
     std::vector<std::string> all;
     for (const WitnessedSpeed& one : witnesses)
         if (one.confirms)
-            all.push_back(
-                fmt::format("{} {:+.3f} km/h", witness_name(one), -one.difference_m_s * 3.6));
+            all.push_back(fmt::format("{} {:+.3f} km/h", witness_name(one),
+                                      -one.difference_m_s * km_h_per_m_s));
     return fmt::format("{}", fmt::join(all, ", "));
 }
 
@@ -91,8 +92,8 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
         "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "
         "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The displacements "
         "differ by {:.3f} m{}.",
-        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, compared_with(one->kind),
-        one->normalised_error, one->apart_m,
+        capitalised(witness_name(*one)), -one->difference_m_s * km_h_per_m_s,
+        compared_with(one->kind), one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
             : std::string());
@@ -210,7 +211,7 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
             "The second method ({}) gives {:+.3f} km/h against the first, more than both "
             "uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
             context.declared->method,
-            (context.declared->other_m_s - context.declared->judged_m_s) * 3.6,
+            (context.declared->other_m_s - context.declared->judged_m_s) * km_h_per_m_s,
             context.declared->normalised_error);
     return {};
 }

@@ -5,6 +5,7 @@
 
 #include "core/failure.h"
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "core/uncertainty.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
@@ -214,7 +215,7 @@ bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
 
 std::string too_uncertain_text(double expanded_uncertainty_m_s) {
     return fmt::format("at ± {} km/h it is too uncertain to confirm",
-                       uncertainty_rounded_up(expanded_uncertainty_m_s * 3.6));
+                       uncertainty_rounded_up(expanded_uncertainty_m_s * km_h_per_m_s));
 }
 
 std::string_view compared_with(WitnessKind kind) {
@@ -240,7 +241,7 @@ std::string witness_text(const WitnessedSpeed& one) {
     return fmt::format(
         "{} give {} over the window, {:+.3f} km/h against {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), speed,
-        -one.difference_m_s * 3.6, compared_with(one.kind), one.normalised_error);
+        -one.difference_m_s * km_h_per_m_s, compared_with(one.kind), one.normalised_error);
 }
 
 std::string indicated_text(const ClauseContext& context) {

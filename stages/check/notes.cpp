@@ -5,9 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.h"
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
@@ -87,9 +88,10 @@ void add_windows(const ClauseContext& context, Notes& notes) {
                 speed_unit("km/h")),
             beginning_text(windows.fastest->span));
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
-        std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_m_s * 3.6)};
+        std::vector<std::string> speeds{
+            fmt::format("{:.3f}", windows.best->speed_m_s * km_h_per_m_s)};
         for (const FurtherWindow& one : windows.further)
-            speeds.push_back(fmt::format("{:.3f}", one.speed_m_s * 3.6));
+            speeds.push_back(fmt::format("{:.3f}", one.speed_m_s * km_h_per_m_s));
         say(notes,
             "The speed is the mean of {} windows ({} km/h); their errors are taken as "
             "equal, so averaging does not reduce the uncertainty.",
@@ -97,7 +99,7 @@ void add_windows(const ClauseContext& context, Notes& notes) {
     }
     if (windows.indicated && windows.indicated->mean_m_s)
         say(notes, "The unscreened recording shows a mean of {:.3f} km/h over as many windows.",
-            *windows.indicated->mean_m_s * 3.6);
+            *windows.indicated->mean_m_s * km_h_per_m_s);
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
@@ -263,8 +265,8 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context) {
             summary.top_speed_m_s =
                 std::max(summary.top_speed_m_s, judged.trajectory[i].speed_m_s.value_or(0.0));
         const double heading =
-            std::atan2(*last.east_m - *first.east_m, *last.north_m - *first.north_m) * 180.0 /
-            std::numbers::pi;
+            std::atan2(*last.east_m - *first.east_m, *last.north_m - *first.north_m) *
+            degrees_per_radian;
         summary.heading_deg = heading < 0.0 ? heading + 360.0 : heading;
         summaries.push_back(std::move(summary));
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/prose.h"
+#include "core/speed_unit.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
 
@@ -168,7 +169,7 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
     const std::string words =
         fmt::format("the recording{} {:.3f} km/h {} in a window that cannot be certified ({})",
                     indicated->source == SpeedSource::velocity ? "'s velocities show" : " shows",
-                    indicated->speed_m_s * 3.6, beginning_text(indicated->span),
+                    indicated->speed_m_s * km_h_per_m_s, beginning_text(indicated->span),
                     fmt::join(indicated->refusals, ", "));
     std::vector<Figure> figures{
         {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
@@ -193,8 +194,8 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
     return {RequirementStatus::met,
             fmt::format("two runs in opposite directions, {:.3f} km/h and {:.3f} km/h, within "
                         "{:.1f} s, at most {:g} s",
-                        context.windows.best->speed_m_s * 3.6,
-                        context.windows.further.front().speed_m_s * 3.6, to_s - from_s,
+                        context.windows.best->speed_m_s * km_h_per_m_s,
+                        context.windows.further.front().speed_m_s * km_h_per_m_s, to_s - from_s,
                         *context.profile.opposite_runs_within_s),
             {{.name = "speed of the one", .value = context.windows.best->speed_m_s, .unit = "m/s"},
              {.name = "speed of the other",

@@ -6,6 +6,7 @@
 
 #include "core/prose.h"
 #include "core/rounding.h"
+#include "core/speed_unit.h"
 #include "core/uncertainty.h"
 #include "reports/words/figures.h"
 #include "reports/words/screening.h"
@@ -85,8 +86,9 @@ Finding by_receiver(const ClauseContext& context) {
                 "the primary one; normalised error {:.2f}, at most 1, with what the two do not "
                 "share: noise, each receiver's own time-correlated error, antenna. They share base "
                 "station, satellites, atmosphere, frame and time scale{}",
-                receiver, one->speed_m_s * 3.6, context.windows.best->span.duration.seconds(),
-                -one->difference_m_s * 3.6, one->normalised_error, doubt(expanded_m_s, context)),
+                receiver, one->speed_m_s * km_h_per_m_s,
+                context.windows.best->span.duration.seconds(), -one->difference_m_s * km_h_per_m_s,
+                one->normalised_error, doubt(expanded_m_s, context)),
             {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
 }
 
@@ -106,7 +108,7 @@ Finding by_declaration(const ClauseContext& context) {
             "most 1{}",
             agreement.method,
             speed_with_uncertainty_text(agreement.other_m_s, expanded_m_s, speed_unit("km/h")),
-            (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error,
+            (agreement.other_m_s - agreement.judged_m_s) * km_h_per_m_s, agreement.normalised_error,
             doubt(expanded_m_s, context)),
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
@@ -193,7 +195,7 @@ std::string second_method_text(const DeclaredAgreement& second) {
         second.method,
         speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s,
                                     speed_unit("km/h")),
-        (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error);
+        (second.other_m_s - second.judged_m_s) * km_h_per_m_s, second.normalised_error);
 }
 
 DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,

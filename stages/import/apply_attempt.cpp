@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <string_view>
 
+#include "core/angle.h"
 #include "stages/import/earth.h"
 #include "stages/import/row_collector.h"
 
@@ -100,7 +100,7 @@ struct Extent {
 };
 
 Extent extent_of(const std::vector<Observation>& rows) {
-    constexpr double metres_per_degree = 6'371e3 * std::numbers::pi / 180.0;
+    constexpr double metres_per_degree = 6'371e3 * radians_per_degree;
     Extent extent;
     const Observation* first = nullptr;
     for (const Observation& row : rows) {
@@ -110,7 +110,7 @@ Extent extent_of(const std::vector<Observation>& rows) {
         const double east_m = plane ? *row.plane_east_m - *first->plane_east_m
                                     : (*row.longitude_deg - *first->longitude_deg) *
                                           metres_per_degree *
-                                          std::cos(*first->latitude_deg * std::numbers::pi / 180.0);
+                                          std::cos(*first->latitude_deg * radians_per_degree);
         const double north_m = plane
                                    ? *row.plane_north_m - *first->plane_north_m
                                    : (*row.latitude_deg - *first->latitude_deg) * metres_per_degree;

@@ -7,6 +7,7 @@
 
 #include "core/plain_text.h"
 #include "core/prose.h"
+#include "core/speed_unit.h"
 #include "core/statistics.h"
 #include "core/text.h"
 #include "stages/import/inspect.h"
@@ -20,7 +21,6 @@ constexpr std::int64_t phase_window_ns = 3'000'000'000;
 constexpr double phase_gap_factor = 1.5;
 /// A receiver whose median window moves less stands still (m).
 constexpr double still_m = 0.03;
-constexpr double kmh_of_m_s = 3.6;
 constexpr std::size_t most_phase_notes = 6;
 
 void line(std::string& text, std::string_view name, const std::string& value) {
@@ -148,8 +148,8 @@ void motion_lines(std::string& text, const PhaseTable& head, const PhaseRecord& 
     const GpsTime start = head.first_epoch.plus_nanoseconds(record.epochs[best.first].time_ns);
     line(text, "Best 3 s",
          fmt::format("{} km/h ± {} km/h by carrier phase, {} satellites, from {} GPS time",
-                     format_fixed(best.speed_m_s * kmh_of_m_s, 2),
-                     format_fixed(2.0 * best.deviation_m_s * kmh_of_m_s, 2), best.satellites,
+                     format_fixed(best.speed_m_s * km_h_per_m_s, 2),
+                     format_fixed(2.0 * best.deviation_m_s * km_h_per_m_s, 2), best.satellites,
                      to_iso(start)));
 }
 

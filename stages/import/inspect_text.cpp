@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/plain_text.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
@@ -13,7 +14,6 @@
 namespace runcert {
 namespace {
 
-constexpr double kmh_per_m_s = 3.6;
 constexpr std::size_t most_notes = 4;
 /// Of the larger: a difference of the two bests beyond this is worth a sentence.
 constexpr double notable_difference = 0.05;
@@ -165,7 +165,7 @@ std::string best_text(const std::optional<RawBest>& best) {
     std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
     if (best->start_gps) at += fmt::format(", {} UTC", to_utc_iso(*best->start_gps));
     return fmt::format("{} km/h over {} s,\n            from {} (epochs {} to {})",
-                       fixed(best->speed_m_s * kmh_per_m_s, 1), fixed(best->duration_s, 3), at,
+                       fixed(best->speed_m_s * km_h_per_m_s, 1), fixed(best->duration_s, 3), at,
                        best->first_epoch, best->last_epoch);
 }
 

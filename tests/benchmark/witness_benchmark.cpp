@@ -36,8 +36,11 @@ SimulatedRecording shuttle() {
 
 WitnessedRun made(Heard heard) {
     static const SimulatedRecording recording = shuttle();
-    WitnessedRun run{
-        .table = to_be_screened(recording.screened), .beside = {}, .phases = {}, .second = {}};
+    WitnessedRun run{.table = to_be_screened(recording.screened),
+                     .beside = {},
+                     .phases = {},
+                     .second = {},
+                     .second_screened = {}};
     run.table.facts.first_epoch = study_start();
     run.table.facts.georeferenced = true;
     run.table.origin = study_origin();

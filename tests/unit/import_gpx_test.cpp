@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "gpsbabel_support.h"
@@ -42,6 +43,19 @@ TEST(Gpx, IsRecognisedByItsRoot) {
     EXPECT_FALSE(find_format("gpx")->recognises("see <gpx>"));
     EXPECT_FALSE(find_format("gpx")->recognises("<gpx"));
     EXPECT_FALSE(find_format("gpx")->recognises(""));
+}
+
+TEST(Gpx, SaysWhereLeapSecondsAreNotKnown) {
+    const auto told = [](const std::string& year) {
+        const auto notes =
+            import_points(point(year + "-04-12T00:39:56Z") + point(year + "-04-12T00:39:57Z"))
+                .notes;
+        return std::ranges::count_if(notes, [](const std::string& note) {
+            return note.find("leap seconds are not known") != std::string::npos;
+        });
+    };
+    EXPECT_EQ(told("2019"), 0);
+    EXPECT_EQ(told("2044"), 1);
 }
 
 TEST(Gpx, ReadsEveryField) {

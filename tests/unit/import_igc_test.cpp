@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
@@ -32,6 +34,17 @@ TEST(Igc, IsRecognisedByItsRecords) {
     EXPECT_TRUE(find_format("igc")->recognises("LXSB\n" + fix + "\n"));
     EXPECT_FALSE(find_format("igc")->recognises("AXLX123\nB160240\n"));
     EXPECT_FALSE(find_format("igc")->recognises(""));
+}
+
+TEST(Igc, SaysWhereLeapSecondsAreNotKnown) {
+    const std::string later = std::regex_replace(header, std::regex("160701"), "160744");
+    const auto notes = import_text(igc_receiver(), later + fix + "\n").notes;
+    EXPECT_EQ(std::ranges::count_if(notes,
+                                    [](const std::string& note) {
+                                        return note.find("leap seconds are not known") !=
+                                               std::string::npos;
+                                    }),
+              1);
 }
 
 TEST(Igc, ReadsEveryField) {

@@ -8,6 +8,7 @@
 
 #include "core/angle.h"
 #include "core/failure.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 
 namespace runcert::csv {
@@ -21,9 +22,9 @@ struct Spelled {
 };
 constexpr Spelled units[] = {
     {{"m/s", Quantity::speed, 1.0}, {"m/s", "mps"}},
-    {{"km/h", Quantity::speed, 1.0 / 3.6}, {"km/h", "kmh", "kph", "kmph"}},
+    {{"km/h", Quantity::speed, km_h_in_m_s}, {"km/h", "kmh", "kph", "kmph"}},
     {{"mph", Quantity::speed, 0.44704}, {"mph", "mi/h"}},
-    {{"kn", Quantity::speed, 1852.0 / 3600.0}, {"kn", "kt", "kts", "knots"}},
+    {{"kn", Quantity::speed, knot_in_m_s}, {"kn", "kt", "kts", "knots"}},
     {{"ft/s", Quantity::speed, 0.3048}, {"ft/s"}},
     {{"m", Quantity::length, 1.0}, {"m", "meter", "meters", "metres"}},
     {{"cm", Quantity::length, 0.01}, {"cm"}},

@@ -164,6 +164,7 @@ class Reader {
         if (open_) lose_point("the track point is cut off by the end of the file");
         refuse_without_points();
         Observations observations;
+        observations.time_scale = "utc";  // set_rows asks for it
         observations.device = device_;
         observations.variant = version_.empty() ? "GPX" : "GPX " + version_;
         set_rows(observations, std::move(timed_));
@@ -288,7 +289,6 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
     observations.format = "gpx";
     observations.frame = "geodetic";
-    observations.time_scale = "utc";
     apply_attempt(observations, receiver);
     return observations;
 }

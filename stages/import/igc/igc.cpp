@@ -47,6 +47,7 @@ class Reader {
         while (const auto line = lines.next())
             if (!line->text.empty()) read_line(*line);
         Observations observations;
+        observations.time_scale = "utc";  // set_rows asks for it
         observations.device = identity_.text();
         set_rows(observations, std::move(timed_));
         note_content(observations);
@@ -203,7 +204,6 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(receiver, recording).read();
     observations.format = "igc";
     observations.frame = "geodetic";
-    observations.time_scale = "utc";
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
@@ -170,7 +171,7 @@ void read_accuracy(const Cell& record, const Layout& layout, Observation& row) {
 void read_velocity(const Cell& record, const Layout& layout, Observation& row) {
     const auto speed_kmh = extension(record, layout, Extension::speed);
     const auto track_deg = extension(record, layout, Extension::track);
-    if (speed_kmh) set_speed(row, *speed_kmh / 3.6, course_of(track_deg));
+    if (speed_kmh) set_speed(row, *speed_kmh / km_h_per_m_s, course_of(track_deg));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "core/gps_time.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
@@ -64,8 +65,6 @@ std::optional<Decimal> read_decimal(std::string_view text, std::size_t most_whol
     cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(cell.text)), as_written);
 }
 
-constexpr double mps_per_knot = 1852.0 / 3600.0;
-constexpr double mps_per_kmh = 1.0 / 3.6;
 constexpr double largest_speed = 1e5;
 constexpr double largest_height_m = 1e6;
 constexpr double largest_sigma_m = 1e9;
@@ -272,7 +271,7 @@ void take_in_rmc(const Sentence& rmc, Epoch& epoch) {
     if (rmc_is_valid(rmc)) {
         solution.fix = rmc[12].size() == 1 ? best_of_modes(rmc[12]) : FixType::unknown;
         read_position(rmc, 3, 0.0, rmc.cell(3), solution);
-        velocity = {read_written(rmc.cell(7), "speed", 0.0, largest_speed).times(mps_per_knot),
+        velocity = {read_written(rmc.cell(7), "speed", 0.0, largest_speed).times(knot_in_m_s),
                     read_written(rmc.cell(8), "course", 0.0, 360.0)};
     }
     epoch.rmc = solution;
@@ -288,8 +287,8 @@ GroundVelocity read_vtg(const Sentence& vtg) {
             vtg.cell(field).fail(fmt::format("field {} is \"{}\", not {}", field,
                                              escape_for_message(vtg[field]), letter),
                                  as_written);
-    return {finer(read_written(vtg.cell(7), "speed", 0.0, largest_speed).times(mps_per_kmh),
-                  read_written(vtg.cell(5), "speed", 0.0, largest_speed).times(mps_per_knot)),
+    return {finer(read_written(vtg.cell(7), "speed", 0.0, largest_speed).times(km_h_in_m_s),
+                  read_written(vtg.cell(5), "speed", 0.0, largest_speed).times(knot_in_m_s)),
             read_written(vtg.cell(1), "course", 0.0, 360.0)};
 }
 

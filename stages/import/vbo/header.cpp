@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/failure.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/vbo/vbo.h"
 
@@ -24,16 +25,9 @@ struct Unit {
 
 constexpr Unit speed_units[] = {
     // In metres a second.
-    {"kmh", 1.0 / 3.6},
-    {"kph", 1.0 / 3.6},
-    {"kmph", 1.0 / 3.6},
-    {"knots", 1852.0 / 3600.0},
-    {"knot", 1852.0 / 3600.0},
-    {"kts", 1852.0 / 3600.0},
-    {"kn", 1852.0 / 3600.0},
-    {"mph", 1609.344 / 3600.0},
-    {"ms", 1.0},
-    {"mps", 1.0}};
+    {"kmh", km_h_in_m_s},  {"kph", km_h_in_m_s}, {"kmph", km_h_in_m_s}, {"knots", knot_in_m_s},
+    {"knot", knot_in_m_s}, {"kts", knot_in_m_s}, {"kn", knot_in_m_s},   {"mph", mph_in_m_s},
+    {"ms", 1.0},           {"mps", 1.0}};
 /// Units of other columns, which no figure depends on, except degrees.
 constexpr Unit other_units[] = {
     // Only degrees matter.
@@ -107,7 +101,7 @@ std::string unit_of(const Header& header, const Channel& channel, std::size_t fi
 
 void set_unit(Layout& layout, Column column, const std::string& unit) {
     const std::optional<double> speed = factor_of(unit, speed_units);
-    if (column == Column::velocity) layout.velocity_m_s = speed ? *speed : 1.0 / 3.6;
+    if (column == Column::velocity) layout.velocity_m_s = speed ? *speed : km_h_in_m_s;
     if (column == Column::vertical_velocity) layout.vertical_velocity_m_s = speed;
     if (column == Column::longitude && unit.starts_with("deg"))
         layout.coordinates = Coordinates::degrees;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
+#include "core/angle.h"
 #include "core/text.h"
 #include "stages/import/vbo/vbo.h"
 
@@ -23,7 +23,6 @@ constexpr double clear_misfit = 0.06;
 /// Nearer to a pole, where minutes put packed degrees from 48 on, packed ones are likelier.
 constexpr double polar_latitude_deg = 80.0;
 constexpr double metres_per_degree = 111'320.0;
-constexpr double radians_per_degree = std::numbers::pi / 180.0;
 
 /// A place as recorded, longitudes counting in whichever sense.
 struct Place {

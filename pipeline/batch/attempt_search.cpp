@@ -47,7 +47,7 @@ class Search {
 
     AttemptSearch run() {
         enter("");
-        // Folders before links to folders, so that one that is reached both ways has its own name.
+        // Folders before links to folders, so that one reached both ways is known by its own name.
         while (!folders_.empty() || !links_.empty()) {
             std::set<std::string>& next = folders_.empty() ? links_ : folders_;
             enter(next.extract(next.begin()).value());
@@ -156,8 +156,8 @@ std::string_view value_on_line(std::string_view rest) {
     return quoted ? rest.substr(1, rest.size() - 2) : rest;
 }
 
-/// The value of a key that begins a line, of letters, digits and _ - . / alone; nothing where there
-/// is none such, or more than one line begins with the key.
+/// The value of a key that begins a line, if it is of letters, digits and _ - . / alone and only
+/// one line begins with the key.
 std::optional<std::string> top_value(std::string_view text, std::string_view key) {
     if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     std::optional<std::string> found;
@@ -174,8 +174,8 @@ std::optional<std::string> top_value(std::string_view text, std::string_view key
     return found;
 }
 
-/// The id of an attempt where it stands on a line of its own, once: read without parsing the file,
-/// which takes a millisecond. Nothing where that leaves a doubt.
+/// The id of an attempt where it stands on a line of its own, once. Quick: parsing the file takes a
+/// millisecond. Nothing in case of doubt.
 std::optional<std::string> quick_id(std::string_view text) {
     auto id = top_value(text, "id");
     return id && is_id(*id) ? id : std::nullopt;

@@ -47,8 +47,7 @@ DaySummary summary_of(const std::vector<AttemptOutcome>& outcomes,
     return summary;
 }
 
-/// Of the runs that were made again for want of a record of this user's; empty where there are
-/// none.
+/// Says how many runs were made again because their record was not this user's; empty for none.
 std::string foreign_records_words(const std::vector<AttemptOutcome>& outcomes) {
     const auto count = std::ranges::count_if(outcomes, &AttemptOutcome::foreign_record);
     if (count == 0) return {};
@@ -60,7 +59,7 @@ std::string foreign_records_words(const std::vector<AttemptOutcome>& outcomes) {
 /// Whether the results are to be written.
 enum class Results { written, left };
 
-/// The day's page, or why there is none: to be thrown when the runs have been told of.
+/// The day's page, or why there is none, to be thrown when the outcomes of the runs have been said.
 struct ResultsWritten {
     std::string page = {};
     std::optional<Failure> trouble = std::nullopt;
@@ -131,8 +130,8 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }
 
-/// Those of the runs submitted whose task ended before they did: a node was lost, or could not
-/// begin it. None where they are so many that the cluster, or who cancelled them, is the reason.
+/// The submitted runs whose task ended before they did: a node was lost, or could not begin it.
+/// None where they are so many that the cluster, or a cancellation, is the reason.
 std::vector<bool> lost_runs(const BatchOrder& order, const Day& day,
                             const std::set<std::string>& submitted) {
     const std::vector<RunState> states = inspect_day(day, order.context, order.jobs);

@@ -22,7 +22,7 @@ using Paths = std::vector<fs::path>;
 
 constexpr const char* day_file_name = "day.yaml";
 
-/// The name of a day that gives none: that of its folder.
+/// The name of a day whose file gives none: that of its folder.
 std::string name_of_folder(const fs::path& folder) {
     std::error_code error;
     const fs::path path = fs::weakly_canonical(fs::absolute(folder, error), error);
@@ -103,8 +103,8 @@ Day day_of_file(const fs::path& file, const std::string& text, const fs::path& o
                       attempts_of_day(day, file));
 }
 
-/// The text of the day file of a folder; nothing where none stands there, or one of another schema.
-/// Where it cannot be told what it is, it is the day: to search the folder would make another.
+/// The text of a folder's day file; nothing where there is none, or one of another schema. Failure
+/// where it cannot be parsed: the folder is not searched instead, which would give another day.
 std::optional<std::string> day_text_in(const fs::path& folder) {
     std::error_code error;
     const fs::path file = folder / day_file_name;
@@ -144,7 +144,7 @@ Day day_of_folder(const fs::path& folder, const fs::path& out) {
     return listed_day(name_of_folder(folder), std::move(listed));
 }
 
-/// Attempt files as they were named; the same one named twice is taken once.
+/// Attempt files given by name; one given twice is taken once.
 Day day_of_files(const Paths& given) {
     std::map<std::string, fs::path> files;  // in the order of their bytes
     ListedAttempts listed;

@@ -11,8 +11,8 @@ namespace runcert {
 
 /// One attempt of a day.
 struct DayAttempt {
-    /// Names the run folder. Where it could not be read it is a label made of the file's name, as
-    /// which no other attempt of the day is known.
+    /// Names the run folder. Where it could not be read, a label made of the file's name that no
+    /// other attempt of the day has.
     std::string id;
     std::string source;               ///< for people: "heats/run-1.yaml", "day.yaml:14"
     std::filesystem::path file = {};  ///< the attempt's own; empty where the day file made the text
@@ -34,11 +34,10 @@ struct Day {
 /// of the bytes of the paths.
 ///
 /// What is wrong with one attempt is in its `refused`: a file that cannot be read, an entry of the
-/// day file that no attempt can be made of, an id that two attempts have (letters compared without
-/// regard to case, as some file systems do). Not all is looked at: of an attempt's own file only
-/// what its id needs, and that quickly, so that who uses it must compare the id that `read_attempt`
-/// reads. Failure where there is no day: nothing given, no attempt found, a day file that is not
-/// one, the results' folder being the day's own.
+/// day file that no attempt can be made of, an id that two attempts have (regardless of case, as on
+/// some file systems). An attempt's own file is read only as far as its id needs: the caller must
+/// compare the id that `read_attempt` finds. Failure where there is no day: nothing given, no
+/// attempt found, a day file that is not one, the results' folder being the day's own.
 Day read_day(const std::vector<std::filesystem::path>& given, const std::filesystem::path& out);
 
 }  // namespace runcert

@@ -93,7 +93,7 @@ std::string stem_of(const std::string& name) {
     return fs::path(name).stem().string();
 }
 
-/// One entry of a day file, that is one attempt or stands for several.
+/// One entry of a day file, which is one attempt or stands for several.
 class EntryReader {
   public:
     EntryReader(const DayEntry& entry, const fs::path& file)
@@ -120,7 +120,7 @@ class EntryReader {
                            file.empty() ? "" : " (" + plain_text(file) + ")");
     }
 
-    /// What an entry is known by that is refused as a whole.
+    /// A name for an entry that is refused as a whole.
     std::string label() const {
         if (!entry_.attempt.empty()) return stem_of(entry_.attempt);
         if (entry_.keys->contains("id")) return entry_.keys.at("id").get<std::string>();
@@ -164,7 +164,7 @@ class EntryReader {
                      "Name a file inside of the day file's folder, relative to it");
         const auto leading = std::find_if(files.begin(), files.end(),
                                           [](const NamedFile& f) { return is_pattern(f.name); });
-        // Without a pattern the recording's name is what the id can be made of.
+        // Without a pattern the id can be made of the recording's name.
         std::vector<PatternMatch> matches;
         if (leading == files.end())
             matches.push_back(
@@ -173,7 +173,7 @@ class EntryReader {
             matches = matches_of(leading->name);
         check_id(matches.size());
         if (leading != files.end()) require_fitting(files, *leading);
-        // Of a file whose name no attempt can hold it is said by itself.
+        // A file whose name no attempt can hold is refused by itself.
         const auto nameable = std::ranges::find_if(
             matches, [&](const PatternMatch& match) { return !hidden_character(match.file); });
         check_keys(filled(files, nameable == matches.end() ? matches[0] : *nameable));
@@ -183,7 +183,8 @@ class EntryReader {
         return attempts;
     }
 
-    /// The id as a pattern: without one, the text that the recording's pattern stands for.
+    /// The entry's id, which may be a pattern; * for the text that the recording's pattern stands
+    /// for where it has none.
     std::string id_pattern() const {
         return entry_.keys->contains("id") ? entry_.keys.at("id").get<std::string>() : "*";
     }
@@ -198,7 +199,8 @@ class EntryReader {
                  "Write * in it, for the text that the recording's * stands for, or leave it out");
     }
 
-    /// That every pattern of the entry can be filled in with what the leading one stands for.
+    /// Failure where a pattern of the entry cannot be filled in with what the leading one stands
+    /// for.
     void require_fitting(const Files& files, const NamedFile& leading) const {
         const std::size_t wanted = wildcard_count(leading.name);
         const auto require = [&](const std::string& key, const std::string& pattern, bool fits) {
@@ -237,7 +239,7 @@ class EntryReader {
         return id;
     }
 
-    /// What a reader of attempts finds wrong, in the words of the entry.
+    /// Failure in the words of the entry where its keys do not make an attempt.
     void check_keys(Json keys) const {
         keys["id"] = "x";
         try {
@@ -264,7 +266,7 @@ class EntryReader {
                                        "Correct its name, which is relative to the day file's "
                                        "folder, or put the file there"));
         // No line number, which moves with everything above it: a run is made again where the text
-        // of its attempt is another.
+        // of its attempt has changed.
         const std::string comment = fmt::format("Made by runcert batch from {}, the attempt {}.",
                                                 escape_for_message(file_name_, 255), id);
         return {.id = id,

@@ -43,7 +43,7 @@ std::string error_text(const RunFailure& failure) {
                        failure.where, failure.remedy);
 }
 
-/// The files that the day's results name; the others need no memory for the rest of the day.
+/// The files that the day's results name; the others need not be kept in memory.
 FileHashes named_in_results(const FileHashes& files) {
     FileHashes named;
     for (const auto& [name, hash] : files)
@@ -63,7 +63,7 @@ class AttemptRun {
                        MemoryBudget& budget) {
         if (engine.finish.stop_requested()) {
             progress_.attempt_skipped(index_);
-            // What is there from before counts, unless not even looking for it is wanted.
+            // What is there from before counts, unless all is to stop now.
             return outcome_of(attempt_,
                               attempt_.refused || engine.stop.stop_requested()
                                   ? RunState{}
@@ -127,7 +127,7 @@ void refuse_inner(const Folder& folder, const std::string& name) {
         if (inner.kind_of(each) == EntryKind::link) (void)inner.open(each);  // which refuses it
 }
 
-/// A folder of results may come from elsewhere: its own parts must lie in it.
+/// Failure where a part of a folder of results, which may come from elsewhere, is a symbolic link.
 void refuse_links(const Folder& folder) {
     for (const std::string& name : folder.names())
         if (folder.kind_of(name) == EntryKind::folder || folder.kind_of(name) == EntryKind::link)

@@ -42,12 +42,12 @@ std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind ki
 /// chooses none: it is mistyped.
 std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only);
 
-/// Takes away what killed programs left half written beside the run folders. Only for who holds the
-/// day's lock alone.
+/// Removes what killed programs left half written beside the run folders. The caller holds the
+/// day's exclusive lock.
 void remove_half_written(const BatchFolders& folders);
 
-/// Runs the attempts of a day whose place in `selected` is true, and looks at how the others stand.
-/// The outcomes are in the order of the day.
+/// Runs the attempts of a day that are `selected`, and inspects the others. The outcomes are in the
+/// order of the day.
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,
                                     const BatchContext& context, const LocalEngine& engine,
                                     Progress& progress);
@@ -55,12 +55,13 @@ std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& sel
 /// How all attempts of a day stand, without running any.
 std::vector<RunState> inspect_day(const Day& day, const BatchContext& context, std::size_t jobs);
 
-/// What the results need of a run that was looked at and not made.
+/// The outcome of an attempt whose run was inspected and not made; `otherwise` is the reason where
+/// it is neither done nor failed.
 AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
                           const std::string& otherwise);
 
-/// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, where they are not
-/// already those of these outcomes. Failure where they cannot be written.
+/// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, unless they are those of
+/// these outcomes already. Failure where they cannot be written.
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
                       const BatchContext& context);
 

@@ -25,7 +25,7 @@ struct SignalPipe {
     SignalPipe() {
         if (pipe2(ends.data(), O_CLOEXEC) != 0)
             throw Failure("waiting for interrupts", std::strerror(errno), "Close other programs");
-        // A handler must not wait; of so many signals that the pipe is full one more says nothing.
+        // A handler must not wait; where so many signals fill the pipe, one more says nothing new.
         fcntl(ends[1], F_SETFL, O_NONBLOCK);
     }
 };

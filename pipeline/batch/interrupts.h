@@ -6,7 +6,7 @@
 
 namespace runcert {
 
-/// What somebody who interrupts wants.
+/// What an interruption asks for.
 enum class Interruption {
     finish,  ///< finish what is running and begin nothing more
     stop,    ///< end what is running now

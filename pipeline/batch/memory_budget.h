@@ -9,18 +9,17 @@
 
 namespace runcert {
 
-/// Lets runs begin as long as the memory that they are expected to need fits a budget together; one
-/// that is expected to need more than the whole budget runs alone. For several threads.
+/// Lets runs begin as long as the memory that they are expected to need together fits a budget; a
+/// run that needs more than the whole budget runs alone. Safe for several threads.
 class MemoryBudget {
   public:
     /// A budget of so many bytes.
     explicit MemoryBudget(std::uint64_t bytes) : budget_(bytes) {}
 
-    /// Waits until a run of that need fits; false where a stop is requested first. Runs are let in
-    /// in the order in which they come: a large one is not passed by small ones for ever.
+    /// Waits until a run with that need fits; false where a stop is requested first. Runs are let
+    /// in in the order in which they come, so that small ones do not pass a large one for ever.
     bool acquire(std::uint64_t bytes, const std::stop_token& stop);
-    /// Gives back what a run acquired: call it once for each `acquire` that returned true, with the
-    /// same number of bytes.
+    /// Gives back what an `acquire` that returned true took: the same number of bytes.
     void release(std::uint64_t bytes);
 
   private:
@@ -34,8 +33,8 @@ class MemoryBudget {
 };
 
 /// What the programs of a run need at their peak (bytes), for recordings of so many epochs in all:
-/// about 1.3 to 2 times what was measured, which is (MiB, the largest of import, enu, screen,
-/// window, check and report; smooth; pages and PDF with gnuplot and WeasyPrint):
+/// about 1.3 to 2 times what was measured. Measured were, in MiB, the largest of import, enu,
+/// screen, window, check and report; smooth; and pages and PDF with gnuplot and WeasyPrint:
 ///
 ///     epochs                 others  smooth  pages
 ///        451  .pos               22      19    116
@@ -45,16 +44,16 @@ class MemoryBudget {
 ///     28,200  NMEA               97     293    117
 ///    100,000  .pos (100 Hz)    381     878    120
 ///
-/// So smoothing takes 9 to 15 KiB for each epoch, and decides from some 10,000 on.
+/// Smoothing takes 9 to 15 KiB for each epoch, and decides from about 10,000 epochs on.
 std::uint64_t expected_memory(std::uint64_t epochs);
 
 /// Four fifths of the memory that the computer has available now (bytes), by MemAvailable of
 /// /proc/meminfo; 1 GiB where that cannot be read.
 std::uint64_t available_memory();
 
-/// About how many epochs a recording of any format holds, told from its bytes without reading it:
-/// what marks an epoch in NMEA, UBX, GPX and RINEX is counted, in other texts lines, and other
-/// binary recordings take 32 bytes or more for one. Rather too many than too few.
+/// About how many epochs a recording of any format holds, rather too many than too few: the marks
+/// of epochs in NMEA, UBX, GPX and RINEX, the lines of other texts, one for every 32 bytes of other
+/// binary recordings.
 std::uint64_t estimated_epochs(std::string_view recording);
 
 }  // namespace runcert

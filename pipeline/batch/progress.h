@@ -12,7 +12,7 @@ namespace runcert {
 enum class ProgressStyle {
     terminal,  ///< a line for each finished attempt; below, what runs, a bar and the time left
     plain,     ///< a line for each finished attempt
-    quiet,     ///< failures and the closing lines alone
+    quiet,     ///< only failures and the closing lines
     json,      ///< one event a line, for programs
 };
 
@@ -53,9 +53,9 @@ struct ProgressOptions {
     std::FILE* to = stdout;
 };
 
-/// Shows how the attempts of a day go. An attempt is told by its index, from 0 up to the total, and
-/// ends or is skipped at most once. What is said of an attempt is held back until all before it
-/// have ended or were skipped, so that two calls give the same text, but for times, whatever the
+/// Shows how the attempts of a day go. An attempt is named by its index, from 0 up to the total,
+/// and ends or is skipped at most once. What is said of an attempt is held back until all before it
+/// have ended or were skipped, so that two calls give the same text but for times, whatever the
 /// order of finishing; notes are said at once. Every function may be called from any thread. Texts
 /// may be anything: what would steer a terminal is taken out.
 class Progress {

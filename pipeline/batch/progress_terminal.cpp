@@ -27,8 +27,8 @@ bool wants_colour() {
     return none == nullptr || *none == '\0';
 }
 
-/// What one thread draws, and all others only change. The cursor is never hidden and rests at the
-/// end of the bar, so that a program that is killed leaves nothing to repair.
+/// One thread draws; all others only change what it draws. The cursor is never hidden and rests at
+/// the end of the bar, so that a program that is killed leaves nothing to repair.
 class TerminalProgress : public Progress {
   public:
     explicit TerminalProgress(const ProgressOptions& options)
@@ -124,8 +124,8 @@ class TerminalProgress : public Progress {
         if (drawer_.joinable()) drawer_.join();
     }
 
-    /// Moves to where the frame begins and erases it. Where the terminal was made narrower it has
-    /// broken lines of the frame, as most do.
+    /// Moves to where the frame begins and erases it. A terminal that was made narrower has broken
+    /// lines of the frame.
     std::string erasure(const TerminalSize& terminal) const {
         if (drawn_.empty()) return {};
         std::string text = "\r";

@@ -6,7 +6,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 #include "files/sha256.h"
 #include "run/run_lock.h"
 #include "run/staging_folder.h"

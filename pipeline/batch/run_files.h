@@ -22,7 +22,7 @@ struct BatchFolders {
     }
     /// A run in the making.
     std::filesystem::path work(const std::string& id) const { return own() / "work" / id; }
-    /// What was found in the way of the batch's own files, and is not this user's batches'.
+    /// What was in the way of the batch's own files and was not made by this user's batches.
     std::filesystem::path superseded() const { return own() / "superseded"; }
     /// The text of an attempt that a day file made.
     std::filesystem::path composed(const std::string& id) const {
@@ -40,11 +40,11 @@ struct BatchFolders {
 };
 
 /// The files of a run while it is made: those of its run folder, and those of a work folder in
-/// which new ones are made, so that the run folder stays whole until all are. A file counts by its
-/// contents alone: whatever a name promises, it is hashed before it is used.
+/// which new ones are made, so that the run folder stays whole until all are done. Only contents
+/// count: a file is hashed before it is used.
 class RunFiles {
   public:
-    /// Both are in the folder of results, by their names there, and neither need exist.
+    /// `run` and `work` are paths within the folder of results; neither need exist.
     RunFiles(std::filesystem::path results, const std::filesystem::path& run,
              std::filesystem::path work);
 
@@ -60,39 +60,39 @@ class RunFiles {
     /// Whether either folder holds a regular file of that name.
     bool exists(const std::string& name) const;
 
-    /// Takes away what a killed program left half written in either folder, and beside the run's.
+    /// Removes what a killed program left half written in either folder, and beside the run folder.
     /// Failure where another program writes in the run folder.
     void remove_left() const;
 
-    /// Makes the work folder, and takes out of it what is none of these files: a step reads there
-    /// what is known by its hash. `known` may have several hashes of a name. A folder of that name
-    /// that no batch of this user made is set aside.
+    /// Makes the work folder, and removes from it all but the files that `known` names with their
+    /// hash, of which there may be several for a name. A folder of that name that no batch of this
+    /// user made is set aside.
     void open_work(const std::multimap<std::string, std::string>& known);
 
-    /// Has the file of that SHA-256 in the work folder, as a link to the run folder's where the
-    /// file system has links. It must be in one of the two.
+    /// Puts the file with that SHA-256, which must be in one of the two folders, into the work
+    /// folder: as a hard link where the file system has links.
     void bring_to_work(const std::string& name, const std::string& sha256);
 
-    /// The SHA-256 of a file of the work folder that was just written there. Failure where it is
-    /// not there.
+    /// The SHA-256 of a file that was just written in the work folder. Failure where there is none.
     std::string written(const std::string& name);
 
-    /// Has the files of these names and SHA-256 in a folder, of which each is in one of the two.
+    /// Puts the files of these names and SHA-256, each of which is in one of the two folders, into
+    /// another one.
     void place(const std::map<std::string, std::string>& files, const Folder& to);
 
-    /// Forgets what was hashed: another run was put in the run folder's place.
+    /// Forgets the hashes: another run has taken the run folder's place.
     void forget() { hashes_.clear(); }
 
-    /// Takes the work folder away.
+    /// Removes the work folder.
     void close_work();
 
   private:
     std::optional<std::string> hash_of(const std::filesystem::path& file);
-    /// The file beside the work folder by which this user's batches know that they made it.
+    /// The file beside the work folder that shows this user's batches that they made it.
     std::string seal_name() const;
     bool is_own_work() const;
     std::string text_of_seal(const Folder& all) const;
-    /// Whether the seal stands there without the folder that it is of.
+    /// Whether the seal is there and its folder is not.
     bool is_left_seal(const Folder& all) const;
 
     std::filesystem::path results_;
@@ -102,12 +102,11 @@ class RunFiles {
     std::map<std::string, std::optional<std::string>> hashes_;
 };
 
-/// Moves an entry of a folder of results, which no batch of this user wrote, to the first free name
-/// in what was superseded there.
+/// Moves an entry of a folder of results that no batch of this user wrote to the first free name
+/// among what was superseded there.
 void set_aside(const Folder& folder, const std::string& name, const std::filesystem::path& results);
 
-/// Takes away what killed programs of this user left half written in a folder. Nobody may be
-/// writing there.
+/// Removes what killed programs of this user left half written in a folder in which nobody writes.
 void remove_temporaries(const std::filesystem::path& folder);
 
 }  // namespace runcert

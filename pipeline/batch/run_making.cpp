@@ -8,7 +8,7 @@
 #include "files/file_sync.h"
 #include "files/folder.h"
 #include "files/sha256.h"
-#include "run/run_times.h"
+#include "run/chain.h"
 #include "run/staging_folder.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
@@ -32,8 +32,8 @@ void require_no_strangers(const std::filesystem::path& run_dir) {
                   "Move it out of the folder, and run the batch again");
 }
 
-/// The signature of this very report that the key made before in that role: it and its time stamp
-/// stay, whatever is known of the run's making.
+/// The signature of this very report that the key made before in that role, if there is one: it and
+/// its time stamp stay.
 std::optional<std::string> own_signature(const std::filesystem::path& folder,
                                          const ReportFacts& report, const PublicKey& key,
                                          const std::string& role) {
@@ -60,8 +60,8 @@ std::multimap<std::string, std::string> RunMaking::known_files() const {
     return known;
 }
 
-/// Opens the work folder, and has all files there that were made or kept so far: the next step
-/// reads them there.
+/// Opens the work folder and puts all files into it that were made or kept so far, for the next
+/// step to read.
 void RunMaking::prepare() {
     if (!prepared_) {
         if (!watch_.admitted(estimated_epochs(claim_))) throw Interrupted{};
@@ -113,8 +113,8 @@ void RunMaking::begin(const std::string& step) {
     if (step == "render") bring_signatures();
 }
 
-/// That what a step brought in from outside is what was hashed before. Else the record would have
-/// the run made from files that it was not made from, and trust it when they are put back.
+/// Refuses what a step brought in from outside if it is not what was hashed before. Else the record
+/// would name files that the run was not made from, and trust the run when they are put back.
 void RunMaking::require_as_hashed(const std::string& step, const StepRecord& record) {
     FileHashes brought_in = claim_.files;  // which import brings in once more
     brought_in.insert(record.inputs.begin(), record.inputs.end());
@@ -163,7 +163,8 @@ FileHashes RunMaking::standing_attestations() const {
     return hashes;
 }
 
-/// Has them in the work folder, for the page to show and for a new one to stand beside.
+/// Puts the standing signatures and attestations into the work folder: pages show them, and a new
+/// signature stands beside them.
 void RunMaking::bring_signatures() {
     for (const auto& [name, hash] : standing_signatures())
         files_.bring_to_work(name, hash);

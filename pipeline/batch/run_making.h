@@ -13,12 +13,12 @@ namespace runcert {
 /// Thrown where a stop was requested; the run is as it was left.
 struct Interrupted {};
 
-/// Thrown where what a step brought in is not what was hashed.
+/// Thrown where what a step brought in is not what was hashed before.
 struct StepError {
     RunFailure failure;
 };
 
-/// A run that is looked at or made, step by step.
+/// A run that is inspected or made, step by step.
 class RunMaking {
   public:
     RunMaking(const DayAttempt& given, const BatchContext& context, const StepWatch& watch,
@@ -66,8 +66,8 @@ class RunMaking {
     FileHashes current_;  ///< every file that the steps so far made or kept
     RunState state_;
     std::time_t started_ = 0;
-    std::string step_;       ///< that is looked at or done
-    bool looking_ = false;   ///< nothing is done: how the run stands
+    std::string step_;       ///< that is inspected or done
+    bool looking_ = false;   ///< the run is only inspected
     bool prepared_ = false;  ///< the work folder is open
 };
 

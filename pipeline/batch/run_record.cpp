@@ -43,7 +43,7 @@ StepRecord step_of(const Json& json) {
             .seconds = json.at("seconds").get<double>()};
 }
 
-/// Whether a batch makes files of that name: no path, no folder, nobody else's file.
+/// Whether a batch makes files of that name.
 bool is_made_by_a_batch(const std::string& name) {
     return is_file_of_a_run(name) || name == "report.json" || name == "report.html" ||
            name == "report.pdf";
@@ -55,8 +55,8 @@ RunRecord foreign_record() {
     return record;
 }
 
-/// A record says what need not be made again, and which files are to be taken away: one that this
-/// user's program did not write is not to be read at all.
+/// A record says what need not be made again and which files are to be removed: one that this
+/// user's program did not write must not be read.
 RunRecord record_of(Json json, const RecordPlace& place) {
     RunRecord record;
     const std::string written = json.at(seal).get<std::string>();
@@ -67,7 +67,7 @@ RunRecord record_of(Json json, const RecordPlace& place) {
     for (const auto& [name, step] : json.at("steps").items())
         record.steps[name] = step_of(step);
     for (const std::string name : json.at("published")) {
-        // These are taken away one day: only what a batch makes may be among them.
+        // These are removed one day: only what a batch makes may be among them.
         if (!is_made_by_a_batch(name)) return foreign_record();
         record.published.push_back(name);
     }
@@ -92,7 +92,7 @@ RunRecord read_run_record(const RecordPlace& place) {
         return foreign_record();
     bool too_deep = false;
     const auto depth_guard = [&too_deep](int depth, Json::parse_event_t, Json&) {
-        constexpr int deepest = 64;  // what is deeper would take the stack when it is written out
+        constexpr int deepest = 64;  // writing out what is deeper would exhaust the stack
         too_deep = too_deep || depth > deepest;
         return !too_deep;
     };
@@ -117,8 +117,8 @@ void write_run_record(const RecordPlace& place, const RunRecord& record) {
                            {"where", record.failure->where},
                            {"remedy", record.failure->remedy}};
     json[seal] = place.key.seal(text_of(json));
-    // Lost by a power cut, it costs making the run anew; but what was published must be known, to
-    // be taken away when it is the run's no longer.
+    // Lost by a power cut, it costs making the run again. But what was published must be known, to
+    // be removed when the run no longer has it.
     if (record.published.empty())
         write_file_unsynced(place.file, text_of(json));
     else

@@ -13,12 +13,12 @@
 
 namespace runcert {
 
-/// The programs that a step of a run rests on, by name, with the SHA-256 of each: the stage's own,
-/// and those of others that it calls; "none" for one that is not installed.
+/// The programs that a step depends on, by name, with the SHA-256 of each: its own, and those of
+/// others that it calls; "none" for one that is not installed.
 using StepPrograms = std::map<std::string, std::string>;
 
-/// Those of every step (`steps`), from the folder of the stages and from those of the system. Each
-/// program is read once. Failure where a stage's own is missing.
+/// The programs of every step (`steps`), in the given folder and in those of the system. Failure
+/// where a stage's own is missing.
 std::map<std::string, StepPrograms> programs_of_steps(const std::filesystem::path& folder);
 
 /// The SHA-256 of a program: of the file of that path or, where it holds no slash, of the first of
@@ -49,37 +49,36 @@ struct RunFailure {
 struct RunRecord {
     std::map<std::string, StepRecord> steps;
     std::optional<RunFailure> failure;
-    /// Files of the run folder that were put there and are to be taken away when they are no longer
-    /// part of the run.
+    /// Files that were put into the run folder, to be removed when the run no longer has them.
     std::vector<std::string> published;
-    /// Whether a record is there that the key did not seal; nothing of it was read.
+    /// Whether there is a record that the key did not seal, of which nothing was read.
     bool foreign = false;
 };
 
-/// Where a record is, whose it is, and by whom it was made.
+/// Where a record is, what it is about, and the key that seals it.
 struct RecordPlace {
     std::filesystem::path file;
-    std::string of;  ///< "run ID", "day": what it is of counts, not the name of its file
+    std::string of;  ///< "run ID", "day": sealed too, since its file could be renamed
     const RecordKey& key;
 };
 
-/// Reads a record. One that is missing is none. One that the key did not seal, byte for byte and of
-/// this very thing, says nothing: anyone could have written it, and the run is recomputed.
+/// Reads a record; empty where there is none. One that the key did not seal, byte for byte and
+/// about this very thing, is not read: anyone could have written it, and the run is recomputed.
 RunRecord read_run_record(const RecordPlace& place);
 
-/// Writes a record and seals it. Atomically where files were published. Failure where it cannot be
+/// Seals and writes a record, and syncs it where files were published. Failure where it cannot be
 /// written.
 void write_run_record(const RecordPlace& place, const RunRecord& record);
 
-/// A step's program says a few lines; beyond so many bytes it says nonsense without end, and is
-/// ended before it fills the memory.
+/// A step's program says a few lines. One that says more than so many bytes is ended before it
+/// fills the memory.
 inline constexpr std::size_t most_output_of_step = std::size_t{16} << 20;
 
-/// What a step would now be made from that it was not made from before, in words ("parameters:
-/// seed 1 -> 2"); empty where all is as it was. What was written is not looked at.
+/// In what the present programs, settings and inputs of a step differ from those before, in words
+/// ("parameters: seed 1 -> 2"); empty where they do not. Outputs are not compared.
 std::string what_changed(const StepRecord& before, const StepRecord& now);
 
-/// The failure of a step whose program did not end well: its own three lines where it said them,
+/// The failure of a step whose program did not end well: what it said itself in three lines, or
 /// else how it ended.
 RunFailure failure_of_program(const std::string& step, const ProcessResult& result,
                               std::chrono::milliseconds time_limit);

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a failure calls the last thing that is done, which is no step: the files come into the run
-/// folder.
+/// The name in failures of the last thing that is done, which is no step: putting the files into
+/// the run folder.
 constexpr const char* publishing = "publish";
 
 RunFailure failure_of(const std::string& step, const Failure& failure) {
@@ -30,8 +30,8 @@ RunFailure failure_of(const std::string& step, const Failure& failure) {
             .remedy = failure.remedy()};
 }
 
-/// Does what a run comes to. What no step foresaw, a lock that cannot be taken or memory that is
-/// not there, is a failure of this run too, and stops no other.
+/// Does the work of a run. A failure that no step foresaw, such as a lock that cannot be taken or
+/// want of memory, is one of this run too, and stops no other.
 RunState guarded(const fs::path& run_dir, const std::function<RunState()>& work) {
     const std::string& step = steps().front().name;
     try {
@@ -106,7 +106,7 @@ std::string RunMaking::why(const std::string& step, const StepRecord& now) {
     return {};
 }
 
-/// Whether a step's files can stay. The state's last step says why they cannot.
+/// Whether a step's files can stay; if not, the state's last step says why.
 bool RunMaking::keeps(const std::string& step, const StepRecord& now) {
     const std::string reason = why(step, now);
     state_.steps.push_back({.step = step,
@@ -128,8 +128,7 @@ RunState RunMaking::ended(const RunFailure& failure) {
     try {
         write_record();
     } catch (const Failure&) {
-        // On a full disk this fails for the reason that is being told; the next call finds out
-        // anew.
+        // On a full disk this fails for the same reason; the next call finds out again.
     }
     return state_;
 }

@@ -147,7 +147,7 @@ Submitted submit_array(const ArrayJob& job) {
     make_directory(job.folder);
     words.push_back(fmt::format("--array=0-{}{}", job.tasks - 1,
                                 job.at_once > 0 ? fmt::format("%{}", job.at_once) : ""));
-    // Slurm sets the index where the task runs: it alone stays for the shell to replace.
+    // Slurm sets the index where the task runs: the shell there replaces it alone.
     words.push_back(fmt::format("--wrap={} --share \"$SLURM_ARRAY_TASK_ID\"/{}",
                                 shell_line(job.command), job.tasks));
     return run_sbatch(words);
@@ -161,7 +161,7 @@ Submitted submit_gatherer(const ArrayJob& job, const Submitted& array) {
     return run_sbatch(words);
 }
 
-/// Takes a submitted job back; what there is to say of it.
+/// Cancels a submitted job; says what became of it.
 std::string cancelled(const Submitted& job) {
     std::vector<std::string> words{"scancel"};
     append(words, on_cluster(job.cluster));

@@ -18,7 +18,7 @@
 namespace runcert {
 
 /// A day handed to a cluster: a job array that makes the runs, and a job after it that makes the
-/// results. Kept in a file, so that a later call finds them; of jobs that ended it does no harm.
+/// results. Kept in a file, so that a later call finds them.
 struct SlurmJobs {
     std::string array;      ///< id of the job array
     std::string gatherer;   ///< id of the job that makes the results
@@ -40,7 +40,7 @@ std::optional<SlurmJobs> read_slurm_jobs(const std::filesystem::path& file);
 struct JobState {
     std::size_t pending = 0;   ///< not begun, or to be begun again; held ones too
     std::size_t running = 0;   ///< begun and not ended
-    std::size_t over = 0;      ///< no longer known as pending or running, however they ended
+    std::size_t over = 0;      ///< ended, however they did
     std::size_t held = 0;      ///< of the pending: those that wait until someone releases them
     std::size_t requeued = 0;  ///< of the pending and running: begun at least twice, e.g. because a
                                ///< node failed
@@ -49,8 +49,8 @@ struct JobState {
     bool is_over() const { return pending + running == 0; }
 };
 
-/// "submitted job 12, 40 tasks for 200 runs; results by job 13", and how to see them and end them;
-/// lines for people, each ended.
+/// "submitted job 12, 40 tasks for 200 runs; results by job 13", and how to see and end them: lines
+/// for people, each ended.
 std::string submission_text(const SlurmJobs& jobs);
 
 /// How both jobs stand; lines for people, each ended.
@@ -62,20 +62,20 @@ void slurm_ready();
 
 /// What a cluster lets one job array be.
 struct ArrayLimits {
-    std::int64_t max_array_size = 0;  ///< MaxArraySize: indices are below it; 0 where none are let
+    std::int64_t max_array_size = 0;  ///< MaxArraySize: indices are below it; 0 allows none
     std::int64_t max_job_count = 0;   ///< MaxJobCount: jobs known at one time; a task counts as one
     std::optional<std::int64_t> max_array_tasks =
         std::nullopt;  ///< max_array_tasks of SchedulerParameters
 };
 
-/// The limits in what `scontrol show config` wrote. Failure where they are not in it.
+/// The limits in the output of `scontrol show config`. Failure where they are not in it.
 ArrayLimits read_array_limits(std::string_view configuration);
 /// The limits of the cluster at hand. Failure where its controller does not answer.
 ArrayLimits array_limits();
 
-/// How many tasks an array of so many runs has: one for each run as far as the limits let, and at
+/// How many tasks an array of so many runs has: one for each run as far as the limits allow, and at
 /// most half of MaxJobCount, because sbatch waits for minutes where the cluster's table of jobs is
-/// full. Task i of N takes the runs i, i + N, i + 2N, ... Failure where no arrays are let.
+/// full. Task i of N takes the runs i, i + N, i + 2N, ... Failure where no arrays are allowed.
 std::size_t tasks_for(std::size_t runs, const ArrayLimits& limits);
 
 /// `PROGRAM batch DAY... --out OUT` for another machine: the running program and absolute paths.

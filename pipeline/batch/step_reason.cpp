@@ -52,8 +52,8 @@ std::string value_text(const Json& value) {
                                     longest);
 }
 
-/// Whether two values are written the same way: a step prints a parameter as it is written, and
-/// 2 and 2.0 are one figure.
+/// Whether two values are written the same way: 2 and 2.0 are one number, but a step prints a
+/// parameter as it is written.
 bool same_text(const Json& a, const Json& b) {
     const auto text = [](const Json& value) {
         return value.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -85,7 +85,7 @@ std::vector<std::string> different_settings(const Json& a, const Json& b) {
     return different;
 }
 
-/// The three lines that every program of this project says on standard error when it gives up.
+/// The three lines that every program of this project prints on standard error when it fails.
 std::vector<std::string> own_words(const std::string& errors) {
     const std::vector<std::string> lines = lines_of(errors);
     constexpr std::array heads{std::string_view("error: "), std::string_view("  where: "),

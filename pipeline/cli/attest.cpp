@@ -18,7 +18,6 @@
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "recompute.h"
-#include "render_pages.h"
 #include "run/run_lock.h"
 #include "trust/attestation.h"
 #include "trust/roster.h"

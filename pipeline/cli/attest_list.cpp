@@ -12,7 +12,6 @@
 #include "files/atomic_file.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
-#include "verification_text.h"
 
 namespace runcert {
 namespace {
@@ -114,7 +113,7 @@ int list_clauses(const std::filesystem::path& run_dir, const std::string& roster
         fmt::print("{}\n", plain_text(answer_words(one)));
     for (const std::string& fault : standing.faults)
         fmt::print("{}\n", plain_text(fault));
-    for (const std::string& line : VerificationResult{.standing = standing}.standing_lines())
+    for (const std::string& line : standing_lines(standing, true))
         fmt::print("{}\n", plain_text(line));
     return 0;
 }

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -16,13 +15,11 @@ struct AuditOptions {
 
 int audit(const AuditOptions& options) {
     std::vector<std::string> arguments{options.run_dir};
+    if (options.all) arguments.emplace_back("--all");
     for (const std::string& stage : options.stages)
         arguments.insert(arguments.end(), {"--stage", stage});
-    if (!options.receiver.empty())
-        arguments.insert(arguments.end(), {"--receiver", options.receiver});
-    if (!options.html.empty()) arguments.insert(arguments.end(), {"--html", options.html});
-    if (options.all) arguments.emplace_back("--all");
-    return run_reader("audit", arguments);
+    return run_companion("audit", arguments,
+                         {{"--receiver", options.receiver}, {"--html", options.html}});
 }
 
 }  // namespace

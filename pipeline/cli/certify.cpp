@@ -16,7 +16,6 @@
 #include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
-#include "run/run_times.h"
 #include "run/staging_folder.h"
 #include "run/steps.h"
 #include "schemas/attempt/attempt.h"

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -28,5 +32,27 @@ void add_compare(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);
 void add_export(CLI::App& app, Command& chosen);
 void add_seal(CLI::App& app, Command& chosen);
+
+// What several of them do.
+
+/// Options of a companion program, each passed on where its value is not empty.
+using PassedOptions = std::vector<std::pair<std::string, std::string>>;
+
+/// Runs the companion program `runcert-NAME`, prints what it says on standard output and standard
+/// error, and gives its exit status. Failure where the program is not there.
+int run_companion(const std::string& name, const std::vector<std::string>& arguments,
+                  const PassedOptions& options = {});
+
+/// Renders the pages of a run again, which show who signed and answered, with the keys of a roster
+/// where one is named. A sealed PDF goes to superseded/, since a seal is of the page as it was. The
+/// exit status: 2 where they could not be rendered, which is said after `done`, what was done.
+int render_pages(const std::filesystem::path& run_dir, const std::string& roster,
+                 const std::string& done);
+
+/// Whether a file lies in a run folder, or is the run itself, and so is the sender's word.
+bool lies_in(const std::filesystem::path& file, const std::filesystem::path& run_dir);
+
+/// Failure where the roster named lies in the run: pages go by the reader's own. Empty is none.
+void require_own_roster(const std::string& roster, const std::filesystem::path& run_dir);
 
 }  // namespace runcert

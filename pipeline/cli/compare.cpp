@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -13,11 +12,8 @@ struct CompareOptions {
 };
 
 int compare(const CompareOptions& options) {
-    std::vector<std::string> arguments{options.run_dir};
-    if (!options.truth.empty()) arguments.insert(arguments.end(), {"--truth", options.truth});
-    if (!options.receiver.empty())
-        arguments.insert(arguments.end(), {"--receiver", options.receiver});
-    return run_reader("compare", arguments);
+    return run_companion("compare", {options.run_dir},
+                         {{"--truth", options.truth}, {"--receiver", options.receiver}});
 }
 
 }  // namespace

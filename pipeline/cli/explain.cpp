@@ -1,8 +1,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "render_pages.h"
-#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -21,11 +19,10 @@ int explain(const ExplainOptions& options) {
     std::vector<std::string> arguments;
     if (options.profiles) arguments.emplace_back("--profiles");
     if (options.inputs) arguments.emplace_back("--inputs");
-    if (!options.profile.empty()) arguments.insert(arguments.end(), {"--profile", options.profile});
-    if (!options.roster.empty()) arguments.insert(arguments.end(), {"--roster", options.roster});
     for (const std::string& word : {options.run_dir, options.clause})
         if (!word.empty()) arguments.push_back(word);
-    return run_reader("explain", arguments);
+    return run_companion("explain", arguments,
+                         {{"--profile", options.profile}, {"--roster", options.roster}});
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -18,13 +17,12 @@ struct ExportOptions {
 
 int export_run(const ExportOptions& options) {
     std::vector<std::string> arguments{options.run_dir, "--format", options.format};
-    if (!options.out.empty()) arguments.insert(arguments.end(), {"--out", options.out});
-    if (!options.table.empty()) arguments.insert(arguments.end(), {"--table", options.table});
-    if (!options.receiver.empty())
-        arguments.insert(arguments.end(), {"--receiver", options.receiver});
-    if (!options.every.empty()) arguments.insert(arguments.end(), {"--every", options.every});
     if (options.force) arguments.emplace_back("--force");
-    return run_reader("export", arguments);
+    return run_companion("export", arguments,
+                         {{"--out", options.out},
+                          {"--table", options.table},
+                          {"--receiver", options.receiver},
+                          {"--every", options.every}});
 }
 
 }  // namespace

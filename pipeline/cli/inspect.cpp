@@ -1,9 +1,6 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "files/process.h"
 
 namespace runcert {
 
@@ -17,13 +14,9 @@ void add_inspect(CLI::App& app, Command& chosen) {
                         "same name beside them");
     command->callback([&chosen, recording, navigation] {
         chosen = [recording, navigation] {
-            std::vector<std::string> call{(program_folder() / "runcert-import").string(),
-                                          "--inspect", *recording};
-            if (!navigation->empty()) call.push_back(*navigation);
-            const ProcessResult result = run_process(call);
-            fmt::print("{}", result.output);
-            fmt::print(stderr, "{}", result.errors);
-            return result.exit_status;
+            std::vector<std::string> arguments{"--inspect", *recording};
+            if (!navigation->empty()) arguments.push_back(*navigation);
+            return run_companion("import", arguments);
         };
     });
 }

@@ -7,11 +7,9 @@
 
 #include "core/failure.h"
 #include "core/plain_text.h"
-#include "files/arithmetic.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "files/program.h"
-#include "recompute_file.h"
 #include "run/chain.h"
 #include "schemas/products/products.h"
 
@@ -114,12 +112,11 @@ std::string finding_of(const Comparisons& all) {
 }  // namespace
 
 VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "recompute", .finding = {}, .details = {}};
+    VerificationStep step{.passed = true, .what = "recompute"};
     const TemporaryFolder folder;
     if (const auto failed = recompute(run_dir, folder.path())) {
-        step.passed = false;
         step.finding = "the stages cannot be run on the folder's files";
-        step.details.push_back(*failed);
+        step.fail(*failed);
         return step;
     }
     const bool same_arithmetic = report.arithmetic == arithmetic_fingerprint();
@@ -146,12 +143,11 @@ VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts
 }
 
 VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "contents", .finding = {}, .details = {}};
+    VerificationStep step{.passed = true, .what = "contents"};
     const TemporaryFolder folder;
     if (const auto failed = recompute_report(run_dir, folder.path())) {
-        step.passed = false;
         step.finding = "report.json cannot be made from the folder's files";
-        step.details.push_back(plain_text(*failed));
+        step.fail(plain_text(*failed));
         return step;
     }
     const FileComparison compared = compare_file(run_dir, folder.path(), report_file,

@@ -1,5 +1,3 @@
-#include "recompute_file.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "files/program.h"
+#include "recompute.h"
 #include "reports/diff/table_comparison.h"
 #include "schemas/products/products.h"
 

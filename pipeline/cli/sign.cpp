@@ -5,7 +5,6 @@
 
 #include "commands.h"
 #include "recompute.h"
-#include "render_pages.h"
 #include "run/run_lock.h"
 #include "trust/roster.h"
 #include "trust/signature.h"

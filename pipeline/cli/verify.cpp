@@ -4,21 +4,24 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "recompute.h"
-#include "render_pages.h"
 #include "trust/bundle.h"
 #include "trust/roster.h"
+#include "trust/run_standing.h"
 #include "trust/verification.h"
-#include "verification_text.h"
 
 namespace runcert {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 struct VerifyOptions {
     std::string run_dir;
@@ -65,6 +68,108 @@ SignatureRules read_rules(const VerifyOptions& options) {
     return rules;
 }
 
+/// All that `runcert verify` found.
+struct VerificationResult {
+    std::vector<VerificationStep> layers{};
+    std::vector<Signer> signers{};
+    std::optional<RunStanding> standing{};
+    std::string missing_sandbox{};  ///< here, of programs of others that read the folder
+
+    /// Every layer that was checked holds, and the signatures were checked.
+    bool passed() const {
+        return std::ranges::all_of(
+            layers, [](const VerificationStep& step) { return step.passed || !step.checked; });
+    }
+    /// The figures were computed again. What a key signs may have been written by hand.
+    bool recomputed() const {
+        return std::ranges::any_of(layers, [](const VerificationStep& step) {
+            return step.what == "recompute" && step.checked && step.passed;
+        });
+    }
+    /// "VERIFIED", "SIGNED, NOT RECOMPUTED" or "NOT VERIFIED".
+    std::string verdict() const {
+        if (!passed()) return "NOT VERIFIED";
+        return recomputed() ? "VERIFIED" : "SIGNED, NOT RECOMPUTED";
+    }
+};
+
+const char* mark_of(const VerificationStep& step) {
+    if (!step.checked) return "-";
+    return step.passed ? "yes" : "NO";
+}
+
+Json text_or_null(const std::string& text) {
+    return text.empty() ? Json(nullptr) : Json(text);
+}
+
+Json layer_json(const VerificationStep& step) {
+    return {{"layer", step.what},
+            {"passed", step.checked ? Json(step.passed) : Json(nullptr)},
+            {"finding", step.finding},
+            {"details", step.details}};
+}
+
+Json signer_json(const Signer& signer) {
+    return {{"file", signer.file},
+            {"role", text_or_null(signer.role)},
+            {"key", text_or_null(signer.key)},
+            {"who", text_or_null(signer.who)},
+            {"stated_time", text_or_null(signer.stated_time)},
+            {"time", signer.time},
+            {"time_source", signer.time_source},
+            {"valid", signer.valid},
+            {"reason", text_or_null(signer.reason)},
+            {"notes", signer.notes}};
+}
+
+/// Where each rule stands: that a record was beaten is not said of a run that does not verify.
+std::vector<std::string> standing_of(const VerificationResult& result) {
+    return result.standing ? standing_lines(*result.standing, result.passed())
+                           : std::vector<std::string>();
+}
+
+/// For people: a line for each layer, its details below, the verdict at the end.
+std::string verification_text(const VerificationResult& result) {
+    std::string text;
+    for (const VerificationStep& step : result.layers) {
+        text +=
+            fmt::format("{:<4} {:<13} {}\n", mark_of(step), step.what, plain_text(step.finding));
+        for (const std::string& detail : step.details)
+            text += fmt::format("     {:<13} {}\n", "", plain_text(detail));
+    }
+    text += "\n";
+    for (const std::string& line : standing_of(result))
+        text += plain_text(line) + "\n";
+    text += fmt::format("\n{}\n", result.verdict());
+    if (result.passed() && !result.recomputed())
+        text +=
+            "The signatures hold. Whether the figures follow from the recording was not checked: "
+            "add --recompute.\n";
+    if (!result.missing_sandbox.empty()) text += plain_text(result.missing_sandbox) + "\n";
+    return text;
+}
+
+/// For machines, one JSON document: verdict, exit_status and its meaning, layers (passed is null
+/// where nothing was checked), signers, standing.
+std::string verification_json(const VerificationResult& result) {
+    const bool passed = result.passed();
+    Json json{{"verdict", result.verdict()},
+              {"exit_status", passed ? 0 : 1},
+              {"exit_meaning", !passed               ? "some of it does not hold"
+                               : result.recomputed() ? "all of it holds"
+                                                     : "all that was checked holds; the figures "
+                                                       "were not computed again"},
+              {"missing_sandbox", text_or_null(result.missing_sandbox)},
+              {"layers", Json::array()},
+              {"signers", Json::array()}};
+    for (const VerificationStep& step : result.layers)
+        json["layers"].push_back(layer_json(step));
+    for (const Signer& signer : result.signers)
+        json["signers"].push_back(signer_json(signer));
+    json["standing"] = standing_of(result);
+    return json.dump(2, ' ', true, Json::error_handler_t::replace) + '\n';
+}
+
 /// Files that are not what the report names, or were changed by somebody, are not computed with.
 bool found_a_fault(const VerificationResult& result) {
     return std::ranges::any_of(result.layers,
@@ -84,16 +189,14 @@ void add_long_layer(VerificationResult& result, bool keep_going, const char* wha
                                  .what = what,
                                  .finding = "not done, because of what was found above "
                                             "(--keep-going does it all the same)",
-                                 .details = {},
                                  .checked = false});
 }
 
 /// A bundle of another form than this program gives it may hold what nobody looks at.
 void add_deviation(VerificationStep& step, const std::optional<std::string>& deviation) {
     if (!deviation || !step.passed) return;
-    step.passed = false;
     step.finding = "it is not as runcert writes a bundle";
-    step.details.push_back(*deviation);
+    step.fail(*deviation);
 }
 
 int verify(const VerifyOptions& options) {

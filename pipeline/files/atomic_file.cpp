@@ -15,10 +15,9 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/descriptor.h"
 #include "files/file_sync.h"
 #include "files/folder.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 
 namespace runcert {
 namespace {
@@ -37,42 +36,7 @@ Sync sync_of_environment() {
     return said && std::string_view(said) == sync_of_caller ? Sync::later : Sync::now;
 }
 
-/// What a user can do about a system error.
-std::string remedy_for(int error) {
-    switch (error) {
-        case ENOENT:
-        case ENOTDIR:
-            return "Check the spelling of the path and that each folder in it exists";
-        case EACCES:
-        case EPERM:
-            return "Change the permissions of the file or its folder, or choose another place";
-        case EROFS:
-            return "The file system is read-only: choose another place";
-        case ENOSPC:
-        case EDQUOT:
-            return "Free some space there, or choose another place";
-        case EFBIG:
-            return "Raise the limit on file sizes (ulimit -f), or choose another place";
-        case EISDIR:
-            return "A folder has that name: name a file";
-        case EEXIST:
-            return "A file has that name: move it, or choose another name";
-        case ENAMETOOLONG:
-            return "Choose a shorter name";
-        case EMFILE:
-        case ENFILE:
-            return "Raise the limit on open files (ulimit -n)";
-        default:
-            return "Check the disk it is on";
-    }
-}
-
 }  // namespace
-
-void fail_of_system(const fs::path& path, const std::string& attempted, int error) {
-    throw Failure(path.string(), attempted + ": " + std::generic_category().message(error),
-                  remedy_for(error));
-}
 
 fs::path folder_of(const fs::path& file) {
     return file.has_parent_path() ? file.parent_path() : fs::path(".");

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <system_error>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
-#include "files/file_sync.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 
 namespace runcert {
 namespace {
@@ -20,6 +20,36 @@ namespace fs = std::filesystem;
 
 // Needs no permission to list the folder.
 constexpr int open_folder = O_PATH | O_DIRECTORY | O_CLOEXEC;
+
+/// What a user can do about a system error.
+std::string remedy_for(int error) {
+    switch (error) {
+        case ENOENT:
+        case ENOTDIR:
+            return "Check the spelling of the path and that each folder in it exists";
+        case EACCES:
+        case EPERM:
+            return "Change the permissions of the file or its folder, or choose another place";
+        case EROFS:
+            return "The file system is read-only: choose another place";
+        case ENOSPC:
+        case EDQUOT:
+            return "Free some space there, or choose another place";
+        case EFBIG:
+            return "Raise the limit on file sizes (ulimit -f), or choose another place";
+        case EISDIR:
+            return "A folder has that name: name a file";
+        case EEXIST:
+            return "A file has that name: move it, or choose another name";
+        case ENAMETOOLONG:
+            return "Choose a shorter name";
+        case EMFILE:
+        case ENFILE:
+            return "Raise the limit on open files (ulimit -n)";
+        default:
+            return "Check the disk it is on";
+    }
+}
 
 [[noreturn]] void refuse_entry(const fs::path& path, EntryKind kind, int error) {
     if (kind == EntryKind::link)
@@ -35,6 +65,11 @@ FileDescriptor opened_to_read(int folder) {
 }
 
 }  // namespace
+
+void fail_of_system(const fs::path& path, const std::string& attempted, int error) {
+    throw Failure(path.string(), attempted + ": " + std::generic_category().message(error),
+                  remedy_for(error));
+}
 
 Folder::Folder(const fs::path& named) : path_(named), folder_(::open(named.c_str(), open_folder)) {
     if (!folder_.is_open()) fail_of_system(named, "cannot open this folder", errno);
@@ -151,11 +186,11 @@ Folder Folder::again() const {
     return {path_, FileDescriptor(fcntl(number(), F_DUPFD_CLOEXEC, 0))};
 }
 
-bool Folder::is_still(const Folder& parent, const std::string& name) const {
+bool Folder::has(int open_entry, const std::string& name) const {
     struct stat open_one {};
     struct stat named {};
-    return fstat(number(), &open_one) == 0 &&
-           fstatat(parent.number(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
+    return fstat(open_entry, &open_one) == 0 &&
+           fstatat(number(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
            open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
 

@@ -1,13 +1,47 @@
 #pragma once
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "files/descriptor.h"
-
 namespace runcert {
+
+/// A file descriptor that is closed when it goes out of scope.
+class FileDescriptor {
+  public:
+    FileDescriptor() = default;
+    explicit FileDescriptor(int number) : number_(number) {}
+    FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+    FileDescriptor(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+        std::swap(number_, other.number_);
+        return *this;
+    }
+    ~FileDescriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+
+    int number() const { return number_; }
+    bool is_open() const { return number_ >= 0; }
+
+    /// Closes it and gives the error, 0 where there is none: some file systems report a full
+    /// disk only here.
+    int close() { return ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
+
+  private:
+    int number_ = -1;
+};
+
+/// Throws the Failure of a system call: what was attempted on which file, the error (errno), and
+/// what a user can do about it.
+[[noreturn]] void fail_of_system(const std::filesystem::path& path, const std::string& attempted,
+                                 int error);
 
 /// What a name in a folder stands for; a symbolic link is one, wherever it leads.
 enum class EntryKind { none, file, folder, link, other };
@@ -21,12 +55,12 @@ class Folder {
     /// The folder that the user named. Failure where there is none.
     explicit Folder(const std::filesystem::path& named);
 
-    /// Of messages, and of programs that are started.
+    /// For messages, and for programs that are started.
     const std::filesystem::path& path() const { return path_; }
     int number() const { return folder_.number(); }
 
     EntryKind kind_of(const std::string& name) const;
-    /// Of all entries, sorted. Failure where the folder may not be listed.
+    /// The names of all entries, sorted. Failure where the folder may not be listed.
     std::vector<std::string> names() const;
 
     /// A folder in this one. Failure where it is missing, a link or no folder.
@@ -50,18 +84,18 @@ class Folder {
     /// cannot: its file system does not know how, or one of the two is where a disk is mounted.
     bool exchange(const std::string& name, const Folder& other,
                   const std::string& other_name) const;
-    /// Has a file, or a link as a link, in another folder too, whole or not at all: one file of two
-    /// names, or a copy where the file system has no such.
+    /// Puts a file, or a link as a link, into another folder too, whole or not at all: as a hard
+    /// link or, where the file system has none, as a copy.
     void place(const std::string& name, const Folder& to) const;
 
-    /// So that renames in it outlive a power cut.
+    /// Makes renames in it outlive a power cut.
     void sync() const;
 
     /// The same folder, opened once more.
     Folder again() const;
 
-    /// Whether that name in `parent` is still that of this folder, and not of one that replaced it.
-    bool is_still(const Folder& parent, const std::string& name) const;
+    /// Whether that name is still that of an open file or folder, and not of one that replaced it.
+    bool has(int open_entry, const std::string& name) const;
 
   private:
     Folder(std::filesystem::path path, FileDescriptor folder)

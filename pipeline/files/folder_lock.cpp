@@ -128,15 +128,6 @@ int open_lock_file(const Folder& folder, const std::string& name) {
     return file;
 }
 
-/// Whether the name is still that of the open file, and not of one that replaced it.
-bool is_still_named(int file, const Folder& folder, const std::string& name) {
-    struct stat open_one {};
-    struct stat named {};
-    return fstat(file, &open_one) == 0 &&
-           fstatat(folder.number(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
-           open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
-}
-
 }  // namespace
 
 FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
@@ -162,7 +153,7 @@ FolderLock::Attempt FolderLock::try_lock(const Folder& folder, const std::string
             continue;
         }
         // Whoever held it may have removed the file meanwhile.
-        if (!is_still_named(number, folder, name)) continue;
+        if (!folder.has(number, name)) continue;
         lock.sign(kind);
         return {.lock = std::move(lock), .holder = {}};
     }

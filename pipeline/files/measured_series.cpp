@@ -27,8 +27,7 @@ struct UnitColumn {
 
 /// What a series may give at each time.
 struct Quantity {
-    std::string_view word;
-    std::string_view meaning;  ///< as "is not a speed" has it
+    std::string_view word;  ///< also in messages: "is not a speed"
     std::vector<UnitColumn> columns;
     double SeriesSample::*member;
     double least = 0.0, most = 0.0;           ///< in the unit of the sample
@@ -44,7 +43,6 @@ const std::vector<Quantity>& known_quantities() {
     constexpr double endless = std::numeric_limits<double>::infinity();
     static const std::vector<Quantity> all{
         {.word = "speed",
-         .meaning = "speed",
          .columns = {{"speed_m_s"}, {"speed_kn", knot_in_m_s}, {"speed_km_h", km_h_in_m_s}},
          .member = &SeriesSample::value,
          .least = 0.0,
@@ -53,7 +51,6 @@ const std::vector<Quantity>& known_quantities() {
          .above = "is above 150 m/s",
          .what_it_is = "A speed is 0 or more, whichever way it is"},
         {.word = "direction",
-         .meaning = "direction",
          .columns = {{"direction_deg"}},
          .member = &SeriesSample::direction_deg,
          .least = 0.0,
@@ -62,14 +59,12 @@ const std::vector<Quantity>& known_quantities() {
          .above = "is not within 0 to 360 degrees",
          .what_it_is = "Write degrees from north over east"},
         {.word = "distance",
-         .meaning = "distance",
          .columns = {{"distance_m"}},
          .member = &SeriesSample::value,
          .least = -endless,
          .most = endless,
          .each_line_counts = true},
         {.word = "uncertainty",
-         .meaning = "uncertainty",
          .columns = {{"expanded_uncertainty_m_s"},
                      {"expanded_uncertainty_kn", knot_in_m_s},
                      {"expanded_uncertainty_km_h", km_h_in_m_s}},
@@ -82,7 +77,6 @@ const std::vector<Quantity>& known_quantities() {
                        "instrument states it",
          .each_line_counts = true},
         {.word = "length",
-         .meaning = "length",
          .columns = {{"length_m"}},
          .member = &SeriesSample::length_m,
          .least = 0.0,
@@ -276,12 +270,12 @@ double read_number(const SeriesCell& cell, std::string_view meaning) {
 
 double read_quantity(const SeriesCell& cell, const SeriesColumn& column) {
     const Quantity& quantity = *column.quantity;
-    const double value = read_number(cell, quantity.meaning) * column.unit;
+    const double value = read_number(cell, quantity.word) * column.unit;
     if (value < quantity.least)
-        cell.fail(fmt::format("the {} {} {}", quantity.meaning, cell.quoted(), quantity.below),
+        cell.fail(fmt::format("the {} {} {}", quantity.word, cell.quoted(), quantity.below),
                   std::string(quantity.what_it_is));
     if (value > quantity.most)
-        cell.fail(fmt::format("the {} {} {}", quantity.meaning, cell.quoted(), quantity.above),
+        cell.fail(fmt::format("the {} {} {}", quantity.word, cell.quoted(), quantity.above),
                   std::string(quantity.columns.size() > 1 ? other_unit : quantity.what_it_is));
     return value;
 }

@@ -189,23 +189,13 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     std::optional<Clock::time_point> deadline;
     if (options.time_limit)
         deadline = Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest);
-    Descriptor stop;
+    FileDescriptor stop;
     if (options.stop.stop_possible()) {
-        stop = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+        stop = FileDescriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
         if (stop.number() < 0) fail_to_start(errno);
     }
     const std::stop_callback wake(options.stop, [&stop] { eventfd_write(stop.number(), 1); });
-    Watch watch(start_program({.arguments = arguments,
-                               .environment = options.environment,
-                               .closed_environment = options.closed_environment,
-                               .folder = options.folder.string(),
-                               .standard_input = options.standard_input.string(),
-                               .own_group = own_group,
-                               .guarded = options.guarded,
-                               .most_memory = options.most_memory,
-                               .longest_file = options.longest_file,
-                               .no_network = options.no_network}),
-                own_group, options.most_output);
+    Watch watch(start_program(arguments, options, own_group), own_group, options.most_output);
     const ProcessResult result = watch.to_end(deadline, stop.number());
     if (const int error = watch.problem(); error != 0)
         throw Failure(arguments[0],

@@ -21,10 +21,6 @@
 
 namespace runcert {
 
-void Descriptor::close() {
-    if (number_ >= 0) ::close(std::exchange(number_, -1));
-}
-
 void fail_to_start(int error) {
     throw Failure("starting a program", std::strerror(error), "Close other programs");
 }
@@ -33,33 +29,38 @@ namespace {
 
 /// The same file under a number that is none of the three standard ones: where the caller has
 /// closed its own, the child would overwrite it before it is used.
-Descriptor above_standard(Descriptor given) {
+FileDescriptor above_standard(FileDescriptor given) {
     if (given.number() > STDERR_FILENO) return given;
-    Descriptor moved(fcntl(given.number(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+    FileDescriptor moved(fcntl(given.number(), F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
     if (moved.number() < 0) fail_to_start(errno);
     return moved;
 }
 
+struct Pipe {
+    FileDescriptor read_end;
+    FileDescriptor write_end;
+};
+
 Pipe make_pipe() {
     std::array<int, 2> ends{};
     if (pipe2(ends.data(), O_CLOEXEC) != 0) fail_to_start(errno);
-    Descriptor read_end(ends[0]);
-    Descriptor write_end(ends[1]);
+    FileDescriptor read_end(ends[0]);
+    FileDescriptor write_end(ends[1]);
     return {above_standard(std::move(read_end)), above_standard(std::move(write_end))};
 }
 
-Descriptor open_standard_input(const std::string& name) {
-    const std::string file = name.empty() ? "/dev/null" : name;
+FileDescriptor open_standard_input(const std::filesystem::path& given) {
+    const std::string file = given.empty() ? "/dev/null" : given.string();
     const int number = open(file.c_str(), O_RDONLY | O_CLOEXEC);
     if (number < 0)
         throw Failure(file, std::string("it cannot be read: ") + std::strerror(errno),
                       "Check that it is there, and that you may read it");
-    return above_standard(Descriptor(number));
+    return above_standard(FileDescriptor(number));
 }
 
 /// glibc 2.36 declares a function of its own for this that C++ cannot link.
-Descriptor open_pidfd(pid_t process) {
-    return Descriptor(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
+FileDescriptor open_pidfd(pid_t process) {
+    return FileDescriptor(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
 }
 
 std::vector<std::string> merged_environment(
@@ -99,13 +100,13 @@ void limit(std::vector<Limit>& limits, __rlimit_resource_t resource, std::uint64
     limits.push_back({resource, value});
 }
 
-std::vector<Limit> limits_of(const ProgramStart& program) {
+std::vector<Limit> limits_of(const ProcessOptions& options) {
     std::vector<Limit> limits;
-    if (program.most_memory) {
-        limit(limits, RLIMIT_AS, *program.most_memory);
+    if (options.most_memory) {
+        limit(limits, RLIMIT_AS, *options.most_memory);
         limit(limits, RLIMIT_CORE, 0);
     }
-    if (program.longest_file) limit(limits, RLIMIT_FSIZE, *program.longest_file);
+    if (options.longest_file) limit(limits, RLIMIT_FSIZE, *options.longest_file);
     return limits;
 }
 
@@ -262,18 +263,19 @@ std::vector<std::string> program_candidates(const std::string& name) {
 
 }  // namespace
 
-StartedProgram start_program(const ProgramStart& program) {
-    std::vector<std::string> files = program_candidates(program.arguments[0]);
-    std::vector<std::string> arguments = program.arguments;
+StartedProgram start_program(const std::vector<std::string>& command, const ProcessOptions& options,
+                             bool own_group) {
+    std::vector<std::string> files = program_candidates(command[0]);
+    std::vector<std::string> arguments = command;
     std::vector<std::string> environment =
-        merged_environment(program.environment, program.closed_environment);
+        merged_environment(options.environment, options.closed_environment);
     const std::vector<char*> file_list = pointers(files);
     const std::vector<char*> argument_list = pointers(arguments);
     const std::vector<char*> environment_list = pointers(environment);
     const auto same = [](auto id) { return std::to_string(id) + ' ' + std::to_string(id) + " 1"; };
     const std::string user_map = same(geteuid()), group_map = same(getegid());
-    const std::vector<Limit> limits = limits_of(program);
-    const Descriptor input = open_standard_input(program.standard_input);
+    const std::vector<Limit> limits = limits_of(options);
+    const FileDescriptor input = open_standard_input(options.standard_input);
     Pipe output = make_pipe();
     Pipe errors = make_pipe();
     Pipe problem = make_pipe();
@@ -282,7 +284,7 @@ StartedProgram start_program(const ProgramStart& program) {
         fork_quietly({.files = file_list.data(),
                       .arguments = argument_list.data(),
                       .environment = environment_list.data(),
-                      .folder = program.folder.empty() ? nullptr : program.folder.c_str(),
+                      .folder = options.folder.empty() ? nullptr : options.folder.c_str(),
                       .limits = limits.data(),
                       .limit_count = limits.size(),
                       .input = input.number(),
@@ -290,13 +292,13 @@ StartedProgram start_program(const ProgramStart& program) {
                       .errors = errors.write_end.number(),
                       .problem = problem.write_end.number(),
                       .parent = getpid(),
-                      .own_group = program.own_group,
-                      .guarded = program.guarded,
-                      .no_network = program.no_network,
+                      .own_group = own_group,
+                      .guarded = options.guarded,
+                      .no_network = options.no_network,
                       .user_map = user_map,
                       .group_map = group_map});
     // Both do it, so that the group is there for whoever comes first; a guard makes a session.
-    if (program.own_group && !program.guarded) setpgid(started.process, started.process);
+    if (own_group && !options.guarded) setpgid(started.process, started.process);
     started.ended = open_pidfd(started.process);
     if (started.ended.number() < 0) {
         const int error = errno;

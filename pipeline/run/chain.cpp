@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "core/rounding.h"
 #include "core/text.h"
+#include "files/program.h"
+#include "files/yaml_output.h"
 
 namespace runcert {
 namespace {
@@ -90,6 +94,17 @@ void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& st
               const std::function<void(const StageDone&)>& done) {
     for (const Step& step : steps())
         if (is_step_of(step, run.report) && !stays(step)) done(make_step(step, run));
+}
+
+std::string run_times_text(std::time_t started, const std::vector<StageDone>& stages) {
+    nlohmann::ordered_json record;
+    record["program"] = program_version();
+    record["source_revision"] = source_revision();
+    record["started_unix_s"] = started;
+    for (const StageDone& stage : stages)
+        record["stages"].push_back(
+            {{"stage", stage.name}, {"seconds", rounded(stage.seconds, 3)}, {"said", stage.said}});
+    return to_yaml_text(record);
 }
 
 }  // namespace runcert

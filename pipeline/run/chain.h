@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -53,5 +54,8 @@ struct RunInMaking {
 /// not stay as it was. `done` is called after each. Throws what the steps do.
 void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
               const std::function<void(const StageDone&)>& done);
+
+/// run.yaml: when a run was made, and how long its stages took; no other file depends on it.
+std::string run_times_text(std::time_t started, const std::vector<StageDone>& stages);
 
 }  // namespace runcert

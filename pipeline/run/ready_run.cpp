@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 #include "files/sha256.h"
 #include "run/run_lock.h"
 

@@ -13,7 +13,7 @@ inline constexpr const char* staged_name = "run";
 
 /// Writes the record of a run that is complete in `own`/run, which is about to be called ready: of
 /// which folders it is, and which files of the run folder go or are replaced, with their SHA-256;
-/// sealed by this user's secret (own_name.h).
+/// sealed by this user's secret (record_key.h).
 void write_ready_record(const Folder& run, const Folder& own);
 
 /// Gives a run folder the contents of the run that is ready in it. It may have been begun before.

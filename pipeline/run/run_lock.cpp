@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 
 namespace runcert {
 namespace {

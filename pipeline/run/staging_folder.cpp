@@ -12,7 +12,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 #include "files/sha256.h"
 #include "run/ready_run.h"
 
@@ -177,7 +177,7 @@ StagingFolder::~StagingFolder() {
 
 void StagingFolder::publish() {
     sync_all(*staged_);
-    if (!run_->is_still(parent_, name_))
+    if (!parent_.has(run_->number(), name_))
         throw Failure((parent_.path() / name_).string(),
                       "the run folder was replaced while this run was made",
                       "Find out what else writes there, and run this again");

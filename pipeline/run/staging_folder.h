@@ -14,7 +14,7 @@ namespace runcert {
 ///
 /// It lies beside the run folder, in `.runcert-...`, and one rename exchanges the two: whoever
 /// looks, and whenever the program is killed, finds the earlier run or the new one. What is left of
-/// the one that lost is removed, after a kill by the next call of the same user (own_name.h).
+/// the one that lost is removed, after a kill by the next call of the same user (record_key.h).
 ///
 /// Where a folder cannot be exchanged (a disk is mounted there, this program runs in it, it holds
 /// folders of the user's, its parent may not be written, its file system has no such rename), the

@@ -27,7 +27,7 @@ std::string in_folder(const std::string& name) {
     return fmt::format("{}/{}", attestations_folder, name);
 }
 
-/// What an envelope names as evidence; nothing where it cannot be read, which is said elsewhere.
+/// What an envelope names as evidence; nothing where it cannot be read, which others report.
 std::vector<EvidenceFile> evidence_of(const EnvelopeFile& file) {
     try {
         const Attestation read =

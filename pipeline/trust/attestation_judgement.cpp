@@ -41,7 +41,8 @@ std::string shown_of(const Json& requirement) {
     return shown;
 }
 
-/// Of a report from before rules said it, whoever answers for a clause whose rule is silent.
+/// Who must answer for a requirement. In a report from before rules said so, the one who answers
+/// where a rule is silent.
 RoleSignatures answered_by(const Json& requirement) {
     const Answerer usual;  // where the rule is silent
     if (!requirement.contains("answered_by")) return {.role = usual.role, .count = usual.count};
@@ -50,8 +51,7 @@ RoleSignatures answered_by(const Json& requirement) {
             .count = stated.at("count").get<std::int64_t>()};
 }
 
-/// Takes an envelope apart. Failure, of which the problem is said, where it is not one of this
-/// report's.
+/// Takes an envelope apart. Failure where it is not one of this report.
 SignedAnswers open_envelope(const EnvelopeFile& file, const ReportFacts& report) {
     SignedAnswers opened{.file = fmt::format("{}/{}", attestations_folder, file.name)};
     const auto refuse = [&](const std::string& problem) {
@@ -75,7 +75,8 @@ SignedAnswers open_envelope(const EnvelopeFile& file, const ReportFacts& report)
     return opened;
 }
 
-/// Whether the evidence is there, and all that lay there when it was signed.
+/// Notes evidence that is missing or changed, and envelopes that lay there when this one was signed
+/// and are gone.
 void check_surroundings(const fs::path& run_dir, const SignedAnswers& one,
                         const std::set<std::string>& ids, std::vector<std::string>& faults) {
     std::vector<EvidenceFile> evidence = one.said.evidence;
@@ -96,7 +97,7 @@ void check_surroundings(const fs::path& run_dir, const SignedAnswers& one,
                                      counted(gone, "attestation")));
 }
 
-/// The answers that their signers took back: envelope, rule, clause.
+/// The answers that their signers took back (envelope, rule, clause), with the time.
 using TakenBack = std::map<std::tuple<std::string, std::string, std::string>, std::string>;
 
 TakenBack taken_back(const std::vector<SignedAnswers>& all) {
@@ -163,7 +164,6 @@ void add_answers(const SignedAnswers& one, const std::vector<DueClause>& due,
     }
 }
 
-/// What the program itself shows of a clause is asked for by its report.
 std::vector<DueClause> read_due(const Json& predicate) {
     std::vector<DueClause> due;
     for (const Json& profile : predicate.at("profiles"))

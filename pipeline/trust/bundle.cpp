@@ -53,7 +53,7 @@ bool is_bundled_key(const std::string& name) {
             name.find('/', 5) == std::string::npos);
 }
 
-/// The names of all that lies in a run folder; "links" is what is neither file nor folder.
+/// The names of all that lies in a run folder.
 struct FolderContents {
     std::vector<std::string> known = {};
     std::vector<std::string> unknown = {};
@@ -153,7 +153,7 @@ std::map<std::string, std::string> given_keys(const BundleInput& input) {
     if (input.roster) {
         const std::string text =
             public_text(*input.roster, "a roster in the form of OpenSSH's allowed signers", " ");
-        // Whatever else it may be, a secret key whose comment was changed among it, is no roster.
+        // Anything else, such as a secret key whose comment was changed, is no roster.
         (void)parse_roster(text, input.roster->string());
         keys[bundle_roster_file] = text;
     }

@@ -25,7 +25,7 @@ constexpr std::uint64_t longest_result = 16 * mebibyte;  // a text is many times
 constexpr std::uint64_t longest_page = longest_pdf;
 constexpr std::uint64_t most_bytes = 4096 * mebibyte;
 constexpr std::uint64_t most_files = 1000;
-/// A table of figures is packed to a fifth; who packs to less than that has nothing in it.
+/// A table of figures is packed to a fifth; what is packed to less than that holds nothing.
 constexpr std::uint64_t most_times_packed = 200;
 constexpr std::uint64_t always_unpacked = 256 * mebibyte;
 
@@ -47,8 +47,8 @@ struct Sums {
     std::vector<SumProblem> problems = {};
 };
 
-/// A line must be as `sums_line` writes it, so that no change of a byte goes unseen; what stands in
-/// a problem's text is never a file name from the line unless it is plain.
+/// A line must be as `sums_line` writes it, so that no changed byte goes unnoticed. A problem names
+/// a file as the line has it only where the name is plain.
 Sums parse_sums(std::string_view text) {
     Sums sums;
     std::string last;

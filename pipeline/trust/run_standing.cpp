@@ -56,7 +56,7 @@ struct SignaturesLeft {
     std::int64_t unvouched = 0;
 };
 
-/// A signature that does not hold is missing, whatever else there is.
+/// A signature that does not hold counts as missing, whatever else there is.
 SignaturesLeft signatures_left(const ReportFacts& report, const std::vector<Signer>& signers,
                                const SignatureRules& rules) {
     std::vector<Signer> there = signers;
@@ -219,6 +219,18 @@ RunStanding stated_standing(const std::filesystem::path& run_dir, const ReportFa
     rules.present = rules.at = time;
     return run_standing(report, judge_attestations(run_dir, report, rules),
                         verify_signatures(run_dir, report, rules).signers, rules);
+}
+
+std::vector<std::string> standing_lines(const RunStanding& standing, bool all_holds) {
+    std::vector<std::string> lines;
+    for (const RuleStanding& rule : standing.rules)
+        lines.push_back(
+            all_holds || rule.state.standing.state != StandingState::complete
+                ? fmt::format("{}: {}. Standing: {}.", rule.profile,
+                              outcome_words(rule.state).title, standing_text(rule.state.standing))
+                : fmt::format("{}: no standing, since not all above holds.", rule.profile));
+    lines.push_back(vouched_words(standing));
+    return lines;
 }
 
 std::string vouched_words(const RunStanding& standing) {

@@ -117,6 +117,10 @@ AttestationLayer verify_attestations(const std::filesystem::path& run_dir,
                                      const ReportFacts& report, const std::vector<Signer>& signers,
                                      const SignatureRules& rules);
 
+/// Where each rule stands, a line each, and whose keys count. Where `all_holds` is false, no
+/// standing is called complete.
+std::vector<std::string> standing_lines(const RunStanding& standing, bool all_holds);
+
 /// By whose word the answers count: "by keys of the roster with the SHA-256 ...".
 std::string vouched_words(const RunStanding& standing);
 

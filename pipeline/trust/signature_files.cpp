@@ -33,7 +33,7 @@ bool is_file(const Folder& folder, const std::string& name) {
     return folder.kind_of(name) == EntryKind::file;
 }
 
-/// Has a file of a run among what `to` superseded, beside that run's report.
+/// Copies a file of a run to what `to` superseded, beside that run's report.
 void supersede(const Folder& run, const std::string& name, const Folder& to) {
     keep_copy(run, name, superseded_of(run, to));
 }
@@ -42,7 +42,7 @@ bool same_in_both(const Folder& one, const Folder& other, const std::string& nam
     return is_file(one, name) && is_file(other, name) && one.read(name) == other.read(name);
 }
 
-/// The name of the signature that a time stamp or a query is of; that of a signature is its own.
+/// The name of the signature that a file belongs to: a time stamp, a query or itself.
 std::string signature_of(const std::string& name) {
     for (const std::string_view end : {time_stamp_end, query_end})
         if (name.ends_with(end)) return name.substr(0, name.size() - end.size());
@@ -79,7 +79,8 @@ std::map<std::string, std::string> named_by_report(const Folder& run) {
     }
 }
 
-/// What is in a folder of a run, and in those inside, that `made` has not.
+/// Brings what a folder of a run holds, at any depth, to `made`, where that has nothing of the
+/// name.
 void carry_folder(const Folder& run, const Folder& made, const std::string& name) {
     if (run.kind_of(name) == EntryKind::none) return;
     const Folder from = run.open(name);
@@ -91,13 +92,13 @@ void carry_folder(const Folder& run, const Folder& made, const std::string& name
             from.place(each, to);
 }
 
-/// What every run has, and makes anew.
+/// Whether every run makes a file of that name anew.
 bool is_made_anew(const std::string& name) {
     static const std::set<std::string> all{"report.json", "report.html", "report.pdf", "run.yaml"};
     return all.contains(name);
 }
 
-/// Files of the user's, and those of the run that are not as its report names them.
+/// Brings along the user's own files, and those of the run that are not as its report names them.
 void carry_own_files(const Folder& run, const Folder& made) {
     const auto named = named_by_report(run);
     for (const std::string& name : run.names()) {

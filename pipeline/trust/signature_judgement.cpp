@@ -65,7 +65,8 @@ std::string objection_of(const RosterEntry& entry, const Signer& signer, const S
     return {};
 }
 
-/// What is odd of the times of a signature that holds: nobody signs what is not measured yet.
+/// Notes times of a valid signature before the end of the recording: nobody signs what is not
+/// measured yet.
 void note_times(Signer& signer, const SignatureCase& one, const ReportFacts& report) {
     if (!report.recorded_until) return;
     const auto stated = parse_iso_utc(signer.stated_time);
@@ -105,7 +106,7 @@ Signer apply_roster(Signer signer, const SshPublicKey& key, const SignatureCase&
     return not_counted(std::move(signer), objection);
 }
 
-/// A key that a minisign signature may have been made with, and what it says to it.
+/// A key that a minisign signature may have been made with, and the result of checking with it.
 struct TriedKey {
     PublicKey key{};
     SignatureCheck check{};
@@ -135,14 +136,15 @@ std::optional<TriedKey> find_signing_key(const SignatureFile& file, const Signat
     for (const PublicKey& key : keys) {
         TriedKey tried{key, check_signature(report.text, file.text, key, file.name)};
         if (tried.check.valid || !tried.check.vouched_comment.empty()) return tried;
-        // A roster's other keys have nothing to say to it; the one that is named has.
+        // That a roster's other keys do not fit says nothing; that the named one does not says
+        // much.
         const bool has_a_say = !named.empty() || (known_by_id && rules.by_public_keys);
         if (has_a_say) last = std::move(tried);
     }
     return last;
 }
 
-/// What is wrong between a comment that its key vouches for and the report it lies beside.
+/// How a comment that its key vouches for contradicts the report beside it; empty if it does not.
 std::string contradiction(const TrustedComment& comment, const PublicKey& key,
                           const ReportFacts& report) {
     if (!comment.repeated.empty())

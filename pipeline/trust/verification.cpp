@@ -24,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// File names come from outside.
 bool is_known_companion(const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     const fs::file_status status = entry.symlink_status();
@@ -118,7 +117,7 @@ void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
     }
 }
 
-/// A stage file that does not name all that its stage reads is tied to nothing.
+/// What stage files do not name of what their stages read, so that nothing ties them to it.
 std::vector<std::string> missing_inputs(
     const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of,
     const std::map<std::string, nlohmann::ordered_json>& parameters_of) {
@@ -178,7 +177,7 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
     std::map<std::string, nlohmann::ordered_json> parameters_of;
     for (const auto& [name, sha256] : report.subjects) {
         const fs::path file = run_dir / name;
-        // Those that are not there are said by verify_files.
+        // verify_files reports those that are not there.
         if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
         try {
             const Header header = read_product_header(FileView(file).bytes(), name, file.string());

@@ -142,7 +142,7 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
         compare_profile(profiles.at(i), verdicts[i], compare);
 }
 
-/// The signatures that rules and attempt ask for: who signs cannot do with fewer.
+/// The signatures that rules and attempt ask for: a report cannot ask for fewer.
 void compare_required(const fs::path& run_dir, const ReportFacts& report, const Attempt& attempt,
                       Comparison& compare) {
     std::vector<RoleSignatures> needed;

@@ -55,8 +55,8 @@ void refuse_other_revision(const Header& header, const std::string& name) {
         "Take the original");
 }
 
-/// All of a run is made by one program. A file that says otherwise came from elsewhere, or was made
-/// to look older than the report is.
+/// One program makes a whole run. A file that says otherwise came from elsewhere, or was made to
+/// look older than the report.
 void refuse_other_program(const Header& header, const ReportFacts& report,
                           const std::string& name) {
     if (header.program_version == report.program_version &&

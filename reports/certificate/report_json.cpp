@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "files/arithmetic.h"
 #include "files/external_program.h"
 #include "files/program.h"
 #include "files/sha256.h"

@@ -4,7 +4,7 @@
 
 #include "batch_crash_support.h"
 #include "files/folder.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "batch_crash_support.h"
 #include "files/folder.h"
-#include "files/own_name.h"
+#include "files/record_key.h"
 #include "signatures_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {

@@ -4,7 +4,6 @@
 
 #include "files/atomic_file.h"
 #include "files/folder.h"
-#include "files/own_name.h"
 #include "files/process.h"
 #include "files/record_key.h"
 

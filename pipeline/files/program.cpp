@@ -1,4 +1,4 @@
-#include "files/arithmetic.h"
+#include "files/program.h"
 
 #include <bit>
 #include <cmath>

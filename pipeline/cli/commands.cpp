@@ -1,10 +1,11 @@
-#include "render_pages.h"
+#include "commands.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "core/failure.h"
+#include "files/process.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
 #include "trust/signature_files.h"
@@ -12,6 +13,18 @@
 namespace runcert {
 
 namespace fs = std::filesystem;
+
+int run_companion(const std::string& name, const std::vector<std::string>& arguments,
+                  const PassedOptions& options) {
+    std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    for (const auto& [option, value] : options)
+        if (!value.empty()) command.insert(command.end(), {option, value});
+    const ProcessResult result = run_process(command);
+    fmt::print("{}", result.output);
+    fmt::print(stderr, "{}", result.errors);
+    return result.exit_status;
+}
 
 int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
     try {

@@ -18,18 +18,18 @@ struct PackedFile {
 
 /// The bytes of a .tar.zst of these files in this order: ustar compressed by zstd, every file with
 /// mode 0644, owner 0 and time 0; behind it a frame that readers skip (RFC 8878, 3.1.2), which
-/// holds the SHA-256 of all before it, so that no byte of the archive means nothing. They depend on
-/// nothing but names, contents and the version of libzstd. Failure where a name is not plain
+/// holds the SHA-256 of all before it, so that no byte can be changed unnoticed. They depend only
+/// on names, contents and the version of libzstd. Failure where a name is not plain
 /// (`is_plain_name`) or longer than ustar holds (100 bytes), or a file cannot be read or changes
 /// while it is read.
 std::string pack_tar_zst(const std::vector<PackedFile>& files);
 
-/// Whether the last frame of an archive is that which `pack_tar_zst` writes last, with the hash of
+/// Whether an archive ends with the frame that `pack_tar_zst` writes last, which holds the hash of
 /// what is before it.
 bool ends_with_its_hash(std::string_view bytes);
 
-/// The SHA-256 of what a .tar.zst unpacks to before it is taken apart: of other versions of libzstd
-/// it is the same. Failure where it is damaged, or longer than `most` bytes.
+/// The SHA-256 of the tar inside a .tar.zst, which is the same with other versions of libzstd.
+/// Failure where it is damaged, or longer than `most` bytes.
 std::string unpacked_sha256(std::string_view bytes, const std::string& where, std::uint64_t most);
 
 /// Whether a name in an archive can do no harm: folders and a file of printable ASCII without

@@ -12,7 +12,7 @@
 
 namespace runcert {
 
-/// Who says what a field of an input holds, and what follows from it.
+/// Where the value of a field of an input comes from, and what depends on it.
 struct FieldOrigin {
     std::string origin;                ///< "observed", "handed_in", "claimed"
     std::vector<std::string> changes;  ///< "speed", "outcome", ...; empty for nothing
@@ -53,7 +53,7 @@ class DocumentSchema {
     /// The same of a table's text.
     static DocumentSchema parse(std::string_view text, const std::string& where,
                                 const DocumentSchema* common = nullptr);
-    /// This table with that version and those of its fields alone that `keep` says.
+    /// This table with that version and only the fields that `keep` accepts.
     DocumentSchema restricted(std::string version,
                               const std::function<bool(const FieldRule&)>& keep) const;
 
@@ -66,16 +66,16 @@ class DocumentSchema {
     /// The rule of that path, or null.
     const FieldRule* find(std::string_view path) const;
 
-    /// Who says what that field holds: its own declaration, or the nearest one of what it is in.
-    /// Null where none declares it.
+    /// The origin of that field: its own declaration, or that of the nearest field around it. Null
+    /// where none declares it.
     const FieldOrigin* origin_of(std::string_view path) const;
 
-    /// Whether that field is read by that stage: its own declaration, or the nearest one of what it
-    /// is in. Not where none declares it.
+    /// Whether that stage reads that field, by its own declaration or that of the nearest field
+    /// around it; false where none declares it.
     bool is_read_by(std::string_view path, std::string_view stage) const;
 
-    /// Of a valid document what that stage reads, with the places that it has there. Lists of maps
-    /// keep their number of items.
+    /// The part of a valid document that a stage reads, with its places in the document. Lists of
+    /// maps keep their number of items.
     YamlNode part_read_by(const YamlValue& document, std::string_view stage) const;
 
     /// Checks every key, type, range and required field of a document. The first deviation is a

@@ -12,8 +12,8 @@
 #include "files/process.h"
 
 /// Programs of others that this one calls on what it was handed: converters, renderers, checkers.
-/// Each is found in folders of the system alone and runs shut in. Slurm's programs are none of
-/// them: they need the user's own settings, network and identity, and read no evidence.
+/// Each is found only in folders of the system and runs in a sandbox. Slurm's programs do not count
+/// among them: they need the user's own settings, network and identity, and read no evidence.
 namespace runcert {
 
 /// One of those programs.
@@ -31,8 +31,8 @@ const std::vector<ExternalProgram>& external_programs();
 /// there is none.
 std::filesystem::path external_program_file(std::string_view name);
 
-/// The SHA-256 of that file, 64 lower-case hexadecimal digits; empty where there is none. Of a
-/// program that is a script, such as weasyprint, it is that of the script.
+/// The SHA-256 of that file, 64 lower-case hexadecimal digits; empty where there is none. For a
+/// program that is a script, such as weasyprint, that of the script.
 std::string external_program_sha256(std::string_view name);
 
 /// The most that one call may take.
@@ -63,17 +63,18 @@ struct ExternalCall {
 /// so never taken for an option. Failure where there is no such file.
 std::filesystem::path external_input(const std::filesystem::path& file);
 
-/// Runs a program, shut in as far as the system allows (`isolation`), to its end. Failure where it
-/// is missing, with the package to install. It and all that it started die with the caller. That it
-/// reached a limit is in the result: `end`, or an exit status above 128; `external_problem` says it
-/// in words.
+/// Runs a program to its end, isolated as far as the system allows (`isolation`). Failure where it
+/// is missing, with the package to install. It and all that it started die with the caller. The
+/// result says whether it reached a limit: by `end`, or an exit status above 128;
+/// `external_problem` puts it into words.
 ProcessResult run_external(const ExternalCall& call);
 
 /// Why a call that did not succeed ended, in words: "it did not end within 120 s", "it ended with
 /// status 1: WHAT IT SAID FIRST".
 std::string external_problem(const ExternalCall& call, const ProcessResult& result);
 
-/// How far external programs are shut in. Closed environment, own folder and limits always are.
+/// How far external programs are isolated; a closed environment, a folder of their own and limits
+/// they always have.
 enum class Isolation {
     full,         ///< bubblewrap: sees no files but the system's programs and what it was given
     no_network,   ///< sees the user's files; has no network
@@ -83,7 +84,7 @@ enum class Isolation {
 /// Found once, by trying.
 Isolation isolation();
 
-/// "no_network" or "limits_only"; empty for a full one, which nobody need be told.
+/// "no_network" or "limits_only"; empty for full isolation.
 std::string isolation_word();
 
 /// Where external programs are not fully shut in, a sentence that says so, why, and what it means;

@@ -6,8 +6,8 @@
 
 namespace runcert {
 
-/// A JSON value, a map unless set otherwise, in a struct whose header must not include the whole
-/// library: that costs two seconds wherever it is included.
+/// A JSON value, a map unless set otherwise, for structs in headers that must not include the whole
+/// library, which takes two seconds to compile wherever it is included.
 class HeldJson {
   public:
     HeldJson();

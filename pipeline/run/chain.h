@@ -28,11 +28,10 @@ struct StageFailed {
     ProcessResult result;
 };
 
-/// What the program told the user, where it ended with status 2. Failure where it ended in any
-/// other way.
+/// What the program told the user, if it ended with status 2. Failure if it ended in any other way.
 std::string message_of(const StageFailed& failed);
 
-/// Runs the program of a step to its end. Throws StageFailed where that is not a good one.
+/// Runs the program of a step to its end. Throws StageFailed where it did not end well.
 StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {},
                    const std::filesystem::path& programs = program_folder());
 
@@ -40,7 +39,7 @@ StageDone run_step(std::string_view step, const StepCall& call, const ProcessOpt
 struct RunInMaking {
     const Attempt& attempt;
     std::string_view text;  ///< of the attempt
-    AttemptSource source;   ///< where that was read, and what it names is
+    AttemptSource source;   ///< where that was read, and where what it names is
     std::filesystem::path folder;
     std::filesystem::path known_as;  ///< what messages call that folder
     ReportChoice report = {};
@@ -50,8 +49,8 @@ struct RunInMaking {
     std::function<std::string()> sign = {};  ///< signs the report; the signature's name
 };
 
-/// Makes a run by the table of steps: each of them that is part of a run reported so, and that does
-/// not stay as it was. `done` is called after each. Throws what the steps do.
+/// Makes a run by the table of steps: each that is part of a run reported so and of which `stays`
+/// is false. `done` is called after each. Throws what the steps throw.
 void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
               const std::function<void(const StageDone&)>& done);
 

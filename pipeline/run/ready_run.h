@@ -11,14 +11,14 @@ namespace runcert {
 inline constexpr const char* ready_name = ".runcert-ready";
 inline constexpr const char* staged_name = "run";
 
-/// Writes the record of a run that is complete in `own`/run, which is about to be called ready: of
-/// which folders it is, and which files of the run folder go or are replaced, with their SHA-256;
-/// sealed by this user's secret (record_key.h).
+/// Writes the record of a run that is complete in `own`/run and about to be called ready: which
+/// folders it belongs to, and which files of the run folder are removed or replaced, with their
+/// SHA-256; sealed by this user's secret (record_key.h).
 void write_ready_record(const Folder& run, const Folder& own);
 
-/// Gives a run folder the contents of the run that is ready in it. It may have been begun before.
-/// Failure, and nothing is changed, where what is there is not of that record, and where something
-/// was put since in the way of what is to be put in place.
+/// Gives a run folder the contents of the run that is ready in it; an earlier call may have begun
+/// to. Failure, and nothing is changed, where what is there does not belong to that record, or
+/// something was put since where a file is to go.
 void finish_in_place(const Folder& run);
 
 }  // namespace runcert

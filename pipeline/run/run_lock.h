@@ -23,8 +23,8 @@ enum class RunUse { writes, reads };
 /// life or with the process, however that ends; programs that are started do not inherit it.
 /// Other readers need none: each file is put in place whole.
 ///
-/// A new run is exchanged for the old folder, and the lock is that of the folder under the name:
-/// who waited for the old folder's goes on to wait for the new one's.
+/// A new run is exchanged for the old folder, and the lock is that of the folder which has the
+/// name: whoever waited for the old folder's lock goes on to wait for the new one's.
 class RunLock {
   public:
     /// Takes the lock of the folder that a user named, and to write there removes what killed

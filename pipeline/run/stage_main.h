@@ -13,8 +13,8 @@ class App;
 
 namespace runcert {
 
-/// What a program's command line may hold. A face of CLI11, whose header takes longer to compile
-/// than most of the programs. Names are as CLI11 has them: "--out", or "RUN_DIR" for a place.
+/// What a program's command line may hold: a facade of CLI11, whose header takes longer to compile
+/// than most of the programs. Names are as CLI11 has them: "--out", or "RUN_DIR" for a positional.
 class CommandLine {
   public:
     enum class Need { optional, required };

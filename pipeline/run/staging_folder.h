@@ -41,8 +41,8 @@ class StagingFolder {
     /// The earlier run, empty where there is none.
     const Folder& earlier() const { return *run_; }
 
-    /// Syncs the new run and lets it take the earlier one's place. What of that is to stay was
-    /// brought into the new one before. Failure where it cannot be; the earlier run then stands.
+    /// Syncs the new run and lets it take the earlier one's place; what is to stay of that must be
+    /// in the new one already. Failure where this cannot be done; the earlier run then stands.
     void publish();
 
   private:
@@ -69,7 +69,7 @@ class StagingFolder {
 
 /// Removes what killed programs of this user left beside and in a run folder, and puts in place
 /// what one of them had ready. Failure where what is ready there is not this user's, or a file was
-/// put in its way since. For who holds the run folder's lock, or a batch's lock of the run.
+/// put in its way since. The caller holds the run folder's lock, or a batch's lock of the run.
 void clear_abandoned(const Folder& parent, const std::string& name);
 
 }  // namespace runcert

@@ -25,11 +25,11 @@ struct Step {
 /// The steps, in their order: the one list that certify, batch, verify and the inventory go by.
 const std::vector<Step>& steps();
 
-/// Whether a program is a stage that gets what the attempt's fields declare for it, and no more.
+/// Whether a program is a stage that gets of the attempt only what the fields declare for it.
 bool reads_part(std::string_view stage);
 
-/// What such a stage gets, and that as its header and the record of the step have it: what its
-/// files depend on beside the files that it reads.
+/// What such a stage gets of the attempt, and the same as its header and the record of the step
+/// state it: what its files depend on beside the files that it reads.
 struct StagePart {
     Attempt attempt;
     HeldJson settings;
@@ -76,7 +76,7 @@ struct RunInventory {
     std::map<std::string, std::vector<std::string>> made_from{};
 };
 
-/// The files that the chain makes and keeps of an attempt, by the attempt alone.
+/// The files that the chain makes and keeps for an attempt.
 RunInventory inventory_of(const Attempt& attempt);
 
 /// How the program of a step is called.
@@ -89,7 +89,7 @@ struct StepCall {
     std::filesystem::path roster = {};  ///< for render: whose keys count; may be empty
 };
 
-/// The command line of a step that a program does, the program in that folder.
+/// The command line of a step that a program in that folder does.
 std::vector<std::string> command_of(const Step& step, const StepCall& call,
                                     const std::filesystem::path& programs);
 

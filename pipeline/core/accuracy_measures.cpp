@@ -42,13 +42,13 @@ double within_on_line(double sigma, double radius) {
     return sigma == 0.0 ? 1.0 : std::erf(radius / (sigma * std::numbers::sqrt2));
 }
 
-/// Over the smaller axis, of standard deviation s, the larger coordinate must lie within
-/// sqrt(radius^2 - x^2): P(r) = 2 integral_0^h phi(x / s) / s P_1(sqrt(r^2 - x^2)) dx,
-/// h = min(r, 9 s). Taking the smaller axis keeps the integrand smooth on the scale of h: the other
-/// cannot vary faster. x = h sin(t) removes the square root's infinite slope at x = r.
+/// Integrates over the smaller axis, of standard deviation s, where the larger coordinate must lie
+/// within sqrt(radius^2 - x^2): P(r) = 2 integral_0^h phi(x / s) / s P_1(sqrt(r^2 - x^2)) dx, h =
+/// min(r, 9 s). The smaller axis keeps the integrand smooth on the scale of h, because the other
+/// factor cannot vary faster. x = h sin(t) removes the square root's infinite slope at x = r.
 double probability_within(const Axes& sigma, double radius) {
     if (sigma.smaller == 0.0) return within_on_line(sigma.larger, radius);
-    constexpr double far = 9.0;  // standard deviations; 2e-19 of the probability is beyond
+    constexpr double far = 9.0;  // standard deviations; 2e-19 of the probability lies beyond
     const double height = std::min(radius, far * sigma.smaller);
     const auto integrand = [&](double t) {
         const double x = height * std::sin(t);
@@ -57,7 +57,7 @@ double probability_within(const Axes& sigma, double radius) {
                within_on_line(sigma.larger, rest);
     };
     constexpr unsigned max_depth = 8;
-    // The rule's estimate of its error is far above the error: this leaves less than 1e-12.
+    // The quadrature's error estimate far exceeds its error, which this keeps below 1e-12.
     constexpr double tolerance = 1e-9;
     const double integral = boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
         integrand, 0.0, std::numbers::pi / 2, max_depth, tolerance);
@@ -78,7 +78,7 @@ double r95(const Eigen::Matrix2d& covariance) {
     constexpr double probability = 0.95;
     const Axes sigma = axes_of(covariance);
     if (sigma.larger == 0.0) return 0.0;
-    // Between the radii of the line and of the circle that have the larger axis.
+    // The radius lies between those of a line and of a circle with the larger axis.
     const double line = sigma.larger * std::sqrt(chi_squared_quantile(probability, 1));
     const double circle = sigma.larger * std::sqrt(chi_squared_quantile(probability, 2));
     const auto excess = [&](double radius) {

@@ -17,25 +17,27 @@ inline double azimuth_deg(double east, double north) {
     return degrees < 0.0 ? degrees + 360.0 : degrees;
 }
 
-/// A plane angle. Made only through a function that names the unit, so that degrees and radians
-/// cannot be mixed up.
+/// A plane angle. Its factory functions name the unit, so that degrees and radians cannot be
+/// confused.
 ///
-/// Kept in degrees, the unit in which positions are recorded: a latitude of 90 degrees, or one
-/// read from text, keeps its exact value; radians are rounded once, to within 1 ulp.
+/// Stored in degrees, the unit in which positions are recorded. A latitude of 90 degrees, or one
+/// read from text, keeps its exact value. Radians are rounded once, to within 1 ulp.
 class Angle {
   public:
     /// The zero angle.
     constexpr Angle() = default;
 
-    /// The angle of so many radians. No range is checked and nothing is reduced to one turn.
-    static constexpr Angle from_radians(double radians) { return Angle(radians * degrees_per_radian); }
+    /// An angle from radians. The range is not checked, and nothing is reduced to one turn.
+    static constexpr Angle from_radians(double radians) {
+        return Angle(radians * degrees_per_radian);
+    }
 
-    /// The angle of so many degrees, kept as they are.
+    /// An angle from degrees, stored unchanged.
     static constexpr Angle from_degrees(double degrees) { return Angle(degrees); }
 
-    /// The angle of `degrees`, `minutes` and `seconds` of arc, all non-negative, with the sign of
-    /// `sign` (negative: south or west). The sign stands apart because -0 degrees 30 minutes
-    /// would lose it.
+    /// An angle from non-negative `degrees`, `minutes` and `seconds` of arc. A negative `sign`
+    /// means south or west. The sign is a separate argument because -0 degrees 30 minutes would
+    /// lose it.
     static constexpr Angle from_dms(int sign, double degrees, double minutes, double seconds) {
         const double magnitude = degrees + (minutes + seconds / 60.0) / 60.0;
         return Angle(sign < 0 ? -magnitude : magnitude);
@@ -43,7 +45,7 @@ class Angle {
 
     /// The angle in radians, not reduced to one turn.
     constexpr double radians() const { return degrees_ * radians_per_degree; }
-    /// The angle in degrees, as it is kept.
+    /// The angle in degrees, as stored.
     constexpr double degrees() const { return degrees_; }
 
     friend constexpr bool operator==(Angle, Angle) = default;

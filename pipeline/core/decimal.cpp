@@ -23,7 +23,7 @@ std::uint64_t digit(char c) {
 
 std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text) {
     const auto plain = read_plain_decimal(text);
-    if (plain && plain->whole <= 9 && plain->decimals <= 9) {  // below 10^18, which 64 bits hold
+    if (plain && plain->whole <= 9 && plain->decimals <= 9) {  // below 10^18, which fits 64 bits
         auto nanoseconds = static_cast<std::int64_t>(plain->digits);
         for (int i = plain->decimals; i < 9; ++i)
             nanoseconds *= 10;
@@ -67,12 +67,12 @@ namespace {
 constexpr int digits_at_once = 8;
 constexpr std::uint32_t eight_digits_end = 100'000'000;
 constexpr int most_decimals = 12;
-/// Doubles below it are known to 0.5 at least, so that their whole part and rest are exact.
+/// Doubles below this limit have steps of at most 0.5, so that whole part and remainder are exact.
 constexpr double whole_limit = 0x1p52;
 
-/// The eight digits of a number below 10^8, the first in the lowest byte, as values 0 to 9. All at
-/// once, in lanes of one register: halves of four digits, then pairs, then digits. The factors are
-/// rounded reciprocals of 100 and 10, exact for numbers below 10^4 and 10^2.
+/// The eight digits of a number below 10^8, the first in the lowest byte, as values 0 to 9. All are
+/// computed at once, in lanes of one register: halves of four digits, then pairs, then digits. The
+/// factors are rounded reciprocals of 100 and 10, exact for numbers below 10^4 and 10^2.
 std::uint64_t eight_digits(std::uint32_t number) {
     std::uint64_t lanes = number / 10'000 | std::uint64_t{number % 10'000} << 32;
     const std::uint64_t hundreds = (lanes * 10'486 >> 20) & 0x0000'007f'0000'007f;
@@ -107,9 +107,9 @@ char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative) {
     if (zeros == digits_at_once) zeros += leading_zeros(low);
     const int first = std::min(zeros, all - decimals - 1);
     if (negative) *to++ = '-';
-    // All sixteen are stored each time, which is quicker than as many as are wanted: hence the room
-    // behind. They stay in registers until then, because loading what was just stored in other
-    // pieces is slow.
+    // Storing all sixteen bytes is quicker than storing only those needed, which is why the buffer
+    // has spare room. The digits stay in registers until then, because a load that overlaps a
+    // recent store in part is slow.
     put(to, digits >> (8 * first));
     to += all - decimals - first;
     if (decimals == 0) return to;
@@ -124,8 +124,8 @@ char* write_fixed_quickly(char* to, double value, int decimals) {
     if (!(scaled < whole_limit)) return nullptr;
     const auto whole = static_cast<std::int64_t>(scaled);
     const double rest = scaled - static_cast<double>(whole);
-    // The product is off by at most half a unit in its last place: that matters only where it
-    // could carry the rest across one half, which includes the exact ties.
+    // The product is off by at most half a unit in its last place. This matters only where it could
+    // carry the remainder across one half, exact ties included.
     if (std::abs(rest - 0.5) <= scaled * 0x1p-52) return nullptr;
     const auto count = static_cast<std::uint64_t>(whole) + (rest > 0.5 ? 1 : 0);
     return write_scaled(to, count, decimals, std::signbit(value) && count != 0);

@@ -10,29 +10,29 @@ namespace runcert {
 
 /// Seconds written as a decimal number ("12.3", "-0.05", "7"), as an exact count of nanoseconds.
 ///
-/// Digits after the ninth decimal must be zero. Nothing if the text is anything else (blanks, an
-/// exponent, a value beyond the 64-bit count: 292 years).
+/// Digits after the ninth decimal must be zero. Returns nothing for any other text: blanks, an
+/// exponent, or a value beyond the 64-bit count (292 years).
 std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text);
 
-/// The same, the plain way for every text: parse_decimal_nanoseconds has a quicker one for most.
+/// Gives the same result as parse_decimal_nanoseconds, without its fast path for common texts.
 std::optional<std::int64_t> parse_any_decimal_nanoseconds(std::string_view text);
 
-/// A decimal number as tables and recordings write nearly all of theirs: `digits` times ten to the
-/// power of minus `decimals`.
+/// A decimal number in the form that tables and recordings nearly always use: `digits` times ten to
+/// the power of minus `decimals`.
 struct PlainDecimal {
     std::uint64_t digits = 0;
     int decimals = 0;  ///< digits after the point
-    int whole = 0;     ///< digits before it
+    int whole = 0;     ///< digits before the point
     bool negative = false;
 };
 
-/// The powers of ten that a double holds exactly and that a PlainDecimal can need.
+/// Powers of ten that a double holds exactly, up to the largest that a PlainDecimal needs.
 inline constexpr std::array<double, 19> exact_powers_of_ten{
     1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8, 1e9,
     1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18};
 
-/// Reads a text that is an optional sign, then 1 to 18 digits with at most one point among them, in
-/// one pass; nothing for any other text, which may still be a number.
+/// Reads an optional sign followed by 1 to 18 digits with at most one point among them, in one
+/// pass. Returns nothing for any other text, which may still be a number.
 inline std::optional<PlainDecimal> read_plain_decimal(std::string_view text) {
     const char* at = text.data();
     const char* const end = at + text.size();
@@ -55,21 +55,22 @@ inline std::optional<PlainDecimal> read_plain_decimal(std::string_view text) {
     return number;
 }
 
-/// The room, in bytes, that the functions below may write to, beyond what they return.
+/// Bytes that the output buffer of the functions below must hold. They may write beyond the end
+/// that they return.
 inline constexpr std::size_t fixed_text_room = 48;
 
-/// Below this a count has at most 16 digits.
+/// Counts below this limit have at most 16 digits.
 inline constexpr std::uint64_t fixed_text_limit = 10'000'000'000'000'000;
 
-/// Writes `count` times ten to the power of minus `decimals`: "-1.250" for 1250, 3 and `negative`.
-/// `count` is below fixed_text_limit, `decimals` 0 to 12; neither is checked. Exact. Returns the
-/// end of the text, which no zero byte follows.
+/// Writes `count` times ten to the power of minus `decimals`, exactly: 1250, 3 and `negative` give
+/// "-1.250". `count` must be below fixed_text_limit and `decimals` 0 to 12, which is not checked.
+/// Returns the end of the text; no zero byte is written.
 char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative);
 
-/// Writes a number as format_fixed (core/text.h) does, or returns null where this quick way cannot
-/// be sure of the last digit: where the number lies too near the middle between two neighbours, is
-/// large (2^52 or more in units of the last decimal) or not finite, or where `decimals` is not 0 to
-/// 12. What rounds to zero has no minus sign. Returns the end of the text.
+/// Writes a number as format_fixed (core/text.h) does, and returns the end of the text. Returns
+/// null where this fast path cannot be sure of the last digit: the number lies too near the middle
+/// between two neighbours, is large (2^52 or more in units of the last decimal) or not finite, or
+/// `decimals` is not 0 to 12. A value that rounds to zero has no minus sign.
 char* write_fixed_quickly(char* to, double value, int decimals);
 
 }  // namespace runcert

@@ -6,11 +6,11 @@
 
 namespace runcert {
 
-/// The one exception of the project: something could not be done.
+/// The one exception type of the project: an operation could not be carried out.
 ///
-/// `where` names the file, and where known the line, column or byte; `what` says what was found
-/// and what was expected; `remedy` says what the user can do about it. Caught once, at the top
-/// of each program, which prints the three and exits with status 2.
+/// `where` names the file and, if known, the line, column or byte. `what` says what was found and
+/// what was expected. `remedy` says what the user can do. Each program catches it once, at the top,
+/// prints all three and exits with status 2.
 class Failure : public std::runtime_error {
   public:
     Failure(std::string where, std::string what, std::string remedy)
@@ -19,11 +19,12 @@ class Failure : public std::runtime_error {
           what_(std::move(what)),
           remedy_(std::move(remedy)) {}
 
-    /// The file, and where known the line, column or byte.
+    /// The file and, if known, the line, column or byte.
     const std::string& where() const { return where_; }
-    /// The constructor's `what`: what was found and what was expected. what() has all three.
+    /// The constructor's `what`: what was found and what was expected. what() returns all three
+    /// parts.
     const std::string& problem() const { return what_; }
-    /// What the user can do about it.
+    /// What the user can do.
     const std::string& remedy() const { return remedy_; }
 
   private:

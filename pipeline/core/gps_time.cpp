@@ -39,7 +39,7 @@ namespace calendar {
 
 std::optional<Problem> find_problem(const CalendarTime& time, int last_second) {
     using namespace std::chrono;
-    // Wider than the span of GpsTime: what lies between is reported as out of span.
+    // Wider than the span of GpsTime: years in between are reported as out of span.
     if (time.year < 1600 || time.year > 2400)
         return Problem{0, fmt::format("the year {} is not 1687 to 2272", time.year)};
     if (time.month < 1 || time.month > 12)

@@ -7,7 +7,7 @@
 
 namespace runcert {
 
-/// A date of the Gregorian calendar and a time of day. The time scale is the one its user names.
+/// A date of the Gregorian calendar and a time of day. The code that uses it names the time scale.
 struct CalendarTime {
     int year = 1980;
     int month = 1;                ///< 1 to 12
@@ -23,7 +23,7 @@ struct CalendarTime {
 
 /// An instant on the GPS time scale: whole nanoseconds since 1980-01-06T00:00:00, the GPS epoch.
 ///
-/// GPS time has no leap seconds. It spans the years 1687 to 2272; what would leave them is a
+/// GPS time has no leap seconds. It spans the years 1687 to 2272. A result outside this span is a
 /// Failure at "time", never a wrapped value.
 class GpsTime {
   public:
@@ -34,14 +34,15 @@ class GpsTime {
     /// The GPS epoch.
     constexpr GpsTime() = default;
 
-    /// The instant so many nanoseconds after the GPS epoch, exact; negative before it.
+    /// The instant this many nanoseconds after the GPS epoch, exact. Negative counts lie before it.
     static constexpr GpsTime from_nanoseconds(std::int64_t nanoseconds) {
         return GpsTime(nanoseconds);
     }
 
     /// The instant `nanoseconds_of_week` after the start of the full week number `week` (no
-    /// rollover). Receivers round up to the week's very end, so one whole week is accepted.
-    /// Failure where `nanoseconds_of_week` is outside 0 to one week or the instant out of span.
+    /// rollover). Some receivers round up to the very end of the week, so exactly one week is
+    /// accepted. Failure where `nanoseconds_of_week` is outside 0 to one week, or the instant is
+    /// out of span.
     static GpsTime from_week(int week, std::int64_t nanoseconds_of_week);
 
     /// The instant of a calendar time on the GPS time scale. Failure where a field is invalid
@@ -57,7 +58,7 @@ class GpsTime {
         return static_cast<int>(nanoseconds_ % nanoseconds_per_week < 0 ? quotient - 1 : quotient);
     }
 
-    /// Nanoseconds since the start of the week, 0 up to but not including one week.
+    /// Nanoseconds since the start of the week, from 0 to just under one week.
     constexpr std::int64_t nanoseconds_of_week() const {
         const std::int64_t remainder = nanoseconds_ % nanoseconds_per_week;
         return remainder < 0 ? remainder + nanoseconds_per_week : remainder;
@@ -71,7 +72,7 @@ class GpsTime {
     std::int64_t nanoseconds_since(GpsTime earlier) const;
 
     /// This instant minus `earlier` in seconds: the exact difference, to within 1 ulp. Failure as
-    /// of `nanoseconds_since`.
+    /// for `nanoseconds_since`.
     double seconds_since(GpsTime earlier) const;
 
     /// The instant `nanoseconds` later. Failure where it is out of span.
@@ -86,33 +87,32 @@ class GpsTime {
     std::int64_t nanoseconds_ = 0;
 };
 
-/// ISO 8601 text of an instant on the GPS time scale, as "2022-03-18T08:51:22.300", with 0 to 9
-/// decimals, rounded to nearest (a half goes up, to the later instant), carries included.
-/// It has no suffix, because ISO 8601 has none for GPS time. Failure where rounding leaves the
-/// span.
+/// ISO 8601 text of an instant on the GPS time scale, such as "2022-03-18T08:51:22.300", with 0 to
+/// 9 decimals. Rounds to nearest, with carries; a half goes up, to the later instant. There is no
+/// suffix, because ISO 8601 has none for GPS time. Failure where rounding leaves the span.
 std::string to_iso(GpsTime time, int decimals = 3);
 
-/// The instant written "YYYY-MM-DDTHH:MM:SS[.fffffffff]" on the GPS time scale. A blank may stand
-/// for the T and two '/' for the two '-'. One to nine decimals; nothing before or after, no zone.
-/// Failure at "time" with the column (from 1) and what was expected there.
+/// Reads an instant written "YYYY-MM-DDTHH:MM:SS[.fffffffff]" on the GPS time scale. A blank may
+/// replace the T, and two '/' the two '-'. One to nine decimals are allowed; text before or after
+/// and a zone are not. Failure at "time" with the column (from 1) and what was expected there.
 GpsTime parse_gps_iso(std::string_view text);
 
-/// A UTC calendar time, and whether the leap seconds at that instant are announced. Where they
-/// are not (after leap_seconds_known_until(), or before the GPS epoch) the nearest known offset
-/// is used, and the time may be off by whole seconds.
+/// A UTC calendar time, and whether the leap seconds at that instant are announced. Where they are
+/// not (after leap_seconds_known_until(), or before the GPS epoch), the nearest known offset is
+/// used. The time may then be off by whole seconds.
 struct UtcTime {
     CalendarTime time;
     bool leap_seconds_known = false;
 };
 
 /// The instant of a UTC calendar time. Second 60 is accepted only where UTC had a leap second.
-/// Failure where a field is invalid or the instant out of span.
+/// Failure where a field is invalid or the instant is out of span.
 GpsTime gps_from_utc(const CalendarTime& utc);
 
-/// The UTC calendar time of an instant; inside a leap second its `second` is 60.
+/// The UTC calendar time of an instant. Inside a leap second its `second` is 60.
 UtcTime utc_from_gps(GpsTime time);
 
-/// ISO 8601 text in UTC, as "2022-03-18T08:51:04.300Z"; rounded as `to_iso`.
+/// ISO 8601 text in UTC, such as "2022-03-18T08:51:04.300Z", rounded as by `to_iso`.
 std::string to_utc_iso(GpsTime time, int decimals = 3);
 
 }  // namespace runcert

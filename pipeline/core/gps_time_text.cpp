@@ -29,7 +29,7 @@ GpsTime rounded(GpsTime time, int decimals) {
     return time.plus_nanoseconds(2 * above >= step ? step - above : -above);
 }
 
-/// Reads one text from the left; each step fails with the column it stands at.
+/// Reads a text from left to right. Each step fails with the column at which it stands.
 class IsoReader {
   public:
     explicit IsoReader(std::string_view text) : text_(text) {}

@@ -24,10 +24,10 @@ std::int64_t start_gps_s(const LeapSecondStep& step) {
            step.gps_minus_utc_s;
 }
 
-/// The last step for which `begun` holds; the first where it holds for none.
+/// The last step for which `begun` holds, or the first step where it holds for none.
 template <typename Begun>
 const LeapSecondStep& last_step(Begun begun) {
-    // From the latest on: most times are after it.
+    // Searched from the latest step, because most times come after it.
     for (auto step = std::rbegin(table); step != std::rend(table); ++step)
         if (begun(*step)) return *step;
     return table[0];

@@ -7,7 +7,7 @@
 
 namespace runcert {
 
-/// From the start of this UTC day on, GPS time is ahead of UTC by so many seconds.
+/// From the start of this UTC day on, GPS time is ahead of UTC by `gps_minus_utc_s` seconds.
 struct LeapSecondStep {
     int year;
     int month;
@@ -15,13 +15,14 @@ struct LeapSecondStep {
     int gps_minus_utc_s;
 };
 
-/// Every step of GPS - UTC from the GPS epoch (0 s) to now (18 s since 2017-01-01), in order.
+/// Every step of GPS - UTC from the GPS epoch (0 s) to the latest (18 s since 2017-01-01), in
+/// order.
 std::span<const LeapSecondStep> leap_second_table();
 
-/// Where the table is from, for a report.
+/// The source of the table, for a report.
 std::string_view leap_second_source();
 
-/// The UTC day up to which no other leap second can come: the expiry of the source, 2027-06-28.
+/// The UTC day up to which no further leap second can occur: the expiry of the source, 2027-06-28.
 CalendarTime leap_seconds_known_until();
 
 }  // namespace runcert

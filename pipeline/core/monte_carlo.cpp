@@ -36,7 +36,7 @@ void require_digits(int significant_digits) {
 
 /// [GUM-S1] 7.9.4 b): fewer would leave too few values beyond the ends of the interval.
 std::int64_t block_size(const MonteCarloOptions& options) {
-    // Capped: a probability near 1 would ask for more than the type holds.
+    // Capped, because a probability near 1 would exceed the type's range.
     const double least = std::min(std::ceil(100.0 / (1.0 - options.probability)), 0x1p62);
     return std::max(options.block, static_cast<std::int64_t>(least));
 }
@@ -69,8 +69,8 @@ std::size_t interval_span(std::size_t count, double probability) {
     return static_cast<std::size_t>(span);
 }
 
-/// Where the symmetric interval begins among the sorted values. The r of the standard counts from
-/// 1.
+/// Index at which the symmetric interval begins among the sorted values. The standard's r counts
+/// from 1.
 std::size_t first_of_symmetric(std::size_t count, std::size_t span) {
     return (count - span + 1) / 2 - 1;
 }
@@ -83,9 +83,9 @@ struct BlockFigures {
     std::vector<double> upper;
 };
 
-/// Brings the values in an order in which both ends of every interval of the probability stand
-/// where they would if all were sorted upwards: below the span of the lowest such interval and
-/// above that of the highest each value is in its place.
+/// Sorts partially: both ends of every coverage interval of this probability are where a full
+/// ascending sort would put them. Only values between the spans of the lowest and of the highest
+/// such interval may be out of place.
 void sort_ends(std::vector<double>& values, double probability) {
     const std::size_t span = interval_span(values.size(), probability);
     const std::size_t beyond = values.size() - span;
@@ -101,8 +101,8 @@ void sort_ends(std::vector<double>& values, double probability) {
     std::sort(upper, values.end());
 }
 
-/// Means and deviations are taken from `origin`, a value of the distribution: a result of a
-/// large value and a small spread keeps its digits, and one without any spread has none.
+/// Means and deviations are taken from `origin`, a value of the distribution. A large result with a
+/// small spread then keeps its digits, and one without any spread has exactly none.
 void add_block(BlockFigures& figures, std::vector<double> values, double origin,
                double probability) {
     for (double& value : values)
@@ -119,7 +119,7 @@ void add_block(BlockFigures& figures, std::vector<double> values, double origin,
     figures.upper.push_back(*upper);
 }
 
-/// Standard deviation of all values: the pooled squares within and between the blocks.
+/// Standard deviation of all values, from the pooled squares within and between the blocks.
 double overall_uncertainty(const BlockFigures& figures, std::int64_t block) {
     const double size = static_cast<double>(block);
     const double count = static_cast<double>(figures.mean.size());
@@ -139,10 +139,11 @@ bool stable(const BlockFigures& figures, double limit) {
     return true;
 }
 
-/// Whether a Cauchy variate of this square is accepted as one of Student's t by a uniform number.
+/// Whether a Cauchy variate with this square is accepted as a Student's t variate by a uniform
+/// number.
 bool accepts_student_t(double square, double nu, double uniform) {
-    // The densities' quotient, (1 + t^2) (1 + t^2 / nu)^(-(nu + 1) / 2), is largest at t = 1. With
-    // two logarithms in place of four, where their rounding cannot decide.
+    // The quotient of the densities, (1 + t^2) (1 + t^2 / nu)^(-(nu + 1) / 2), is largest at t = 1.
+    // Two logarithms replace four wherever their rounding cannot change the decision.
     const double of_cauchy = std::log((1.0 + square) / (2.0 * uniform));
     const double of_t = (nu + 1.0) / 2.0 * std::log((nu + square) / (nu + 1.0));
     const double rounding = 1e-13 * (nu + std::abs(of_cauchy) + std::abs(of_t));

@@ -7,9 +7,9 @@
 
 namespace runcert {
 
-/// A number that may be missing, in the room of the number itself: for tables of millions of rows.
-/// Used like std::optional, which it turns from and into. The value that stands for "missing"
-/// inside never leaves it.
+/// A number that may be missing, no larger than the number itself, for tables of millions of rows.
+/// Used like std::optional, and converts to and from it. The internal value for "missing" is never
+/// exposed.
 template <class Number>
 class OptionalNumber {
   public:
@@ -29,7 +29,7 @@ class OptionalNumber {
             return value_ != missing;
     }
     constexpr explicit operator bool() const { return has_value(); }
-    /// The number, which must be there.
+    /// The number, which must be present.
     constexpr const Number& operator*() const { return value_; }
     constexpr Number& operator*() { return value_; }
     constexpr Number value() const { return std::optional<Number>(*this).value(); }

@@ -13,14 +13,13 @@
 
 namespace runcert {
 
-/// How many threads a run may use: as many as the environment's RUNCERT_THREADS says (1 to 1024),
-/// or, where it says nothing of the kind, as there are processors for this process. No result
-/// depends on it.
+/// How many threads a run may use: the environment variable RUNCERT_THREADS (1 to 1024). Without a
+/// valid value, the number of processors available to this process. No result depends on it.
 unsigned threads_allowed();
 
-/// run(0) to run(runs - 1), by so many threads (0: as many as the machine has). After an exception
-/// of a run others are not begun; of several, that of the lowest number is thrown again here,
-/// whichever was first in time.
+/// Calls run(0) to run(runs - 1) on `threads` threads (0: as many as the machine has). After a run
+/// throws, no further runs start. If several throw, the exception of the lowest-numbered run is
+/// rethrown here, whichever came first in time.
 template <class Run>
 void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
     std::atomic<std::int64_t> next = 0;
@@ -51,8 +50,8 @@ void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
     if (failure) std::rethrow_exception(failure);
 }
 
-/// The results of run(0) to run(runs - 1), in this order, by so many threads. A run may depend on
-/// its number alone, so that the results are the same with any number of threads.
+/// The results of run(0) to run(runs - 1), in this order, on `threads` threads. A run may depend
+/// only on its number, so that the results are the same with any number of threads.
 template <class Run>
 auto results_of(std::int64_t runs, unsigned threads, const Run& run) {
     std::vector<decltype(run(std::int64_t{}))> results(static_cast<std::size_t>(runs));
@@ -61,8 +60,8 @@ auto results_of(std::int64_t runs, unsigned threads, const Run& run) {
     return results;
 }
 
-/// Does tasks that do not depend on one another, beside one another where more than one thread is
-/// allowed. Exceptions as with `for_each_run`.
+/// Runs independent tasks, in parallel where more than one thread is allowed. Exceptions as for
+/// `for_each_run`.
 template <class... Task>
 void do_together(const Task&... task) {
     const std::array<std::function<void()>, sizeof...(Task)> tasks{std::cref(task)...};
@@ -70,18 +69,18 @@ void do_together(const Task&... task) {
                  [&](std::int64_t i) { tasks[static_cast<std::size_t>(i)](); });
 }
 
-/// Lets the runs of `for_each_run` do a part of their work one after the other, in the order of
-/// their numbers from 0 on, whatever thread they are on: what they take from a common stream, such
-/// as one of random numbers, is then the same with any number of threads.
+/// Makes the runs of `for_each_run` do part of their work one after the other, in order of their
+/// numbers from 0, whatever thread they are on. What they take from a common stream, such as one of
+/// random numbers, is then the same with any number of threads.
 class Turnstile {
   public:
-    /// Does `part` after all runs with a lower number have done theirs, and returns its result.
-    /// Every run must come by here, before it does anything that can fail.
+    /// Calls `part` once all lower-numbered runs have done theirs, and returns its result. Every
+    /// run must call this, and before doing anything that can fail.
     template <class Part>
     auto pass(std::int64_t run, const Part& part) {
         std::unique_lock lock(passing_);
         passed_.wait(lock, [&] { return next_ == run; });
-        const LetOn let_on{*this};  // also if the part fails
+        const LetOn let_on{*this};  // also if `part` throws
         return part();
     }
 

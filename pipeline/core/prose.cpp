@@ -21,7 +21,7 @@ std::size_t columns_of(std::string_view text) {
     return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
 }
 
-/// The bytes of the first `count` characters.
+/// The number of bytes in the first `count` characters.
 std::size_t bytes_of(std::string_view text, std::size_t count) {
     std::size_t at = 0;
     while (at < text.size()) {
@@ -98,7 +98,7 @@ std::string listed(const std::vector<std::string>& items) {
 std::string probability_text(double probability) {
     if (probability > 1.0 - 1e-6) return "more than 99.9999 %";
     if (probability < 1e-6) return "less than 0.0001 %";
-    // The levels of several attempts have four: 99.9375 % of 40.
+    // Probabilities required of several attempts have four decimals: 99.9375 % for 40.
     const int decimals = probability > 0.99 || probability < 0.01 ? 4 : 2;
     const double scale = std::pow(10.0, decimals + 2);
     const double steps = probability * scale;
@@ -110,7 +110,7 @@ std::string probability_text(double probability) {
 
 std::string level_text(double level) {
     const std::string text = fmt::format("{:.6g}", level * 100.0);
-    // A level below one never shows as one.
+    // A level below 1 never shows as 100 %.
     return (text == "100" && level < 1.0 ? fmt::format("{:.9g}", level * 100.0) : text) + " %";
 }
 

@@ -16,7 +16,7 @@ struct Parts {
 };
 
 Parts parts_of(double x) {
-    // Without a branch, which half of all numbers would take.
+    // Branch-free: half of all numbers would take the branch.
     constexpr std::uint64_t fraction_bits = (std::uint64_t{1} << 52) - 1;
     constexpr std::uint64_t exponent_of_half = 1022;
     constexpr std::uint64_t fraction_of_root =
@@ -30,7 +30,7 @@ Parts parts_of(double x) {
             std::bit_cast<double>(fraction | ((exponent_of_half + low) << 52))};
 }
 
-/// Natural logarithm of a normal positive number, to 2 ulp, of basic operations only.
+/// Natural logarithm of a normal positive number, to 2 ulp, by basic operations only.
 ///
 /// x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 atanh(s), s = (m - 1) / (m + 1), |s| <
 /// 0.172, so 11 terms of s^(2k) / (2k + 1) leave less than 1e-17.
@@ -47,17 +47,18 @@ double portable_log(const Parts& x) {
 struct Point {
     double x = 0.0;
     double y = 0.0;
-    double square = 0.0;  ///< of its distance from the centre
+    double square = 0.0;  ///< squared distance from the centre
 
-    /// Neither on the edge or beyond it, nor the centre. One comparison of the bits, which for
-    /// numbers that are not negative stand in the order of the numbers; zero becomes the largest.
+    /// Whether the point lies strictly inside the disc and is not its centre. One comparison of
+    /// bits suffices: the bits of non-negative numbers have the order of the numbers, and zero
+    /// becomes the largest.
     bool in_disc() const {
         return std::bit_cast<std::uint64_t>(square) - 1 < std::bit_cast<std::uint64_t>(1.0) - 1;
     }
 };
 
 inline Point next_point(Xoshiro256StarStar& bits) {
-    // Two statements: the order in which operands are evaluated is the compiler's choice.
+    // Two statements, because the compiler may choose the order in which it evaluates operands.
     Point point;
     point.x = 2.0 * uniform_of(bits) - 1.0;
     point.y = 2.0 * uniform_of(bits) - 1.0;
@@ -65,7 +66,7 @@ inline Point next_point(Xoshiro256StarStar& bits) {
     return point;
 }
 
-/// What both coordinates of a point in the unit disc are multiplied with.
+/// The factor of the polar method for both coordinates of a point in the unit disc.
 double polar_factor(double square, const Parts& parts) {
     return std::sqrt(-2.0 * portable_log(parts) / square);
 }
@@ -116,8 +117,8 @@ std::vector<double> RandomGenerator::normals(std::size_t count) {
     std::vector<double> numbers(count);
     std::size_t filled = 0;
     if (spare_normal_ && count > 0) numbers[filled++] = normal();
-    // In blocks of pairs: points are kept or overwritten without a branch, and the factors of a
-    // block do not wait for one another.
+    // Pairs are made in blocks. Points are kept or overwritten without a branch, and the factors of
+    // a block do not depend on one another.
     constexpr std::size_t block = 128;
     std::array<double, block> x, y, square;
     Xoshiro256StarStar bits = bits_;

@@ -9,8 +9,8 @@
 
 namespace runcert {
 
-/// One step of SplitMix64 ([SLF14]; S. Vigna's splitmix64.c): advances `state`
-/// and returns the next number. Used to spread a seed over a larger state.
+/// One step of SplitMix64 ([SLF14]; S. Vigna's splitmix64.c): advances `state` and returns the next
+/// number. Used to expand a seed into a larger state.
 std::uint64_t splitmix64(std::uint64_t& state);
 
 /// The generator xoshiro256** 1.0 [BV21]. The state must not be all zero.
@@ -30,17 +30,18 @@ struct Xoshiro256StarStar {
     }
 };
 
-/// The next 52 bits and a half of a generator, uniform in (0, 1): with 53 the largest would round
-/// to 1.
+/// A number uniform in (0, 1) from the next 52 bits of a generator plus half a step. With 53 bits
+/// the largest would round to 1.
 inline double uniform_of(Xoshiro256StarStar& bits) {
     return (static_cast<double>(static_cast<std::int64_t>(bits.next() >> 12)) + 0.5) * 0x1p-52;
 }
 
-/// Seeded random numbers, the same on every platform: integer arithmetic, and for the rest only
-/// operations that IEEE 754 rounds correctly (the C library's logarithm is not one of them).
+/// Seeded random numbers, the same on every platform. It uses integer arithmetic, and otherwise
+/// only operations that IEEE 754 rounds correctly. The C library's logarithm is not one of them.
 class RandomGenerator {
   public:
-    /// The state is four numbers of `splitmix64` started at `seed`; every seed is good.
+    /// The state is the first four numbers of `splitmix64` started at `seed`. Every seed is
+    /// suitable.
     explicit RandomGenerator(std::uint64_t seed);
 
     /// 64 random bits.
@@ -52,13 +53,13 @@ class RandomGenerator {
     /// Standard normal, by Marsaglia's polar method (Marsaglia & Bray 1964).
     double normal();
 
-    /// `count` standard normal numbers: what so many calls of `normal` would have given, to the
-    /// bit, several times as fast.
+    /// `count` standard normal numbers, bit for bit those that `count` calls of `normal` give,
+    /// several times as fast.
     std::vector<double> normals(std::size_t count);
 
   private:
     Xoshiro256StarStar bits_;
-    std::optional<double> spare_normal_;  // the method makes them in pairs
+    std::optional<double> spare_normal_;  // the method generates them in pairs
 };
 
 }  // namespace runcert

@@ -32,7 +32,7 @@ int decimals_of_two_digits(double uncertainty) {
     int decimals = 0;
     while (decimals < kMostShown && steps_of(uncertainty, decimals, SafeSide::down) < 10.0)
         ++decimals;
-    // Rounding up may add a digit: 0.0991 to 0.10.
+    // Rounding up may carry into another digit: 0.0991 becomes 0.10.
     const bool carries = steps_of(uncertainty, decimals, SafeSide::up) >= 100.0;
     return carries ? std::max(0, decimals - 1) : decimals;
 }
@@ -77,7 +77,7 @@ double whole_steps(double steps, double tolerance, StepRounding mode) {
 std::string shown_figure(double value, int decimals, SafeSide side) {
     require_decimals(decimals);
     const double steps = steps_of(value, decimals, side);
-    // Adding 0 takes the sign from a zero.
+    // Adding 0 removes the sign of a zero.
     return fmt::format("{:.{}f}", steps / power_of_ten(decimals) + 0.0, decimals);
 }
 

@@ -27,8 +27,8 @@ struct Satellite {
     friend auto operator<=>(const Satellite&, const Satellite&) = default;
 };
 
-/// A signal by its RINEX 3 observation code without the letter of what is observed ([RINEX3] tables
-/// 4 to 10): "1C" is band 1, attribute C.
+/// A signal by its RINEX 3 observation code without the letter of the observation type ([RINEX3]
+/// tables 4 to 10): "1C" is band 1, attribute C.
 struct SignalCode {
     std::uint8_t band = 0;  ///< 1 to 9
     char attribute = ' ';   ///< A to Z
@@ -38,16 +38,16 @@ struct SignalCode {
 
 std::string to_text(Satellite satellite);
 std::string to_text(SignalCode signal);
-/// The same without memory of their own, for tables.
+/// The same texts as fixed-size characters that need no allocation, for tables.
 std::array<char, 3> letters_of(Satellite satellite);
 std::array<char, 2> letters_of(SignalCode signal);
-/// False, with the value untouched, where the text is no such name.
+/// Reads a satellite ("G02") or signal code ("1C"). Returns false, and leaves the value unchanged,
+/// where the text is not one.
 bool from_text(std::string_view text, Satellite& satellite);
 bool from_text(std::string_view text, SignalCode& signal);
 
-/// Carrier frequency (Hz) of a band; nothing where the band is not the system's, and for GLONASS,
-/// whose satellites have frequencies of their own. [IS-GPS-200], [GAL-ICD], [RINEX3] tables 4
-/// to 10.
+/// Carrier frequency (Hz) of a band ([IS-GPS-200], [GAL-ICD], [RINEX3] tables 4 to 10). Empty where
+/// the system has no such band, and for GLONASS, whose satellites each have their own frequency.
 std::optional<double> carrier_frequency_hz(SatelliteSystem system, std::uint8_t band);
 
 }  // namespace runcert

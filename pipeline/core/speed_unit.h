@@ -14,8 +14,7 @@ inline constexpr double mph_in_m_s = metres_per_statute_mile / 3600.0;
 /// What a speed in m/s is multiplied by to be in km/h.
 inline constexpr double km_h_per_m_s = 3.6;
 
-/// Metres per second in one of "km/h", "m/s", "kn", "mph".
-/// Failure for any other text.
+/// The factor from "km/h", "m/s", "kn" or "mph" to metres per second. Failure for any other text.
 double metres_per_second(std::string_view unit);
 
 }  // namespace runcert

@@ -10,27 +10,27 @@ namespace runcert {
 /// 0 <= probability < 1 and degrees_of_freedom >= 1. Relative accuracy 1e-13.
 double chi_squared_quantile(double probability, int degrees_of_freedom);
 
-/// The x with P(chi-squared > x) = tail_probability, which keeps its digits however small the
-/// tail. Failure unless 0 < tail_probability <= 1 and degrees_of_freedom >= 1.
+/// The x with P(chi-squared > x) = tail_probability, accurate however small the tail. Failure
+/// unless 0 < tail_probability <= 1 and degrees_of_freedom >= 1.
 double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom);
 
-/// ln P(chi-squared > x), which keeps its digits where the probability itself is below the smallest
-/// number. Failure unless x >= 0 and degrees_of_freedom >= 1. Relative accuracy 1e-9.
+/// ln P(chi-squared > x), accurate even where the probability itself underflows. Failure unless x
+/// >= 0 and degrees_of_freedom >= 1. Relative accuracy 1e-9.
 double log_chi_squared_upper_tail(double x, int degrees_of_freedom);
 
-/// The non-centrality at which a chi-squared test of size `test_size` rejects with probability
-/// `power`. Failure unless 0 < test_size < power < 1 and degrees_of_freedom >= 1.
+/// The non-centrality parameter at which a chi-squared test of size `test_size` rejects with
+/// probability `power`. Failure unless 0 < test_size < power < 1 and degrees_of_freedom >= 1.
 double noncentrality(double test_size, double power, int degrees_of_freedom);
 
 /// The x with P(z <= x) = probability, z standard normal. Failure unless 0 < probability < 1.
 double normal_quantile(double probability);
 
-/// P(z <= x), z standard normal; relative accuracy kept in the lower tail.
+/// P(z <= x), z standard normal. Relative accuracy is kept in the lower tail.
 double normal_cdf(double x);
 
-/// P(t <= x), t by Student's distribution with so many degrees of freedom (any number above 0, also
-/// infinite; empty: infinite, the normal distribution). x may be infinite. Failure for an x that is
-/// no number or degrees not above 0. Relative accuracy 1e-11, kept in the lower tail.
+/// P(t <= x) for Student's t distribution. The degrees of freedom are any number above 0, also
+/// infinite; empty means infinite, the normal distribution. x may be infinite. Failure where x is
+/// NaN or the degrees of freedom are not above 0. Relative accuracy 1e-11, kept in the lower tail.
 double student_t_cdf(double x, std::optional<double> degrees_of_freedom);
 
 /// The x with P(t <= x) = probability. Failure unless 0 < probability < 1 and the degrees of
@@ -40,10 +40,10 @@ double student_t_quantile(double probability, std::optional<double> degrees_of_f
 /// Arithmetic mean, summed in order. Failure where there are no values.
 double mean(std::span<const double> values);
 
-/// Standard deviation of a sample, with n - 1. Failure where there are fewer than two values.
+/// Sample standard deviation, with divisor n - 1. Failure where there are fewer than two values.
 double standard_deviation(std::span<const double> values);
 
-/// sqrt(mean of the squares). Failure where there are no values.
+/// Square root of the mean square. Failure where there are no values.
 double root_mean_square(std::span<const double> values);
 
 /// The middle value, or the mean of the two middle ones. Failure where there are no values or one

@@ -51,8 +51,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
-    // Two doubles that are exact have a correctly rounded quotient: no more is needed for nearly
-    // all numbers in tables.
+    // The quotient of two exact doubles is correctly rounded, which covers nearly all numbers in
+    // tables.
     if (const auto plain = read_plain_decimal(text); plain && plain->digits <= exactly_in_double) {
         const double value = static_cast<double>(plain->digits) /
                              exact_powers_of_ten[static_cast<std::size_t>(plain->decimals)];
@@ -64,7 +64,7 @@ std::optional<double> parse_double(std::string_view text) {
 std::optional<double> parse_any_double(std::string_view text) {
     const bool has_sign = text.starts_with('+') || text.starts_with('-');
     const std::string_view unsigned_text = text.substr(has_sign ? 1 : 0);
-    // Keeps out nan, inf and a second sign.
+    // Refuses nan, inf and a second sign.
     if (unsigned_text.empty() || !(is_digit(unsigned_text[0]) || unsigned_text[0] == '.'))
         return std::nullopt;
     const std::string_view number = without_plus(text);
@@ -194,7 +194,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 namespace {
 
-/// The characters that make a spreadsheet take a cell for a formula.
+/// Characters that make a spreadsheet take a cell for a formula.
 constexpr std::string_view formula_begins = "=+-@\t\r";
 
 }  // namespace

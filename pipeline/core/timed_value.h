@@ -6,14 +6,14 @@
 
 namespace runcert {
 
-/// A measured value at a time (s) from a recording's first epoch.
+/// A measured value at a time (s) after a recording's first epoch.
 struct TimedValue {
     double time_s = 0.0;
     double value = 0.0;
 };
 
-/// Linearly between samples in order of time that are no further apart than this (s); nothing
-/// elsewhere.
+/// The value at a time, by linear interpolation between samples in order of time. Empty outside the
+/// samples and between two that are more than `longest_step_s` apart.
 inline std::optional<double> value_at(std::span<const TimedValue> samples, double time_s,
                                       double longest_step_s) {
     const auto after = std::ranges::lower_bound(samples, time_s, {}, &TimedValue::time_s);

@@ -40,7 +40,8 @@ void require_input(const InputQuantity& input) {
     require_degrees(input.degrees_of_freedom);
 }
 
-/// [GUM] (G.2b), divided through by u_c^4; empty where no contribution has finitely many.
+/// [GUM] (G.2b), divided through by u_c^4. Empty where every contribution has infinite degrees of
+/// freedom.
 std::optional<double> welch_satterthwaite(std::span<const InputQuantity> inputs, double combined) {
     double reciprocal = 0.0;
     for (const InputQuantity& input : inputs) {
@@ -107,7 +108,7 @@ CombinedUncertainty combine(std::span<const InputQuantity> inputs,
     const Eigen::VectorXd parts = contributions(inputs);
     require_correlation(correlation, parts.size());
     if (correlation.isIdentity(0.0)) return combine(inputs);
-    // Full anticorrelation can leave a variance below 0 by rounding.
+    // With full anticorrelation, rounding can leave a variance below 0.
     const double variance = std::max(0.0, parts.dot(correlation * parts));
     return {.standard_uncertainty = std::sqrt(variance),
             .degrees_of_freedom_defined = !any_finite_degrees(inputs)};

@@ -87,7 +87,8 @@ ScoreTest<Axes> ArcDiagnosis<Axes>::step(std::size_t k) const {
 
 template <int Axes>
 ScoreTest<Axes> ArcDiagnosis<Axes>::bridged_step(std::size_t k) const {
-    // The offset is a jump of the state with a vague prior: its posterior mean and variance.
+    // The offset is a jump of the state with a vague prior. These are its posterior mean and
+    // variance.
     constexpr double prior = vague_position_sigma_m * vague_position_sigma_m;
     const Test jump = step(k);
     const PositionVector<Axes> mean = prior * jump.score;
@@ -123,7 +124,7 @@ std::optional<ScoreTest<1>> ArcDiagnosis<Axes>::time_shift(std::size_t k) const 
     direction.template head<Axes>() = velocity;
     direction.template segment<Axes>(Axes) = predicted.mean.template segment<Axes>(2 * Axes);
     ScoreTest<1> test;
-    // Late stamps show the craft where it was before: the error is minus velocity times lateness.
+    // Late stamps show the craft where it was before: the error is minus velocity times delay.
     test.score(0) = -direction.dot(epochs_[k].score);
     test.precision(0, 0) = direction.dot(epochs_[k].information * direction);
     return test;
@@ -156,8 +157,8 @@ SetTest ArcDiagnosis<Axes>::own_errors(std::size_t first, std::size_t last) cons
         const std::size_t k = set[static_cast<std::size_t>(l)];
         score.segment<Axes>(l * Axes) = epochs_[k].own_score;
         precision.block<Axes, Axes>(l * Axes, l * Axes) = epochs_[k].own_precision;
-        // Covariance of the score by the predicted state of epoch k with this measurement's own,
-        // H' D - F' N F K, carried back to the measurements before.
+        // Covariance of the score at the predicted state of epoch k with this measurement's own, H'
+        // D - F' N F K, carried back to earlier measurements.
         Positions carried = Positions::Zero();
         if (k + 1 < epochs_.size()) {
             StateMatrix<Axes> later = epochs_[k + 1].information;
@@ -196,8 +197,8 @@ template <int Axes>
 MotionEstimate<Axes> ArcDiagnosis<Axes>::motion(std::size_t k) const {
     const Epoch& epoch = epochs_[k];
     const StateMatrix<Axes>& p = epoch.predicted.covariance;
-    // The rows of p + p (-N) p that hold the one or the other. Lazy products: these are too small
-    // for what the general ones prepare.
+    // The needed rows of p + p (-N) p. Lazy products, because these matrices are too small for the
+    // set-up of general ones.
     using Rows = Eigen::Matrix<double, Axes, state_size<Axes>>;
     const auto mean = [&](int at) -> PositionVector<Axes> {
         return epoch.predicted.mean.template segment<Axes>(at) +

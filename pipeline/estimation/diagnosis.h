@@ -7,22 +7,23 @@
 
 #include "estimation/kalman.h"
 
-// Tests of supposed errors of an arc's measurements, from one pass of the filter forward and one of
-// scores backward [JP98]. Every test uses all
-// measurements of the arc, before and after the supposed error, and equals the likelihood-ratio
-// test against the model with that error as an unknown: Baarda's w-test [Baarda68] and its
-// generalisation to several unknowns [Teunissen18].
+// Tests for supposed errors in an arc's measurements, from one forward pass of the filter and one
+// backward pass of scores [JP98]. Every test uses all measurements of the arc, before and after the
+// supposed error. It equals the likelihood-ratio test against the model with that error as an
+// unknown: Baarda's w-test [Baarda68] and its generalisation to several unknowns [Teunissen18].
 
 namespace runcert {
 
-/// The derivative of the log-likelihood by an unknown that is zero under the model, and its
-/// variance: what is needed to test whether it is zero, and to estimate it if not.
+/// The derivative of the log-likelihood with respect to an unknown that is zero under the model,
+/// and the variance of that derivative. Both serve to test whether the unknown is zero and to
+/// estimate it if not.
 template <int Size>
 struct ScoreTest {
     using Vector = Eigen::Matrix<double, Size, 1>;
     using Matrix = Eigen::Matrix<double, Size, Size>;
     Vector score = Vector::Zero();
     Matrix precision = Matrix::Identity();  ///< variance of the score, inverse of the estimate's
+                                            ///< covariance
 
     /// Chi-squared with Size degrees of freedom where the unknown is zero.
     double statistic() const { return score.dot(precision.llt().solve(score)); }
@@ -30,7 +31,7 @@ struct ScoreTest {
     Matrix covariance() const { return precision.llt().solve(Matrix::Identity()); }
 };
 
-/// The test of a set of measurements, each with an error of its own.
+/// The joint test of a set of measurements, each with its own error.
 struct SetTest {
     double statistic = 0.0;
     int degrees_of_freedom = 0;
@@ -45,68 +46,71 @@ struct MotionEstimate {
     PositionMatrix<Axes> acceleration_covariance;
 };
 
-/// What can be said of every supposed error of an arc. Epochs without a measurement take part in
-/// time alone. Linear in the epochs; about twice the filter's cost, and 1.5 kB an epoch for two
-/// axes.
+/// Tests for every supposed error of an arc. Of epochs without a measurement only the time counts.
+/// The cost is linear in the epochs, about twice the filter's, with 1.5 kB per epoch for two axes.
 template <int Axes>
 class ArcDiagnosis {
   public:
     using Test = ScoreTest<Axes>;
 
-    /// The arc must outlive the diagnosis, begin with a measurement, and have increasing times.
+    /// The arc must outlive the diagnosis, begin with a measurement and have increasing times.
     ArcDiagnosis(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model);
 
     std::size_t size() const { return epochs_.size(); }
 
-    /// The forward filter's innovation statistic, chi-squared with Axes degrees of freedom; nothing
-    /// without a measurement, or for the first ones, which a vague prior cannot test.
+    /// The forward filter's innovation statistic, chi-squared with Axes degrees of freedom. Empty
+    /// without a measurement, and for the first ones, which a vague prior cannot test.
     std::optional<double> innovation(std::size_t k) const { return epochs_[k].innovation; }
 
-    /// An error of epoch k's measurement alone, in any direction (m). The epoch must have one.
+    /// Tests for an error (m), in any direction, of epoch k's measurement alone. Epoch k must have
+    /// one.
     Test outlier(std::size_t k) const;
 
-    /// What a position measured at epoch k, but left out of the arc, says: as `outlier` would if
-    /// it were taken in.
+    /// Tests a position measured at epoch k but left out of the arc: the result of `outlier` if it
+    /// were included.
     Test left_out(std::size_t k, const PositionMeasurement<Axes>& measurement) const;
 
-    /// A constant error (m) of all measurements from epoch k on. It compares the forward
-    /// prediction of epoch k with what the measurements from k on say, under their joint
-    /// covariance: positions are carried unchanged by the transition, so that the error of the
-    /// measurements is a jump of the state.
+    /// Tests for a constant error (m) of all measurements from epoch k on. It compares the forward
+    /// prediction of epoch k with the information of the measurements from k on, under their joint
+    /// covariance. The transition carries positions unchanged, so the error of the measurements is
+    /// a jump of the state.
     Test step(std::size_t k) const;
 
-    /// The offset (m) of a step that the arc bridges before epoch k, which must have one.
+    /// Tests for the offset (m) of a bridged step just before epoch k. The arc must bridge a step
+    /// there.
     Test bridged_step(std::size_t k) const;
 
-    /// An error of all measurements from epoch k on that grows linearly from zero at k (m/s).
+    /// Tests for an error of all measurements from epoch k on that grows linearly from zero at k
+    /// (m/s).
     Test ramp(std::size_t k) const;
 
-    /// A change of the craft's acceleration (m/s^2) just before epoch k: no error, but a motion
-    /// that the model has for less likely than it is.
+    /// Tests for a change of the craft's acceleration (m/s^2) just before epoch k. This is no error
+    /// but a motion that the model considers less likely than it is.
     Test manoeuvre(std::size_t k) const;
 
-    /// Stamps of all measurements from epoch k on that are late by a constant time (s): a jump
-    /// along the motion, of which speed and acceleration are those predicted from the epochs before
-    /// k. Nothing where that prediction cannot tell the speed (known to worse than a tenth).
+    /// Tests for time stamps of all measurements from epoch k on that are late by a constant time
+    /// (s). The positions then jump along the motion, with the speed and acceleration predicted
+    /// from the epochs before k. Empty where that prediction leaves the speed uncertain by more
+    /// than a tenth.
     std::optional<ScoreTest<1>> time_shift(std::size_t k) const;
 
-    /// A constant error (m) of the measurements of epochs k to k + length - 1, for every k >= 1,
-    /// and every length of 2 to `longest` that ends before the arc does:
-    /// visit(k, length, const Test&).
+    /// Tests for a constant error (m) of the measurements of epochs k to k + length - 1, for every
+    /// k >= 1 and every length from 2 to `longest` that ends before the arc does. Calls visit(k,
+    /// length, const Test&).
     template <class Visit>
     void for_each_burst(std::size_t longest, Visit&& visit) const;
 
-    /// The same for one of them.
+    /// Tests for one such burst.
     Test burst(std::size_t k, std::size_t length) const;
 
-    /// Measurements of epochs first to last, each with an error of its own: what leaving them all
-    /// out would lower the least-squares minimum by.
+    /// Tests epochs `first` to `last` for measurements that each have their own error. The
+    /// statistic is the decrease of the least-squares minimum if all of them were left out.
     SetTest own_errors(std::size_t first, std::size_t last) const;
 
     /// The state at epoch k given all measurements of the arc.
     StateEstimate<Axes> smoothed(std::size_t k) const;
 
-    /// Velocity and acceleration of that state, for a third of the cost.
+    /// Velocity and acceleration of the smoothed state, at a third of its cost.
     MotionEstimate<Axes> motion(std::size_t k) const;
 
   private:
@@ -120,15 +124,16 @@ class ArcDiagnosis {
         Gain gain = Gain::Zero();
         PositionMatrix<Axes> innovation_information = PositionMatrix<Axes>::Zero();
         PositionVector<Axes> weighted_residual = PositionVector<Axes>::Zero();
-        /// Of the measurements from this epoch on, by the predicted state of this epoch.
+        /// Score and information of the measurements from this epoch on, with respect to its
+        /// predicted state.
         StateVector<Axes> score = StateVector<Axes>::Zero();
         StateMatrix<Axes> information = StateMatrix<Axes>::Zero();
-        /// Of this measurement, by itself.
+        /// Score and precision of this epoch's own measurement.
         PositionVector<Axes> own_score = PositionVector<Axes>::Zero();
         PositionMatrix<Axes> own_precision = PositionMatrix<Axes>::Zero();
     };
 
-    /// Carries scores back from the predicted state of epoch k + 1 to that of epoch k.
+    /// Carries scores from the predicted state of epoch k + 1 back to that of epoch k.
     template <class Matrix>
     void carry_back(std::size_t k, Matrix& matrix) const;
     template <class Matrix>
@@ -136,7 +141,8 @@ class ArcDiagnosis {
 
     std::vector<Epoch> epochs_;
     std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
-    std::vector<std::size_t> step_of_;                ///< from each epoch to the next
+    std::vector<std::size_t> step_of_;                ///< from each epoch to the next, an index
+                                                      ///< into steps_
     EstimationModel model_;
 };
 

@@ -7,20 +7,20 @@
 
 #include "estimation/motion_model.h"
 
-// The arithmetic of the one filter that likelihoods, innovation tests, smoothers and displacements
-// rest on, written for the structure of the model: the transition mixes whole blocks of rows
-// (position, velocity, acceleration, Gauss-Markov error) by five numbers that are the same for all
-// axes, and the measurement is the sum of two of them. General products of matrices of the state's
-// size would cost several times as much. kalman.h and motion_smoother.h are what to use; the plain
-// form of each step is in their tests.
+// Arithmetic of the one filter behind likelihoods, innovation tests, smoothers and displacements.
+// It exploits the structure of the model. The transition mixes whole blocks of rows (position,
+// velocity, acceleration, Gauss-Markov error) by five numbers that are the same for all axes. The
+// measurement is the sum of two of the blocks. General matrix products of the state's size would
+// cost several times as much. Use it through kalman.h and motion_smoother.h; their tests hold the
+// plain form of each step.
 //
-// `Number` is a double, or one double for each of several models side by side (a vector of GCC's
-// and clang's): each lane comes of the same operations in the same order, whatever stands beside
-// it. A covariance is the lower triangle of a square, by rows; what is above the diagonal is
+// `Number` is a double, or a vector (a GCC and clang extension) with one double for each of several
+// models. Each lane results from the same operations in the same order, whatever the other lanes
+// hold. A covariance is the lower triangle of a square, by rows. What is above the diagonal is
 // neither read nor written, unless `mirror` fills it in.
 namespace runcert::kernel {
 
-/// So many numbers.
+/// A fixed number of values.
 template <class Number, int Count>
 struct Numbers {
     Number values[static_cast<std::size_t>(Count)];
@@ -31,7 +31,7 @@ struct Numbers {
     const Number* data() const { return values; }
 };
 
-/// Where an entry of a symmetric matrix stands in its lower triangle, packed by rows.
+/// Index of an entry of a symmetric matrix in its lower triangle, packed by rows.
 constexpr int in_triangle(int row, int column) {
     return row * (row + 1) / 2 + column;
 }
@@ -48,7 +48,7 @@ Triangle<double, Size> triangle_of(const Eigen::Matrix<double, Size, Size>& matr
     return packed;
 }
 
-/// One step of time: what of AxisStep is not the same for all steps.
+/// One time step: the parts of AxisStep that differ between steps.
 template <class Number>
 struct StepNumbers {
     Number position_of_velocity{};
@@ -60,7 +60,7 @@ struct StepNumbers {
     Number error_noise{};
 };
 
-/// Fills a step in; `put(number, value)` sets a number, or one lane of it.
+/// Fills in a step. `put(number, value)` sets a number, or one lane of it.
 template <class Number, class Put>
 void set_numbers(StepNumbers<Number>& to, const AxisStep& step, const Put& put) {
     put(to.position_of_velocity, step.transition(0, 1));
@@ -79,7 +79,8 @@ inline StepNumbers<double> numbers_of(const AxisStep& step) {
     return one;
 }
 
-/// F x in place. The coordinates may be other numbers than the step's, such as arrays of them.
+/// F x in place. The coordinates may have another type than the numbers of the step, such as arrays
+/// of them.
 template <int Axes, class Number, class Coordinate>
 void carry(const StepNumbers<Number>& f, Coordinate* x) {
     for (int axis = 0; axis < Axes; ++axis) {
@@ -103,7 +104,7 @@ void carry_back(const StepNumbers<Number>& f, Coordinate* x) {
     }
 }
 
-/// Above the diagonal what is below it.
+/// Copies the lower triangle to the upper.
 template <int Size>
 void mirror(double* matrix) {
     for (int row = 0; row < Size; ++row)
@@ -111,13 +112,13 @@ void mirror(double* matrix) {
             matrix[column * Size + row] = matrix[row * Size + column];
 }
 
-/// Of the covariance X between position, velocity and acceleration of axis `a` (rows) and of axis
-/// `b` <= `a`: F X F', and the process noise.
+/// F X F' plus the process noise, in place, for the covariance X between position, velocity and
+/// acceleration of axis `a` (rows) and those of axis `b` <= `a`.
 template <int Axes, class Number>
 void carry_motion_covariance(const StepNumbers<Number>& f, int a, int b, Number* p) {
     constexpr int size = state_size<Axes>;
     const auto at = [p](int row, int column) -> Number& { return p[row * size + column]; };
-    // Above the diagonal of the blocks stands the transpose of what is below.
+    // Above the diagonal the blocks hold the transpose of what is below.
     const Number x01 = at(Axes + b, a);
     const Number x02 = at(2 * Axes + b, a);
     const Number x12 = at(2 * Axes + b, Axes + a);
@@ -163,7 +164,7 @@ void carry_covariance(const StepNumbers<Number>& f, Number* p) {
     for (int a = 0; a < Axes; ++a) {
         for (int b = 0; b <= a; ++b)
             carry_motion_covariance<Axes>(f, a, b, p);
-        // The error of this axis with the motion along each, and with the errors.
+        // Covariance of this axis's error with the motion along each axis, and with the errors.
         Number* const error = p + (3 * Axes + a) * size;
         for (int b = 0; b < Axes; ++b) {
             Number& position = error[b];
@@ -180,7 +181,7 @@ void carry_covariance(const StepNumbers<Number>& f, Number* p) {
     }
 }
 
-/// F' M F of a symmetric M, all of it, in place.
+/// F' M F in place, for a symmetric M stored in full.
 template <int Axes>
 void carry_information_back(const StepNumbers<double>& f, double* m) {
     constexpr int size = state_size<Axes>;
@@ -202,7 +203,7 @@ void carry_information_back(const StepNumbers<double>& f, double* m) {
     mirror<size>(m);
 }
 
-/// Whether all pivots of a symmetric matrix, packed, are positive.
+/// Whether all pivots of a packed symmetric matrix are positive.
 template <int Size>
 bool is_positive_definite(Triangle<double, Size> s) {
     for (int j = 0; j < Size; ++j) {
@@ -215,30 +216,31 @@ bool is_positive_definite(Triangle<double, Size> s) {
     return true;
 }
 
-/// Columns of the state's height, one for each axis: entry (row, axis) at axis * size + row.
+/// One column of the state's height for each axis. Entry (row, axis) is at axis * size + row.
 template <int Axes, class Number>
 using Columns = Numbers<Number, Axes * state_size<Axes>>;
 
-/// A measured position against a prediction. With S = H P H' + R = U D U', U lower with a diagonal
-/// of ones, the residual and P H', both times inverse(U'), are independent from axis to axis.
+/// A measured position compared with its prediction. S = H P H' + R = U D U', with U lower
+/// triangular and ones on its diagonal. The residual times inverse(U), and P H' times inverse(U'),
+/// are independent from axis to axis.
 template <int Axes, class Number>
 struct FactoredInnovation {
     Columns<Axes, Number> cross;             ///< P H'
-    Triangle<Number, Axes> factor;           ///< below its diagonal: U
+    Triangle<Number, Axes> factor;           ///< U, below its diagonal
     Numbers<Number, Axes> inverse_variance;  ///< of D
-    Numbers<Number, Axes> independent;       ///< inverse(U) (measured less predicted)
+    Numbers<Number, Axes> independent;       ///< inverse(U) (measured minus predicted)
     Number determinant{};                    ///< of S
     Number statistic{};                      ///< residual' inverse(S) residual
-    /// Whether P - P H' inverse(S) H P would lose more than a digit, as it does where the
-    /// measurement is far better than the prediction: at an arc's beginning.
+    /// Whether P - P H' inverse(S) H P would lose more than a digit. It does where the measurement
+    /// is far better than the prediction: at the beginning of an arc.
     decltype(Number{} > Number{}) digits_lost{};
 };
 
-/// P - P H' inverse(S) H P is as good as Joseph's form up to this ratio of the predicted variance
-/// to the measurement's.
+/// Largest ratio of predicted variance to measurement variance for which P - P H' inverse(S) H P is
+/// as accurate as Joseph's form.
 inline constexpr double short_form_ratio = 30.0;
 
-/// P H': the measurement sees position and error.
+/// P H': the measurement observes the sum of position and error.
 template <int Axes, class Number>
 Columns<Axes, Number> cross_covariance(const Number* p) {
     constexpr int size = state_size<Axes>;
@@ -257,7 +259,8 @@ Columns<Axes, Number> cross_covariance(const Number* p) {
     return cross;
 }
 
-/// `covariance` is that of the measured position as the model has it.
+/// Compares a measured position with its prediction. `covariance` is that of the measurement under
+/// the model.
 template <int Axes, class Number>
 FactoredInnovation<Axes, Number> innovation_of(const Number* mean, const Number* p,
                                                const double* measured,
@@ -295,7 +298,8 @@ FactoredInnovation<Axes, Number> innovation_of(const Number* mean, const Number*
     return seen;
 }
 
-/// P H' inverse(U'): what the independent residuals move the state by, times their variances.
+/// P H' inverse(U'): times the inverse variances, it maps the independent residuals to the change
+/// of the state.
 template <int Axes, class Number>
 Columns<Axes, Number> independent_cross(const FactoredInnovation<Axes, Number>& seen) {
     constexpr int size = state_size<Axes>;
@@ -318,7 +322,8 @@ Numbers<Number, state_size<Axes> * state_size<Axes>> joseph_form(
         for (int i = j + 1; i < Axes; ++i)
             for (int row = 0; row < size; ++row)
                 gain[j * size + row] -= gain[i * size + row] * seen.factor[in_triangle(i, j)];
-    // `one_side` is P - K (P H')', as rounded; `rest` is K R less what the measurement sees of it.
+    // `one_side` is P - K (P H')', as rounded. `rest` is K R minus what the measurement observes of
+    // it.
     Numbers<Number, size * size> one_side;
     for (int row = 0; row < size; ++row)
         for (int column = 0; column < size; ++column) {
@@ -355,8 +360,8 @@ bool any_of(const Comparison& holds) {
     return false;
 }
 
-/// Takes the measurement in: by the short form of the covariance, or by Joseph's where that would
-/// lose digits.
+/// Updates the estimate with the measurement: by the short form of the covariance, or by Joseph's
+/// where the short form would lose digits.
 template <int Axes, class Number>
 void take_in(const FactoredInnovation<Axes, Number>& seen, const Triangle<Number, Axes>& covariance,
              Number* mean, Number* p) {

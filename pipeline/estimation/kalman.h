@@ -24,76 +24,79 @@ struct PositionMeasurement {
     PositionMatrix<Axes> covariance = PositionMatrix<Axes>::Identity();
 };
 
-/// One epoch of an arc: a time, and the measured position where it takes part.
+/// One epoch of an arc: a time and, where the epoch takes part, its measured position.
 template <int Axes>
 struct ArcEpoch {
     double time_s = 0.0;
     std::optional<PositionMeasurement<Axes>> measurement;
-    /// The measured positions are offset by an unknown constant from here on (a cycle slip), and
-    /// so are the estimated ones: the step is bridged. Says nothing at an arc's first epoch.
+    /// From here on the measured positions are offset by an unknown constant (a cycle slip), and so
+    /// are the estimated ones: the step is bridged. Has no meaning at an arc's first epoch.
     bool step_before = false;
-    /// The craft's jerk density from the epoch before to this one, in units of the model's.
+    /// Jerk density of the craft between the previous epoch and this one, in units of the model's.
     double jerk_factor = 1.0;
 };
 
-/// The step from one epoch of an arc to the next.
+/// The kind of the step between two consecutive epochs of an arc.
 template <int Axes>
 StepKind step_kind(const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
     return {.length_ns = std::llround((to.time_s - from.time_s) * 1e9),
             .jerk_factor = to.jerk_factor};
 }
 
-/// Standard deviation of a position, or of an offset of positions, of which nothing is known.
+/// Standard deviation of an unknown position, or of an unknown offset between positions.
 inline constexpr double vague_position_sigma_m = 100.0;
 
-/// What a measurement says against a prediction.
+/// A measurement compared with its prediction.
 template <int Axes>
 struct Innovation {
-    PositionVector<Axes> residual = PositionVector<Axes>::Zero();  ///< measured less predicted
+    PositionVector<Axes> residual = PositionVector<Axes>::Zero();  ///< measured minus predicted
     PositionMatrix<Axes> covariance = PositionMatrix<Axes>::Identity();
     double statistic = 0.0;  ///< residual' covariance^-1 residual, chi-squared with Axes degrees
-    /// Whether it says something of the model: not so where the measurement only tells the motion
-    /// at the arc's beginning, or the offset of a bridged step.
+    /// Whether it tests the model. It does not where the measurement only determines the motion at
+    /// the beginning of the arc, or the offset of a bridged step.
     bool tests_model = true;
 };
 
-/// The Kalman filter of one model. Transition and process noise are kept from one step to the next
-/// while these are of one kind.
+/// The Kalman filter of one model. Consecutive steps of the same kind share their transition and
+/// process noise.
 template <int Axes>
 class KalmanFilter {
   public:
     using FactoredInnovation = kernel::FactoredInnovation<Axes, double>;
-    /// What an innovation moves the state by: P H' S^-1.
+    /// The gain P H' S^-1, which maps an innovation to the change of the state.
     using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
 
     explicit KalmanFilter(const EstimationModel& model) : model_(model) {}
 
     const EstimationModel& model() const { return model_; }
 
-    /// A prior that says next to nothing of the motion: at a position, with standard deviations of
-    /// 100 m, 300 m/s and 100 m/s^2, and the error's own at the beginning of an arc. Against one
-    /// measurement of 10 mm it moves a position by 1e-8 of the distance between the two.
+    /// A vague prior at a position. Its standard deviations are 100 m, 300 m/s and 100 m/s^2, and
+    /// for the Gauss-Markov error that of the beginning of an arc. Combined with one measurement of
+    /// 10 mm, it moves the position by 1e-8 of the distance between the two.
     StateEstimate<Axes> prior(const PositionVector<Axes>& position) const;
 
-    /// Carries the estimate on by `dt` seconds, at the model's own jerk density.
+    /// Propagates the estimate by `dt_s` seconds at the model's own jerk density.
     StateEstimate<Axes> predict(StateEstimate<Axes> estimate, double dt_s);
 
-    /// Carries the estimate of `from` on to the arc's next epoch. Across a bridged step the
-    /// position becomes vague, as in the prior, in the frame of the offset positions.
+    /// Propagates the estimate from epoch `from` to the arc's next epoch `to`. Across a bridged
+    /// step the position becomes as vague as in the prior, in the frame of the offset positions.
     void carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                   const ArcEpoch<Axes>& to);
 
-    /// Takes a measurement in: P - P H' inverse(S) H P, or, where the measurement is so much better
-    /// than the prediction that this would lose digits, Joseph's form, one side after the other.
+    /// Updates the estimate with a measurement. The covariance becomes P - P H' inverse(S) H P.
+    /// Where the measurement is so much better than the prediction that this would lose digits,
+    /// Joseph's form is used instead, one side after the other.
     FactoredInnovation take_in(StateEstimate<Axes>& estimate,
                                const PositionMeasurement<Axes>& measurement) const;
 
-    /// A step for one axis, the five numbers of its transition, and the transition for all axes.
+    /// For a kind of step: its matrices for one axis, the five numbers of its transition, and its
+    /// transition for all axes.
     const AxisStep& step_of(const StepKind& kind);
     const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
     const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
-    /// A measured position less the predicted one: the measurement sees position and error.
+    /// The measured position minus the predicted one. The measurement observes the sum of position
+    /// and Gauss-Markov error.
     static PositionVector<Axes> residual(const StateVector<Axes>& predicted,
                                          const PositionVector<Axes>& measured) {
         return measured - predicted.template head<Axes>() - predicted.template tail<Axes>();
@@ -107,7 +110,7 @@ class KalmanFilter {
   private:
     void prepare(const StepKind& kind);
     void carry(StateEstimate<Axes>& estimate, const StepKind& kind);
-    /// The measurement's covariance as the model has it.
+    /// The measurement's covariance under the model, scale included.
     kernel::Triangle<double, Axes> noise_of(const PositionMeasurement<Axes>& measurement) const;
 
     EstimationModel model_;
@@ -117,20 +120,22 @@ class KalmanFilter {
     StateMatrix<Axes> transition_;
 };
 
-/// How many of an arc's first measurements a vague prior makes worthless as a test of the model.
+/// Number of measurements at the beginning of an arc that cannot test the model, because the prior
+/// is vague.
 inline constexpr int measurements_of_the_prior = 3;
 
-/// What an arc's measurements have yet to tell before they test the model: its first ones the
-/// motion, and the first after a bridged step its offset.
+/// Counts the unknowns that measurements must determine before they test the model: the motion at
+/// the beginning of an arc, and the offset after a bridged step.
 class UnknownsToTell {
   public:
-    /// Of steps without a measurement between them only the sum of the offsets can be told.
+    /// Of consecutive steps without a measurement between them, only the sum of the offsets can be
+    /// determined.
     void add_step() {
         if (!step_open_) ++unknowns_;
         step_open_ = true;
     }
 
-    /// Takes a measurement; whether it was needed to tell one of the unknowns.
+    /// Registers a measurement. Returns whether it was needed to determine one of the unknowns.
     bool determined_by_measurement() {
         step_open_ = false;
         if (unknowns_ == 0) return false;
@@ -143,12 +148,12 @@ class UnknownsToTell {
     bool step_open_ = false;
 };
 
-/// Failure at that time unless the covariance (m^2) of a measurement is positive definite.
+/// Failure, naming the time, unless the covariance (m^2) of a measurement is positive definite.
 template <int Axes>
 void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s);
 
-/// Runs the filter along an arc. `visit(k, predicted, innovation, filtered)` is called at each
-/// epoch; the innovation is null where the epoch has no measurement. The first epoch must have one.
+/// Runs the filter along an arc. Calls `visit(k, predicted, innovation, filtered)` at each epoch,
+/// with a null innovation where the epoch has no measurement. The first epoch must have one.
 /// Failure, naming the time, where a measurement's covariance is not positive definite.
 template <int Axes, class Visit>
 void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> arc, Visit&& visit) {
@@ -173,13 +178,15 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
     }
 }
 
-/// Time (s) over which an estimate under the model forgets what was before by a factor of 1e12,
-/// twelve digits of the distance of what is supposed there from what is: 28 times the longest time
-/// constant of the filter, which is below the correlation time of the time-correlated error, two
-/// intervals, and twice the times in which the motion becomes as uncertain as white noise and
-/// time-correlated error leave it ((density / jerk density)^(1/3), the pole of the steady filter of
-/// third order). White noise, at its largest, and mean interval are those of the epochs, of which
-/// there must be two.
+/// Time (s) over which an estimate under the model forgets its past by a factor of 1e12: twelve
+/// digits of the distance between an assumed earlier state and the true one. It is 28 times the
+/// longest time constant of the filter.
+///
+/// That constant is at most a sum of three terms: the correlation time of the Gauss-Markov error,
+/// two intervals, and twice the times in which the motion becomes as uncertain as white noise and
+/// time-correlated error leave it. Those times are (density / jerk density)^(1/3), the pole of the
+/// steady filter of third order. The largest white noise and the mean interval come from the
+/// epochs, of which there must be at least two.
 template <int Axes>
 double memory_s(std::span<const ArcEpoch<Axes>> epochs, const EstimationModel& model);
 

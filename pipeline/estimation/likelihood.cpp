@@ -21,7 +21,8 @@ double InnovationSums::log_likelihood_at_best_scale() const {
 
 namespace {
 
-/// The logarithm of a product of many factors, taken once for as many as fit a double's range.
+/// The logarithm of a product of many factors. It is taken once for as many factors as fit a
+/// double's range.
 class LogOfProduct {
   public:
     void multiply(double factor) {
@@ -33,19 +34,20 @@ class LogOfProduct {
     double value() const { return sum_ + std::log(product_); }
 
   private:
-    // One more factor within these bounds stays within the range.
+    // Within these bounds one more factor stays in range.
     static constexpr double smallest = 1e-150;
     static constexpr double largest = 1e150;
     double product_ = 1.0;
     double sum_ = 0.0;
 };
 
-/// One number for each of several models: two take less time than one takes in scalar numbers.
+/// One number for each of several models. Two together take less time than one in scalar
+/// arithmetic.
 constexpr std::size_t models_side_by_side = 2;
 using SideBySide = double __attribute__((vector_size(models_side_by_side * sizeof(double))));
 
-/// The forward filters of as many models as stand side by side, as far as their likelihood needs
-/// them. KalmanFilter is the same filter of one.
+/// The forward filters of several models side by side, as far as their likelihood needs them.
+/// KalmanFilter is the same filter for one model.
 template <int Axes>
 class Likelihood {
   public:
@@ -60,7 +62,7 @@ class Likelihood {
         add(arc, [](std::size_t) {});
     }
 
-    /// `visited(k)` is called after each epoch.
+    /// Calls `visited(k)` after each epoch.
     template <class Visited>
     void add(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
         if (arc.empty()) return;
@@ -110,8 +112,8 @@ class Likelihood {
         }
     }
 
-    /// To the next epoch. A step is kept while steps are of one kind; and what the jerk's density
-    /// does not change, while they are of one length.
+    /// Propagates to the next epoch. A step is reused while steps are of one kind. What does not
+    /// depend on the jerk density is reused while they have the same length.
     void carry(const StepKind& kind) {
         if (kind != kind_) {
             const bool same_length = kind.length_ns == kind_.length_ns;
@@ -150,8 +152,8 @@ class Likelihood {
     std::int64_t values_ = 0;
 };
 
-/// What `run` makes of a likelihood of several models side by side and how many of these count: a
-/// list with one entry for each; of all models, in their order.
+/// Calls `run` with a likelihood of several models side by side and the number of them in use,
+/// which returns a list with one entry for each. Returns the entries of all models, in order.
 template <int Axes, class Run>
 auto for_all_models(std::span<const EstimationModel> models, const Run& run) {
     constexpr std::size_t together = models_side_by_side;

@@ -8,39 +8,38 @@
 
 namespace runcert {
 
-/// Sums of one forward filter over some arcs. The first measurements of each arc are left out, and
-/// the first after a bridged step, because a vague prior predicts them. Positions are in m, so that
-/// the innovation covariances are in m^2 for each axis.
+/// Sums of one forward filter over one or more arcs. The first measurements of each arc are left
+/// out, and the first after each bridged step, because a vague prior predicts them. Positions are
+/// in m, so that innovation covariances are in m^2.
 struct InnovationSums {
-    double statistic = 0.0;        ///< of the innovation statistics
-    double log_determinant = 0.0;  ///< of the innovation covariances
+    double statistic = 0.0;        ///< sum of the innovation statistics
+    double log_determinant = 0.0;  ///< sum over the innovation covariances
     std::int64_t values = 0;       ///< scalar innovations: epochs times axes
 
-    /// Logarithm of the likelihood of the innovations, without the constant -n/2 ln(2 pi).
+    /// Log-likelihood of the innovations, without the constant -n/2 ln(2 pi).
     double log_likelihood() const;
-    /// The same with all of the model's variances multiplied by the factor that makes it largest,
+    /// Log-likelihood with all variances of the model multiplied by the factor that maximises it,
     /// `statistic / values`.
     double log_likelihood_at_best_scale() const;
 };
 
-/// The sums over all arcs together. The likelihood is that of the innovations, independent and
-/// normal
-/// ([YSM22]). What an arc must be is said at `smooth` (smoother.h). Failure, naming the time, where
-/// the covariance of a measurement is not positive definite.
+/// The sums over all arcs together. The likelihood treats the innovations as independent and normal
+/// ([YSM22]). Requirements on an arc are given at `smooth` (smoother.h). Failure, naming the time,
+/// where the covariance of a measurement is not positive definite.
 template <int Axes>
 InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
                                const EstimationModel& model);
 
-/// Of one arc by several models, apart for each stretch of it: `ends` are the indices, in order,
-/// one past the last epoch of each; sums[model][stretch]. The filter runs through all of them.
+/// The sums of one arc under several models, separately for each stretch of it, as
+/// sums[model][stretch]. `ends` holds, in order, one past the index of each stretch's last epoch.
+/// The filter runs through all stretches without a restart.
 template <int Axes>
 std::vector<std::vector<InnovationSums>> innovation_sums_along(
     std::span<const ArcEpoch<Axes>> arc, std::span<const EstimationModel> models,
     std::span<const std::size_t> ends);
 
-/// The same for several models, in their order: two at a time in one pass, and the passes beside
-/// one another on as many threads as are allowed. Bit for bit what `innovation_sums` gives for
-/// each.
+/// `innovation_sums` for several models, in their order and bit for bit. Two models share a pass,
+/// and the passes run in parallel on as many threads as are allowed.
 template <int Axes>
 std::vector<InnovationSums> innovation_sums_of(
     std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::span<const EstimationModel> models);

@@ -49,7 +49,7 @@ LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
     }
 }
 
-/// One smoothing of several recordings.
+/// One smoothing pass over several recordings.
 template <int Axes>
 template <int Lanes>
 struct LinearSmoother<Axes>::Pass {
@@ -59,7 +59,7 @@ struct LinearSmoother<Axes>::Pass {
 
     const LinearSmoother& smoother;
     std::vector<Positions> positions;  ///< predicted, then smoothed
-    std::vector<Positions> weighted;   ///< innovations
+    std::vector<Positions> weighted;   ///< weighted innovations
     std::vector<State> at_bridges;     ///< states at the two ends of each bridge
 
     template <std::size_t Count>
@@ -85,7 +85,7 @@ struct LinearSmoother<Axes>::Pass {
             Positions residual;
             for (std::size_t a = 0; a < axes; ++a)
                 residual[a] = measured[k][a] - state[a] - state[3 * axes + a];
-            // Whole, so that nothing that is stored stands in the way of what is loaded.
+            // Whole vectors, so that no load waits for a recent store.
             Positions weight;
             set_zero(weight);
             for (std::size_t a = 0; a < axes; ++a) {
@@ -129,7 +129,7 @@ struct LinearSmoother<Axes>::Pass {
         }
     }
 
-    /// From the predicted state to the smoothed one.
+    /// Turns the predicted state into the smoothed one.
     static void smooth_state(const StateMatrix<Axes>& covariance, const State& score,
                              State& state) {
         for (std::size_t i = 0; i < size; ++i)
@@ -138,7 +138,7 @@ struct LinearSmoother<Axes>::Pass {
                             score[j];
     }
 
-    /// Takes off what the positions jump by over bridged steps beyond the motion there.
+    /// Removes the offset of each bridged step: the jump of the positions minus the motion there.
     void take_off_offsets() {
         for (std::size_t b = 0; b < smoother.bridges_.size(); ++b) {
             const BridgedStep& step = smoother.bridges_[b].step;

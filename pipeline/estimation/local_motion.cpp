@@ -9,9 +9,10 @@ namespace {
 
 constexpr double block_s = 2.0;
 constexpr std::size_t blocks_beside = 5;  // on each side: 22 s in all
-constexpr double prior_sd = 2.0;          // of the logarithm of a density less that of the whole
+constexpr double prior_sd = 2.0;          // of the logarithm of a local density minus that of the
+                                          // whole recording
 
-// The grid, in units of the measurement scale, by its logarithm.
+// The grid of densities, in units of the measurement scale, evenly spaced in the logarithm.
 constexpr double log_least = -4.6;  // 0.01 m s^-2.5
 constexpr double log_step = 1.0;
 constexpr std::size_t grid_points = 11;
@@ -27,14 +28,14 @@ std::vector<EstimationModel> grid_models() {
     return models;
 }
 
-/// The sums of a block, one for each density of the grid.
+/// The sums of one block, for each density of the grid.
 using BlockSums = std::vector<InnovationSums>;
 
 /// The blocks of an arc.
 struct Blocks {
-    std::vector<std::size_t> ends;  ///< of each, one past its last epoch
+    std::vector<std::size_t> ends;  ///< for each block, one past its last epoch
     std::vector<BlockSums> sums;
-    std::vector<double> places;  ///< in the grid, of the most likely density about each
+    std::vector<double> places;  ///< in the grid, of the most likely density around each block
 };
 
 template <int Axes>
@@ -70,7 +71,8 @@ void add(BlockSums& sum, const BlockSums& more, double sign) {
     }
 }
 
-/// Where in the grid the likelihood of these sums, times the prior, is largest; empty prior: none.
+/// The place in the grid where the likelihood of these sums times the prior is largest. No prior
+/// applies where `whole_place` is empty.
 double best_place(const BlockSums& sums, double scale, std::optional<double> whole_place) {
     const auto value = [&](std::size_t i) {
         const double away =
@@ -102,7 +104,7 @@ void place_blocks(Blocks& blocks, double scale, double whole_place) {
     }
 }
 
-/// The scale that is most likely with the densities as they are.
+/// The most likely scale for the current densities.
 double best_scale(const std::vector<Blocks>& arcs) {
     double statistic = 0.0;
     std::int64_t values = 0;

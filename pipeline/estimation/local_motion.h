@@ -7,26 +7,28 @@
 
 namespace runcert {
 
-/// How hard the craft moved, along a recording.
+/// How strongly the craft accelerated, along a recording.
 struct LocalMotion {
-    double whole = 0.0;  ///< the one jerk density most likely for all of it, m s^-2.5
-    double scale =
-        1.0;  ///< of the stated standard deviations, white noise alone, with the local ones
-    /// For each epoch of each arc the jerk density that is most likely for the 20 s about it.
+    double whole = 0.0;  ///< the single most likely jerk density for the whole recording, m s^-2.5
+    double scale = 1.0;  ///< factor on the stated standard deviations (white noise only), estimated
+                         ///< with the local densities
+    /// For each epoch of each arc, the most likely jerk density (m s^-2.5) within the 20 s around
+    /// it.
     std::vector<std::vector<double>> jerk_density;
 };
 
-/// The jerk density that follows the motion: of white noise about the positions and of each density
-/// of a grid the likelihood of the innovations is summed over the 20 s about each 2 s of an arc,
-/// and the largest taken (by a parabola between the points of the grid), with a prior that a
-/// density is within a factor of 7 of the one for the whole, which counts where the data say
-/// little. The scale of the stated standard deviations is common to the recording and estimated
-/// with them.
+/// Estimates a jerk density that follows the motion. Measurement errors are taken as white noise.
+/// For each density of a grid, the log-likelihood of the innovations is summed over the 20 s around
+/// every 2 s of an arc. The largest is taken, with a parabola between grid points.
 ///
-/// A craft that waits for twenty minutes and sails for one says of one density for both that it
-/// hardly ever moves; an estimate that believes it smooths the run away.
+/// A prior keeps each density within about a factor of 7 of that of the whole recording. It matters
+/// where the data say little. The scale of the stated standard deviations is common to the
+/// recording and estimated with the densities.
 ///
-/// Nothing (`jerk_density` empty) where no innovation tests a model.
+/// A single density fails for a craft that waits for twenty minutes and sails for one. It would say
+/// that the craft hardly ever moves, and an estimate based on it smooths the run away.
+///
+/// `jerk_density` is empty where no innovation tests a model.
 template <int Axes>
 LocalMotion local_motion(std::span<const std::span<const ArcEpoch<Axes>>> arcs);
 

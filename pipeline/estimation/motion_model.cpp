@@ -15,11 +15,11 @@ double decay_mean(double x) {
     return x == 0.0 ? 1.0 : -std::expm1(-x) / x;
 }
 
-/// Of the power series below: as many terms as reach a double's digits where x is at most 1.
+/// Number of terms of the power series below: enough for a double's precision where x is at most 1.
 constexpr int terms = 21;
 using Coefficients = std::array<double, terms>;
 
-/// Of (x - 1 + exp(-x)) / x^2: (-1)^n / (n + 2)!.
+/// Coefficients of (x - 1 + exp(-x)) / x^2: (-1)^n / (n + 2)!.
 constexpr Coefficients response_coefficients() {
     Coefficients of{};
     double factorial = 2.0;
@@ -30,8 +30,8 @@ constexpr Coefficients response_coefficients() {
     return of;
 }
 
-/// Of the integral over s from 0 to 1 of (x s - 1 + exp(-x s))^2 / x^4, the square multiplied out
-/// and integrated term by term: with m = n + 4, (-1)^m (2^m - 2 (m + 1)) / (m! (m + 1)).
+/// Coefficients of the integral over s from 0 to 1 of (x s - 1 + exp(-x s))^2 / x^4. The square is
+/// expanded and integrated term by term: with m = n + 4, (-1)^m (2^m - 2 (m + 1)) / (m! (m + 1)).
 constexpr Coefficients response_square_coefficients() {
     Coefficients of{};
     double power = 16.0;
@@ -46,17 +46,18 @@ constexpr Coefficients response_square_coefficients() {
     return of;
 }
 
-/// What a step of length 1 does to acceleration and what this does to velocity and position.
+/// Effect of a step of length 1 on acceleration, and through it on velocity and position.
 struct UnitStep {
     Eigen::Vector3d response;  ///< of position, velocity, acceleration to an acceleration of 1
-    Eigen::Matrix3d noise;     ///< of white-noise jerk of density 1
+    Eigen::Matrix3d noise;     ///< covariance caused by white-noise jerk of density 1
 };
 
-/// With an acceleration that decays at the rate `alpha` (at most 1). Of the response at s,
+/// The unit step where the acceleration decays at the rate `alpha` (at most 1). The response at s
+/// is
 ///     r0(s) = (alpha s - 1 + exp(-alpha s)) / alpha^2, r1 = s - alpha r0, r2 = 1 - alpha r1,
-/// each the derivative of the one before, the noise is the integral from 0 to 1 of r r'. All of it
-/// follows, by parts, from r0(1) and the integral of r0^2, which are series: nothing is divided by
-/// a small alpha, and no more than two bits are lost in a difference.
+/// each the derivative of the one before. The noise is the integral of r r' from 0 to 1. By parts,
+/// all of it follows from r0(1) and the integral of r0^2, which are series. Nothing is divided by a
+/// small alpha, and differences lose no more than two bits.
 UnitStep unit_step(double alpha) {
     static constexpr Coefficients of_response = response_coefficients();
     static constexpr Coefficients of_square = response_square_coefficients();
@@ -82,7 +83,7 @@ UnitStep unit_step(double alpha) {
     return unit;
 }
 
-/// Spreads a 3x3 matrix and the scalar of the error over the state of all axes.
+/// Expands a 3x3 matrix and the scalar of the error to the state of all axes.
 template <int Axes>
 StateMatrix<Axes> on_all_axes(const Eigen::Matrix3d& motion, double error) {
     StateMatrix<Axes> all = StateMatrix<Axes>::Zero();
@@ -124,7 +125,8 @@ GaussMarkovError GaussMarkovError::larger(const GaussMarkovError& one,
 }
 
 AxisStep axis_step(const EstimationModel& model, double dt_s) {
-    // A step longer than the acceleration's time is made of two: the series are for short ones.
+    // A step longer than the acceleration's correlation time is made of two, because the series
+    // hold for short ones.
     if (dt_s > model.motion.acceleration_time_s) {
         AxisStep step = axis_step(model, 0.5 * dt_s);
         const Eigen::Matrix3d carried =
@@ -164,8 +166,8 @@ AxisStep with_jerk(AxisStep step, double factor) {
 }
 
 Eigen::Matrix3d axis_process_whitener(const AxisStep& step) {
-    // With the diagonal scaled to one, so that short steps lose no digits. The information matrix
-    // of the scaled noise is L L': the whitening factor is L'.
+    // The diagonal is scaled to one, so that short steps lose no digits. The information matrix of
+    // the scaled noise is L L', and the whitening factor is L'.
     const Eigen::Vector3d scale = step.process_noise.diagonal().cwiseSqrt();
     const Eigen::Vector3d inverse_scale = scale.cwiseInverse();
     const Eigen::Matrix3d scaled =

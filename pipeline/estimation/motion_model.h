@@ -7,9 +7,9 @@
 
 namespace runcert {
 
-/// Positions, velocities, accelerations and correlated position errors of `Axes` axes (1: one
-/// alone; 2: east, north; 3: and up), in this order: all positions (m), all velocities (m/s), all
-/// accelerations (m/s^2), all errors (m).
+/// Size of a state with `Axes` axes (1: a single one; 2: east, north; 3: east, north, up). The
+/// state holds all positions (m), then all velocities (m/s), all accelerations (m/s^2) and all
+/// Gauss-Markov position errors (m).
 template <int Axes>
 inline constexpr int state_size = 4 * Axes;
 template <int Axes>
@@ -21,64 +21,66 @@ using PositionVector = Eigen::Matrix<double, Axes, 1>;
 template <int Axes>
 using PositionMatrix = Eigen::Matrix<double, Axes, Axes>;
 
-/// How the craft moves, each axis for itself: white-noise jerk on an acceleration that persists
-/// (model (32) of [DHD22] in continuous time), or that dies away with a correlation time
+/// How the craft moves, independently on each axis. White-noise jerk drives an acceleration that
+/// either persists (model (32) of [DHD22] in continuous time) or decays with a correlation time
 /// [Singer70].
 struct MotionModel {
     double jerk_density = 1.0;  ///< root spectral density of the driving noise, m s^-2.5
-    /// Correlation time of the acceleration, s; infinite where it persists.
+    /// Correlation time of the acceleration, s. Infinite where the acceleration persists.
     double acceleration_time_s = std::numeric_limits<double>::infinity();
 };
 
-/// A first-order Gauss-Markov error of the measured positions, the same for each axis and
-/// independent between them: db/dt = -b / tau + white noise.
+/// A first-order Gauss-Markov error of the measured positions, with the same parameters on each
+/// axis and independent between axes: db/dt = -b / tau + white noise.
 struct GaussMarkovError {
     double tau_s = 1.0;            ///< correlation time, s
     double process_density = 0.0;  ///< root spectral density of the driving noise, m s^-0.5
     double initial_sigma_m = 0.0;  ///< standard deviation at the first epoch of an arc, m
 
-    /// A steady error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as 10 um,
-    /// which keeps covariances regular and changes nothing.
+    /// A stationary error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as 10
+    /// um, which keeps covariances regular and changes nothing.
     static GaussMarkovError steady(double sigma_m, double tau_s);
 
-    /// The process whose covariance bounds that of every steady error of standard deviation
-    /// `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`: correlation time
-    /// tau_max, process noise larger by tau_max / tau_min, initial variance
-    /// 2 sigma^2 / (1 + tau_min / tau_max) [LGJ21].
+    /// The process whose covariance bounds that of every stationary error of standard deviation
+    /// `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`. It has correlation
+    /// time tau_max, process noise larger by tau_max / tau_min, and initial variance 2 sigma^2 / (1
+    /// + tau_min / tau_max) [LGJ21].
     ///
-    /// Bounds: the covariance between all epochs less the true one is positive semidefinite, so
-    /// that any weighted sum of the errors, by whatever estimator, has at most this variance. The
-    /// probability of a path x(t) from 0 to T under the steady error of correlation time tau is
-    /// proportional to exp(-I/2),
+    /// "Bounds" means that its covariance between all epochs minus the true one is positive
+    /// semidefinite. Any weighted sum of the errors, by whatever estimator, therefore has at most
+    /// this variance. The probability of a path x(t) from 0 to T under the stationary error of
+    /// correlation time tau is proportional to exp(-I/2),
     ///     sigma^2 I = (x0^2 + xT^2 + tau int x'^2 + int x^2 / tau) / 2,
-    /// and under the bounding process, with p its initial variance, tau_min and tau_max as a and b,
+    /// and under the bounding process, with p its initial variance, a = tau_min and b = tau_max,
     ///     sigma^2 J = sigma^2 x0^2 / p
     ///                 + (a int x'^2 + (a / b^2) int x^2 + (a / b) (xT^2 - x0^2)) / 2.
-    /// With that p the terms of x0^2 are the same in both, and those of xT^2, int x'^2 and int x^2
-    /// are none of them larger in J, as long as a <= tau <= b^2 / a: I - J is positive semidefinite
-    /// for every path, and with the informations in that order the covariances are in the other.
+    /// With this p the terms in x0^2 are equal. Those in xT^2, int x'^2 and int x^2 are no larger
+    /// in J, as long as a <= tau <= b^2 / a. I - J is thus positive semidefinite for every path.
+    /// The informations have that order, so the covariances have the opposite one.
     static GaussMarkovError bounding(double sigma_m, double tau_min_s, double tau_max_s);
 
-    /// The steady process of correlation time `tau_max_s` whose covariance bounds, in the same
-    /// sense, that of every steady error that wanders as fast, sigma sqrt(2 / tau) = `diffusion`
-    /// (m s^-0.5), with a shorter correlation time: the spectrum, diffusion^2 / (w^2 + 1 / tau^2),
-    /// grows with tau at every frequency.
+    /// The stationary process of correlation time `tau_max_s` whose covariance bounds, in the same
+    /// sense, a whole family of errors. These are all stationary errors with the same sigma sqrt(2
+    /// / tau) = `diffusion` (m s^-0.5) and a shorter correlation time. The spectrum, diffusion^2 /
+    /// (w^2 + 1 / tau^2), grows with tau at every frequency.
     static GaussMarkovError bounding_diffusion(double diffusion, double tau_max_s);
 
-    /// A process that bounds what either of two bounds; they must have one correlation time.
+    /// A process that bounds whatever either of two bounding processes bounds. Both must have the
+    /// same correlation time.
     static GaussMarkovError larger(const GaussMarkovError& one, const GaussMarkovError& other);
 };
 
-/// What the estimate rests on: the motion, and the errors of the measured positions as white noise
-/// (the stated covariances times the square of a scale) and a Gauss-Markov error beside it.
+/// The assumptions of an estimate: the motion, and two kinds of error of the measured positions.
+/// They are white noise, with the stated covariances times the square of a scale, and a
+/// Gauss-Markov error.
 struct EstimationModel {
     MotionModel motion;
     double measurement_scale = 1.0;
     GaussMarkovError error = GaussMarkovError::steady(0.0, 1.0);
 };
 
-/// What the steps of an arc differ in: their length, and the motion that may happen in them. Steps
-/// of the same kind share what is made from them.
+/// What distinguishes the steps of an arc: their length, and the motion possible within them. Steps
+/// of the same kind share derived quantities.
 struct StepKind {
     std::int64_t length_ns = -1;
     double jerk_factor = 1.0;  ///< jerk density of the step in units of the model's
@@ -87,31 +89,32 @@ struct StepKind {
     auto operator<=>(const StepKind&) const = default;
 };
 
-/// One step of time for one axis.
+/// One time step for one axis.
 struct AxisStep {
     double dt_s = 0.0;
     Eigen::Matrix3d transition;     ///< of position, velocity, acceleration
-    Eigen::Matrix3d process_noise;  ///< its exact covariance
+    Eigen::Matrix3d process_noise;  ///< exact covariance of its noise
     double error_transition = 0.0;  ///< of the Gauss-Markov error
-    double error_noise = 0.0;       ///< its variance, m^2
+    double error_noise = 0.0;       ///< its variance over the step, m^2
 };
 
-/// The step over `dt` seconds (> 0), exact for continuous time, in closed form, so that steps which
-/// are all different cost little more than equal ones; in units of the step, so that short ones
-/// lose no digits.
+/// The step over `dt_s` seconds (> 0), exact for continuous time. The closed form makes steps of
+/// different lengths cost little more than equal ones. It works in units of the step, so that short
+/// steps lose no digits.
 AxisStep axis_step(const EstimationModel& model, double dt_s);
 
-/// The same of a step whose jerk density is that many times the model's.
+/// The step of this kind: its length, and its jerk density in units of the model's.
 AxisStep axis_step(const EstimationModel& model, const StepKind& kind);
 
-/// A step at the model's jerk density as one at `factor` times that.
+/// The same step with a jerk density of `factor` times the model's. The given step must have the
+/// model's own.
 AxisStep with_jerk(AxisStep step, double factor);
 
 /// The upper-triangular W with W' W = inverse of the process noise of position, velocity and
-/// acceleration: it turns that noise into three independent unit variances.
+/// acceleration. W turns that noise into three independent unit variances.
 Eigen::Matrix3d axis_process_whitener(const AxisStep& step);
 
-/// The same step for all axes together.
+/// Transition and process noise of the step for all axes together.
 template <int Axes>
 StateMatrix<Axes> transition(const AxisStep& step);
 template <int Axes>

@@ -18,8 +18,8 @@ namespace {
                   "Check the stated standard deviations and the time steps around this epoch");
 }
 
-/// Whether a filtered state is known so badly that P - P N P would lose digits: 10 m, 1 m/s or
-/// 10 m/s^2.
+/// Whether a filtered state is so uncertain (10 m, 1 m/s or 10 m/s^2) that P - P N P would lose
+/// digits.
 template <int Axes>
 bool is_vague(const StateMatrix<Axes>& covariance) {
     for (int axis = 0; axis < Axes; ++axis)
@@ -29,7 +29,7 @@ bool is_vague(const StateMatrix<Axes>& covariance) {
     return false;
 }
 
-/// A square matrix times some columns, one whole column of the matrix after the other.
+/// A square matrix times some columns, accumulated over whole columns of the matrix.
 template <int Size, int Count>
 Eigen::Matrix<double, Size, Count> times_columns(
     const Eigen::Matrix<double, Size, Size>& matrix,
@@ -48,7 +48,7 @@ Eigen::Matrix<double, Size, Count> times_columns(
     return product;
 }
 
-/// Of U in S = U D U'.
+/// The inverse of U in S = U D U'.
 template <int Axes>
 PositionMatrix<Axes> inverse_factor(const typename KalmanFilter<Axes>::FactoredInnovation& seen) {
     PositionMatrix<Axes> inverse = PositionMatrix<Axes>::Identity();
@@ -96,7 +96,7 @@ void MotionSmoother<Axes>::carry_and_take_in(std::size_t k, Visited& at) {
     take_in(k, at);
 }
 
-/// Filters a piece of the arc again, and keeps every state of it.
+/// Filters a piece of the arc again and keeps all its states.
 template <int Axes>
 void MotionSmoother<Axes>::filter_again(std::size_t piece) {
     const std::size_t first = piece * epochs_at_once;
@@ -131,8 +131,8 @@ void MotionSmoother<Axes>::step_back() {
         smooth_here();
 }
 
-/// From behind the measurement to before it, with S = U D U' and V = P H' inverse(U'):
-/// (I - K H)' g - H' inverse(S) r and (I - K H)' N (I - K H) + H' inverse(S) H.
+/// Steps back across the measurement, with S = U D U' and V = P H' inverse(U'): (I - K H)' g - H'
+/// inverse(S) r and (I - K H)' N (I - K H) + H' inverse(S) H.
 template <int Axes>
 void MotionSmoother<Axes>::back_through_measurement(const FactoredInnovation& seen) {
     using Columns = Eigen::Matrix<double, state_size<Axes>, Axes>;
@@ -150,7 +150,7 @@ void MotionSmoother<Axes>::back_through_measurement(const FactoredInnovation& se
         times_columns<state_size<Axes>, Axes>(information_, cross) * weights.asDiagonal();
     Small middle = weights.asDiagonal() * (cross.transpose() * carried).eval();
     middle.diagonal() += weights;
-    // N - Y H - H' Y', the rows of H being position and error.
+    // N - Y H - H' Y', where the rows of H are position and error.
     Columns y = carried * inverse;
     const Small half = 0.5 * (inverse.transpose() * middle * inverse);
     y.template topRows<Axes>() -= half;
@@ -230,6 +230,6 @@ double MotionSmoother<Axes>::asymmetry() const {
 
 template class MotionSmoother<1>;
 template class MotionSmoother<2>;
-template class MotionSmoother<3>;  // tests/benchmark
+template class MotionSmoother<3>;  // for tests/benchmark
 
 }  // namespace runcert

@@ -18,21 +18,21 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Half the 95 % quantile of chi-squared: what a log-likelihood must gain by one or two parameters.
+/// Half the 95 % quantile of chi-squared: the log-likelihood that one or two parameters must gain.
 constexpr double gain_of_one_parameter = 1.9207;
 constexpr double gain_of_two_parameters = 2.9957;
 
-/// Of a long recording, a part is searched first: so many stretches of so many epochs.
+/// A long recording is first searched in part: this many stretches of this many epochs.
 constexpr std::size_t stretches_of_part = 4;
 constexpr std::size_t epochs_of_stretch = 512;
-/// What is no longer than so many parts is searched whole.
+/// Recordings no longer than this many parts are searched whole.
 constexpr std::size_t parts_of_long_recording = 4;
 
 template <int Axes>
 using Spans = std::vector<std::span<const ArcEpoch<Axes>>>;
 
-/// The epochs of all arcs from a place on, as if these were one: as many as wanted, or as there
-/// are.
+/// Appends `wanted` epochs from a place on, or as many as there are, treating all arcs as one
+/// sequence.
 template <int Axes>
 void append_from(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::size_t place,
                  std::size_t wanted, Spans<Axes>& part) {
@@ -51,7 +51,7 @@ void append_from(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::siz
     }
 }
 
-/// Stretches that are spread evenly over a long recording; none of a short one.
+/// Stretches spread evenly over a long recording. Empty for a short one.
 template <int Axes>
 Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
     std::size_t epochs = 0;
@@ -66,15 +66,16 @@ Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
     return part;
 }
 
-/// The maxima of the kinds of models.
+/// The maxima of the model types.
 struct Maxima {
     Best white;
-    Best error;  ///< with an error
+    Best error;  ///< with a Gauss-Markov error
     std::optional<Best> singer;
     bool correlated_error_detected = false;
     bool converged = false;
 
-    /// That of white noise alone unless an error is told.
+    /// The maximum with persistent acceleration: that of white noise alone unless an error is
+    /// detected.
     const Best& of_persistent() const { return correlated_error_detected ? error : white; }
     void tell() { correlated_error_detected = error.gain_over(white) > gain_of_two_parameters; }
 };
@@ -136,7 +137,7 @@ class Fit {
         return options_.motion != NoiseFitOptions::Motion::constant_acceleration;
     }
 
-    /// The maxima from the grid, whatever they are.
+    /// The maxima found from the grid, without a starting guess from a part.
     Maxima find(NoiseSearch<Axes>& search) {
         Maxima maxima;
         maxima.white = search.fit_white();
@@ -150,7 +151,8 @@ class Fit {
         return maxima;
     }
 
-    /// Adds the acceleration's correlation time; without an error told, that stays away.
+    /// Adds the acceleration's correlation time. The Gauss-Markov error stays out unless one is
+    /// detected.
     Best find_singer(NoiseSearch<Axes>& search, const Best& persistent) {
         Point x = persistent.x;
         if (x.size() == 1) {
@@ -164,8 +166,8 @@ class Fit {
         return {true, correlated_error_detected, correlated_error_detected, true};
     }
 
-    /// Nothing of a short recording, and where the part is not like the whole: a craft that stands
-    /// still in all of the stretches says nothing of how it sails.
+    /// Empty for a short recording, and where the part is not representative. A craft that stands
+    /// still in all of the stretches says nothing about how it sails.
     std::optional<Maxima> maxima_near_those_of_part() {
         if (count_tested(part_arcs_) <
             std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch))
@@ -179,9 +181,10 @@ class Fit {
         return whole;
     }
 
-    /// Whether jerk density, scale and, where there is an error, its diffusion differ by less than
-    /// a factor of two. These the data tell; not how the others stand to the scale, which may be
-    /// next to nothing, nor the error's size, which trades against its correlation time.
+    /// Whether jerk density, scale and, if there is an error, its diffusion differ by less than a
+    /// factor of two. The data determine these. They do not determine jerk density and error
+    /// relative to the scale, which may be next to nothing, nor the error's size, which trades off
+    /// against its correlation time.
     static bool are_close(const Best& one, const Best& other) {
         constexpr double factor = 0.7;  // ln 2
         if (one.x.size() != other.x.size()) return false;
@@ -191,15 +194,15 @@ class Fit {
                (one.x.size() < 3 || alike(log_diffusion(one.x) - log_diffusion(other.x) + scale));
     }
 
-    /// Whether the part's maximum is close to the whole's, or the part cannot tell one from the
-    /// other.
+    /// Whether the part's maximum is close to that of the whole, or the part cannot distinguish the
+    /// two.
     bool are_alike(const Best& of_part, const Best& of_whole) {
         if (are_close(of_part, of_whole)) return true;
         const auto seen = part_.absolute_log_likelihoods({absolute(of_part), absolute(of_whole)});
         return seen[1] >= seen[0] - hopeless_below;
     }
 
-    /// Natural logarithms of the parameters themselves, the scale last.
+    /// Natural logarithms of the absolute parameters, the scale last.
     static Point absolute(const Best& best) {
         Point y = best.x;
         y.push_back(std::log(best.scale));
@@ -208,10 +211,10 @@ class Fit {
         return y;
     }
 
-    /// Of an error, in units of the measurement scale, but for a constant.
+    /// Logarithm of an error's diffusion in units of the measurement scale, up to a constant.
     static double log_diffusion(const Point& x) { return x[1] - 0.5 * x[2]; }
 
-    /// The maxima of the whole recording, near those of its part.
+    /// The maxima of the whole recording, searched near those of its part.
     Maxima near(const Maxima& part) {
         constexpr double step = 0.1;
         Maxima maxima;
@@ -231,15 +234,15 @@ class Fit {
         return maxima;
     }
 
-    /// The grid for the posterior. What the part of a long recording says is out of the question,
-    /// all of it says the more, unless its own maximum, of an error as large as `told`, is next to
-    /// it.
+    /// The grid for the posterior. Points that are hopeless in the part of a long recording are
+    /// more so in the whole, and are dropped. The exception are points whose diffusion is within a
+    /// grid step of that of the whole's own maximum, `told`.
     std::vector<GridPoint> grid_about(const Best& best, double acceleration_time_s, bool by_part,
                                       const Point& told) {
         const bool again = by_part || std::isfinite(acceleration_time_s);
         if (again) grid_ = (by_part ? part_ : whole_).evaluate_grid(best, acceleration_time_s);
         if (!by_part) return grid_;
-        constexpr double next = 0.35;  // a step of the grid's sizes
+        constexpr double next = 0.35;  // one step of the grid's sizes
         const double highest = best_of(grid_).log_likelihood;
         std::erase_if(grid_, [&](const GridPoint& point) {
             return point.best.log_likelihood < highest - hopeless_below &&
@@ -255,7 +258,7 @@ class Fit {
         return count;
     }
 
-    /// Those whose innovations can be tested.
+    /// Number of epochs whose innovations can be tested.
     static std::int64_t count_tested(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
         std::int64_t count = 0;
         for (const auto arc : arcs)
@@ -291,9 +294,9 @@ class Fit {
         return std::sqrt(sum / static_cast<double>(count));
     }
 
-    /// The curvature of the likelihood over the logarithms of the free parameters (indices into y),
-    /// negative, from central differences: mixed ones along the diagonal alone, which takes two
-    /// points in place of four.
+    /// The negative curvature of the log-likelihood over the logarithms of the free parameters
+    /// (indices into y), by central differences. Mixed ones are taken along the diagonal only,
+    /// which needs two points instead of four.
     Eigen::MatrixXd information_at(const Point& y, const std::vector<std::size_t>& free) {
         constexpr double h = 0.05;
         std::vector<Point> points{y};
@@ -312,7 +315,7 @@ class Fit {
         const std::vector<double> seen = whole_.absolute_log_likelihoods(points);
         auto next = seen.begin();
         const double middle = *next++;
-        // At first by moves of one parameter, or of two together.
+        // First from moves of one parameter, or of two together.
         Eigen::MatrixXd information(n, n);
         for (Eigen::Index a = 0; a < n; ++a)
             for (Eigen::Index b = 0; b <= a; ++b, next += 2)
@@ -324,8 +327,8 @@ class Fit {
         return information;
     }
 
-    /// Covariance of the parameters that an information is of, all others but `among` being known;
-    /// empty where that is not positive definite.
+    /// Covariance of the parameters in `among`, all others being known, from their joint
+    /// information. Empty where that information is not positive definite.
     static std::optional<Eigen::MatrixXd> covariance_among(const Eigen::MatrixXd& information,
                                                            const std::vector<Eigen::Index>& among) {
         const Eigen::MatrixXd of_these = information(among, among);
@@ -334,7 +337,7 @@ class Fit {
         return factor.solve(Eigen::MatrixXd::Identity(of_these.rows(), of_these.cols()));
     }
 
-    /// Parameters, their uncertainties and the model of the maximum.
+    /// Fills in the parameters, their uncertainties and the model of the maximum.
     void describe(const Best& best, NoiseFit& fit) {
         fit.model = scaled(model_at(best.x), best.scale);
         const Point y = absolute(best);
@@ -364,8 +367,8 @@ class Fit {
         std::vector<Eigen::Index> among(free.size());
         std::iota(among.begin(), among.end(), 0);
         auto covariance = covariance_among(information, among);
-        // Size and correlation time may trade against each other along a ridge on which the
-        // likelihood is flat: then the correlation time is not told.
+        // Size and correlation time may trade off along a ridge of flat likelihood. The correlation
+        // time is then not determined.
         const auto tau = std::find(free.begin(), free.end(), 2U);
         if (fit.correlated_error_detected && tau != free.end()) {
             const auto k = static_cast<Eigen::Index>(tau - free.begin());
@@ -405,8 +408,9 @@ class Fit {
         double largest = 0.0;
         fit.posterior.clear();
         for (const GridPoint& point : grid) {
-            // The grid is even in the logarithms: a uniform prior weighs with sigma and tau. The
-            // point without an error stands for the sizes below a quarter of the white noise.
+            // The grid is evenly spaced in the logarithms, so a uniform prior weights it by sigma
+            // and tau. The point without an error represents sizes below a quarter of the white
+            // noise.
             const double prior = std::max(point.sigma, 0.125) * point.tau_s;
             const double weight = prior * std::exp(point.best.log_likelihood - highest);
             fit.posterior.push_back({scaled(model_at(point.best.x), point.best.scale), weight});

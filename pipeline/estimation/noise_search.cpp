@@ -8,7 +8,7 @@
 namespace runcert {
 namespace {
 
-// In units of the measurement scale: what jerk density and error size are searched in.
+// Search limits of jerk density and error size, in units of the measurement scale.
 constexpr double jerk_min = 3e-3;
 constexpr double jerk_max = 1e4;
 constexpr double sigma_min_m = error_sigma_min_m;
@@ -17,8 +17,8 @@ constexpr double acceleration_time_min_s = 0.2;
 constexpr double acceleration_time_max_s = 1e3;
 constexpr int evaluations_allowed = 200;
 
-// Standard deviation of the logarithm of the scale before the data are seen: what is stated is
-// within a factor of seven of what the noise is.
+// Prior standard deviation of the logarithm of the scale. Stated standard deviations are usually
+// within a factor of seven of the actual noise.
 constexpr double scale_prior_sd = 2.0;
 
 double log_prior_of(double log_scale) {
@@ -106,7 +106,7 @@ Best NoiseSearch<Axes>::maximise(const Point& start, double step, const std::vec
         if (one.log_likelihood > best.log_likelihood) best = one;
         return -one.log_likelihood;
     };
-    // BOBYQA needs two variables at least.
+    // BOBYQA needs at least two variables.
     nlopt::opt search(from.size() == 1 ? nlopt::LN_COBYLA : nlopt::LN_BOBYQA,
                       static_cast<unsigned>(from.size()));
     search.set_min_objective(
@@ -124,7 +124,7 @@ Best NoiseSearch<Axes>::maximise(const Point& start, double step, const std::vec
     try {
         converged_ = search.optimize(from, value) != nlopt::MAXEVAL_REACHED;
     } catch (const nlopt::roundoff_limited&) {
-        converged_ = true;  // no better point can be told from this one
+        converged_ = true;  // no better point can be distinguished from this one
     }
     return best;
 }
@@ -153,8 +153,8 @@ Best NoiseSearch<Axes>::fit_white() {
     return maximise(best.x, 0.5);
 }
 
-/// The likelihood's maximum over the jerk density alone, from its parabola through three points
-/// about each of the starts.
+/// The likelihood's maximum over the jerk density alone, from a parabola through three points
+/// around each start.
 template <int Axes>
 std::vector<Best> NoiseSearch<Axes>::with_best_jerk(const std::vector<Point>& starts) {
     constexpr double h = 0.4;
@@ -204,7 +204,8 @@ std::vector<GridPoint> NoiseSearch<Axes>::evaluate_grid(const Best& start,
             jerk = best.x[0];
             grid.push_back({best, tau_s, sigma});
             highest = std::max(highest, best.log_likelihood);
-            // The likelihood has one maximum along the size: beyond it nothing comes back.
+            // The likelihood has a single maximum along the size, so it does not rise again beyond
+            // it.
             hopeless = best.log_likelihood < highest - hopeless_below ? hopeless + 1 : 0;
             if (hopeless == 3) break;
         }

@@ -5,39 +5,41 @@
 
 #include "estimation/noise_fit.h"
 
-// What fit_noise searches with; not for use elsewhere.
+// The search behind fit_noise; not for use elsewhere.
 namespace runcert {
 
-/// Natural logarithms of a model's parameters, variances in units of the measurement scale squared:
-/// jerk density; then sigma and tau of the error; then the acceleration's time.
+/// Natural logarithms of a model's parameters, with variances in units of the squared measurement
+/// scale: the jerk density, then sigma and tau of the error, then the acceleration's correlation
+/// time.
 using Point = std::vector<double>;
 
-/// The model of a point.
+/// The model that a point describes.
 EstimationModel model_at(const Point& x);
 
-/// The same model with its variances multiplied by the square of a scale.
+/// The model with its variances multiplied by the square of `scale`.
 EstimationModel scaled(const EstimationModel& relative, double scale);
 
-/// The least measurement scale, of the stated standard deviations.
+/// Smallest measurement scale, a factor on the stated standard deviations.
 inline constexpr double scale_min = 1e-3;
 
-/// The least size of an error.
+/// Smallest standard deviation of a Gauss-Markov error.
 inline constexpr double error_sigma_min_m = 1e-5;
 
-/// ln(2) / 2: from the logarithm of an error's size to that of its diffusion.
+/// ln(2) / 2: added to the logarithm of sigma / sqrt(tau), it gives that of the diffusion.
 inline constexpr double log_ratio = 0.34657359027997264;
 
-/// What has a log-likelihood lower by so much than the highest is out of the question.
+/// Points whose log-likelihood is lower than the highest by this much are not pursued.
 inline constexpr double hopeless_below = 12.0;
 
-/// A point, its likelihood at the scale most likely with it, and that scale.
+/// A point with its most likely scale and the likelihood there.
 struct Best {
     Point x;
-    double log_likelihood = -std::numeric_limits<double>::infinity();  ///< with that of the prior
-    double log_prior = 0.0;                                            ///< of the scale
+    double log_likelihood = -std::numeric_limits<double>::infinity();  ///< including that of the
+                                                                       ///< prior
+    double log_prior = 0.0;                                            ///< log-prior of the scale
     double scale = 1.0;
 
-    /// By how much the data alone favour it over another.
+    /// Log-likelihood gained over another point by the data alone, without the prior.
     double gain_over(const Best& other) const {
         return log_likelihood - log_prior - (other.log_likelihood - other.log_prior);
     }
@@ -50,47 +52,48 @@ struct GridPoint {
     double sigma = 0.0;  ///< in units of the stated standard deviation
 };
 
-/// The point of the largest likelihood.
+/// The grid point of the largest likelihood.
 const Best& best_of(const std::vector<GridPoint>& grid);
 
-/// Searches for the largest likelihood of some arcs.
+/// Searches for the maximum likelihood of a set of arcs.
 template <int Axes>
 class NoiseSearch {
   public:
     using Arcs = std::span<const std::span<const ArcEpoch<Axes>>>;
 
-    /// `stated_sigma_m` is the size that the error's is compared with. The arcs must outlive it.
+    /// `stated_sigma_m` is the stated standard deviation, the unit for the size of the error. The
+    /// arcs must outlive the search.
     NoiseSearch(Arcs arcs, const NoiseFitOptions& options, double stated_sigma_m)
         : arcs_(arcs), options_(options), stated_sigma_m_(stated_sigma_m) {}
 
-    /// White noise alone: the jerk density first over its whole range, then closely.
+    /// The maximum for white noise alone. Scans the whole range of the jerk density, then refines.
     Best fit_white();
 
-    /// The maximum near a point, of the parameters that are free, by BOBYQA [Powell09] within
-    /// bounds; `step`: how far it looks first.
+    /// The maximum near a point over the free parameters, by BOBYQA [Powell09] within bounds.
+    /// `step` is the initial size of the search.
     Best maximise(const Point& start, double step, const std::vector<bool>& free);
     Best maximise(const Point& start, double step) {
         return maximise(start, step, std::vector<bool>(start.size(), true));
     }
 
-    /// The grid about a point: the largest likelihood over the jerk density at each size and
-    /// correlation time of the error that is not hopeless.
+    /// The grid around a point. For each size and correlation time of the error that is not
+    /// hopeless, it holds the largest likelihood over the jerk density.
     std::vector<GridPoint> evaluate_grid(const Best& start, double acceleration_time_s);
 
-    /// The same at the points of another grid, which has jerk densities to begin at.
+    /// The same maxima at the points of another grid, starting from its jerk densities.
     std::vector<GridPoint> evaluate_at(const std::vector<GridPoint>& others);
 
-    /// Log-likelihoods at the absolute logarithms of jerk density, error diffusion, error tau and
-    /// acceleration time (those that the points have) and, last, of the scale.
+    /// Log-likelihoods at absolute parameters: logarithms of jerk density, error diffusion, error
+    /// tau and acceleration time (as many as the points have) and, last, of the scale.
     std::vector<double> absolute_log_likelihoods(const std::vector<Point>& points);
 
-    /// Of the natural logarithm of parameter i of a point.
+    /// Limits of the natural logarithm of parameter i of a point.
     double lower_bound(std::size_t i) const;
     double upper_bound(std::size_t i) const;
 
     std::int64_t evaluations() const { return evaluations_; }
     void add_evaluations(const NoiseSearch& of_another) { evaluations_ += of_another.evaluations_; }
-    bool converged() const { return converged_; }  ///< the last `maximise`
+    bool converged() const { return converged_; }  ///< of the last `maximise`
 
   private:
     Best evaluate(const Point& x);

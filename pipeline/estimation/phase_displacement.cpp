@@ -10,7 +10,7 @@
 namespace runcert {
 namespace {
 
-/// No lower elevation is told apart in weights.
+/// Elevations below this share one weight.
 constexpr double least_sine = 0.05;
 
 }  // namespace
@@ -30,7 +30,7 @@ std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange>
                                                     const PhaseNoise& noise) {
     const auto count = static_cast<Eigen::Index>(changes.size());
     if (count < 4 || count > most_phase_changes) return std::nullopt;
-    // What does not change from step to step: all but the second range.
+    // The terms that stay constant from iteration to iteration: all but the second range.
     PhaseVector known_m(count), sigma_m(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const PhaseChange& change = changes[static_cast<std::size_t>(i)];
@@ -67,7 +67,7 @@ std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange>
             solver.solve(result.design.transpose() * left_m.cwiseQuotient(sigma_m));
         state += change;
         if (!state.allFinite()) return std::nullopt;
-        // The rest of the step is second order: below 0.1 um after one of 10 cm.
+        // What the next iteration would change is second order: below 0.1 um after one of 10 cm.
         settled = change.norm() < 1e-5;
         left_m -= result.design.cwiseProduct(sigma_m.replicate<1, 4>()) * change;
     }

@@ -9,10 +9,10 @@ namespace {
 constexpr double least_geometry_free_m = 0.05;
 constexpr double geometry_free_deviations = 4.5;
 constexpr std::size_t fewest_satellites = 5;
-/// A slip of one cycle is told with 0.98 by a test of 0.001, of two degrees of freedom, where its
-/// estimate has this deviation or less; by the Doppler shift where that has.
+/// With this standard deviation or less, a slip of one cycle is detected with probability 0.98 by a
+/// test of size 0.001 with two degrees of freedom. The same limit holds for the Doppler shift.
 constexpr double control_cycles = 0.18;
-/// More satellites than this control each other.
+/// More satellites than this always control one another.
 constexpr std::size_t most_to_control = 14;
 
 class Judge {
@@ -88,8 +88,8 @@ class Judge {
         return all;
     }
 
-    /// Whether the satellites whose bands parted are those that slipped: their slips are sized by
-    /// the others.
+    /// Whether the satellites whose bands diverged are those that slipped. The others determine the
+    /// size of their slips.
     bool parted_explain(const PhaseDisplacement& moved) {
         std::vector<std::size_t> set;
         for (std::size_t i = 0; i < pairs_.size(); ++i)
@@ -100,7 +100,7 @@ class Judge {
         return true;
     }
 
-    /// Adds slips, ascending by satellite, with their sizes, and takes their satellites out.
+    /// Adds slips and their sizes, in ascending order of satellites, and removes these satellites.
     template <class Add>
     void add_sized(const std::vector<EstimatedSlip>& slips, const Add& add) {
         for (std::size_t i = slips.size(); i-- > 0;) {
@@ -111,7 +111,7 @@ class Judge {
         }
     }
 
-    /// Takes out the satellites whose bands parted; false where there are none.
+    /// Removes the satellites whose bands diverged. Returns false if there are none.
     bool take_out_parted() {
         bool any = false;
         for (std::size_t i = pairs_.size(); i-- > 0;) {
@@ -162,14 +162,14 @@ class Judge {
         });
     }
 
-    /// Whether something beside the other satellites says that no cycle slipped.
+    /// Whether Doppler or a second band shows that no cycle slipped.
     bool is_controlled_beside(std::size_t i) const {
         const bool by_doppler = noise_.doppler_cycles.value_or(1.0) <= control_cycles;
         if (by_doppler && doppler_[i] && std::abs(*doppler_[i]) < 0.5) return true;
         return parted_m_[i] == parted_m_[i] && !is_parted(i);
     }
 
-    /// Ends the arcs of satellites of which nobody could have told a slip of one cycle.
+    /// Ends the arcs of satellites for which nothing could have shown a slip of one cycle.
     void require_control(const PhaseDisplacement& moved) {
         if (pairs_.size() > most_to_control) return;
         const std::vector<double> deviations_m = slip_deviations_m(moved);
@@ -183,9 +183,9 @@ class Judge {
     std::size_t epoch_;
     const PhaseNoiseFigures& noise_;
     const ChiSquaredBounds& bounds_;
-    std::vector<PhasePair> pairs_;  ///< those that are left
+    std::vector<PhasePair> pairs_;  ///< those still in use
     std::vector<std::optional<double>> doppler_;
-    std::vector<double> parted_m_;  ///< change of the geometry-free difference; may be no number
+    std::vector<double> parted_m_;  ///< change of the geometry-free difference; may be NaN
     PairOutcome outcome_;
 };
 

@@ -8,7 +8,7 @@ namespace runcert {
 namespace {
 
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
-/// Of fewer phases the median is not the clock's.
+/// With fewer phases, the median is not that of the clock.
 constexpr std::size_t fewest_for_median = 5;
 
 bool same_band(std::size_t one, std::size_t other) {
@@ -108,7 +108,7 @@ double PhasePairs::wide_lane_cycles(const PhaseSatellite& satellite,
     const PhaseSignal& second = record_.signals[chosen.second];
     const double one_m = wavelength_m(satellite.id, first.code);
     const double two_m = wavelength_m(satellite.id, second.code);
-    // Frequencies go as the inverse of wavelengths.
+    // Frequencies are proportional to inverse wavelengths.
     return first.phase_cycles - second.phase_cycles -
            (two_m - one_m) / (two_m + one_m) *
                (first.pseudorange_m / one_m + second.pseudorange_m / two_m);

@@ -12,21 +12,22 @@
 
 namespace runcert {
 
-/// A number of a system's satellite, below `satellite_slots`.
+/// Number of slots for the satellites of all systems. `slot_of` gives a smaller index.
 inline constexpr std::size_t satellite_slots = 700;
 constexpr std::size_t slot_of(Satellite satellite) {
     return static_cast<std::size_t>(satellite.system) * 100 + satellite.number % 100;
 }
 
-/// A number of a signal code, below `code_slots`.
+/// Number of slots for signal codes. `slot_of` gives a smaller index.
 inline constexpr std::size_t code_slots = 320;
 constexpr std::size_t slot_of(SignalCode code) {
     return static_cast<std::size_t>(code.band % 10) * 32 +
            static_cast<std::size_t>(code.attribute & 31);
 }
 
-/// Which signals are used: of a system, of its lowest band the one with most phases; of each
-/// satellite, of its other bands the one with most, which checks the first.
+/// Chooses the signals to use. For each system it is the signal with most phases on its lowest
+/// band. For each satellite it is also the signal with most phases on its other bands, as a check
+/// on the first.
 class SignalChoice {
   public:
     explicit SignalChoice(const PhaseRecord& record);
@@ -43,13 +44,13 @@ class SignalChoice {
     std::vector<std::size_t> second_;
 };
 
-/// The signals of a satellite that count, by their numbers in the record.
+/// The chosen signals of a satellite, as indices into the record.
 struct ChosenSignals {
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
     std::size_t first = none, second = none;
 };
 
-/// A satellite whose first band goes on from one epoch to the next.
+/// A satellite whose first band is tracked from one epoch to the next.
 struct PhasePair {
     const PhaseSatellite* before = nullptr;
     const PhaseSatellite* now = nullptr;
@@ -57,8 +58,8 @@ struct PhasePair {
     double wavelength_m = 0.0;  ///< of the first band
 };
 
-/// What the phases of neighbouring epochs of a record say; by whether each phase is used. Epochs by
-/// their numbers in the record. What is not known is not a number.
+/// Combinations of the phases of neighbouring epochs of a record, restricted to phases that are
+/// used. Epochs are indices into the record. Unknown values are NaN.
 class PhasePairs {
   public:
     PhasePairs(const PhaseRecord& record, const std::vector<PhaseFinding>& findings)
@@ -68,29 +69,30 @@ class PhasePairs {
 
     ChosenSignals chosen_of(const PhaseSatellite& satellite) const;
 
-    /// Time from the epoch before, by the receiver's clock.
+    /// Time (s) since the previous epoch, by the receiver's clock.
     double step_s(std::size_t epoch) const {
         return static_cast<double>(record_.epochs[epoch].time_ns -
                                    record_.epochs[epoch - 1].time_ns) *
                1e-9;
     }
 
-    /// The satellites whose first band is used at an epoch and the one before, by the same
-    /// ephemeris, and was not lost.
+    /// The satellites whose first band is used at an epoch and at the previous one, with the same
+    /// ephemeris and without loss of lock.
     std::vector<PhasePair> at(std::size_t epoch) const;
 
-    /// The wide lane (Melbourne-Wuebbena), in cycles.
+    /// The wide-lane combination (Melbourne-Wuebbena), in cycles.
     double wide_lane_cycles(const PhaseSatellite& satellite, const ChosenSignals& chosen) const;
 
-    /// Change of the geometry-free difference of both bands.
+    /// Change of the geometry-free difference between the two bands (m).
     double geometry_free_change_m(const PhasePair& pair) const;
 
-    /// Changes of the phases beyond what the Doppler shifts say, in cycles, their median over the
-    /// satellites (the clock's) taken out; nothing where too few have one.
+    /// Changes of the phases minus those predicted by the Doppler shifts, in cycles. Their median
+    /// over the satellites, which is the clock's, is removed. Empty where too few satellites have
+    /// one.
     std::vector<std::optional<double>> beyond_doppler_cycles(const std::vector<PhasePair>& pairs,
                                                              double step_s) const;
 
-    /// The displacement that ends at an epoch.
+    /// The displacement over the pair that ends at an epoch.
     std::optional<PhaseDisplacement> displacement(std::size_t epoch,
                                                   const std::vector<PhasePair>& pairs,
                                                   const PhaseNoise& noise) const;

@@ -10,9 +10,9 @@
 
 namespace runcert {
 
-// A receiver's carrier phases as estimation needs them: epochs, in each of them satellites, in each
-// of these signals; each in one array, by time, satellite and signal. 24 bytes a signal and 56 a
-// satellite, because millions of epochs are held.
+// A receiver's carrier phases for estimation: epochs, their satellites, and the signals of these.
+// Each level is one array, ordered by time, satellite and signal. A signal takes 24 bytes and a
+// satellite 56, because millions of epochs are held.
 
 struct PhaseSignal {
     double phase_cycles = std::numeric_limits<double>::quiet_NaN();
@@ -30,20 +30,22 @@ struct PhaseSatellite {
     bool healthy = true;
     float sine_of_elevation = std::numeric_limits<float>::quiet_NaN();
     std::uint32_t first_signal = 0;
-    float group_delay_m = 0.0F;  ///< of pseudoranges of the first band against the clock
+    float group_delay_m = 0.0F;  ///< of the first band's pseudoranges relative to the clock
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< at transmission
-    /// Against GPS time, times c; not a number: without an orbit.
+    /// Clock offset from GPS time, times c. NaN without an orbit.
     double clock_m = std::numeric_limits<double>::quiet_NaN();
 
     bool has_orbit() const { return clock_m == clock_m; }
 };
 
 struct PhaseEpoch {
-    std::int64_t time_ns = 0;  ///< by the receiver's clock, from the record's first epoch
-    std::int64_t number = 0;   ///< in the table, counted from 1: epochs without rows are not here
+    std::int64_t time_ns = 0;  ///< by the receiver's clock, since the record's first epoch
+    std::int64_t number = 0;   ///< in the table, counted from 1; epochs without rows are not stored
+                               ///< here
     std::uint32_t first_satellite = 0;
     std::uint16_t satellites = 0;
-    Eigen::Vector3d receiver_m = Eigen::Vector3d::Zero();  ///< to some metres; zero: not known
+    Eigen::Vector3d receiver_m = Eigen::Vector3d::Zero();  ///< accurate to some metres; zero if
+                                                           ///< unknown
 
     bool has_place() const { return receiver_m != Eigen::Vector3d::Zero(); }
 };

@@ -19,10 +19,10 @@ namespace runcert {
 namespace {
 
 constexpr double not_known = std::numeric_limits<double>::quiet_NaN();
-/// The median of absolute values of normal variables, times this, is their deviation.
+/// Ratio of the standard deviation of a normal variable to the median of its absolute value.
 constexpr double deviations_per_median = 1.4826;
 constexpr double least_white_m = 0.0008;
-/// Pairs of epochs that noise is estimated by, at most, spread over the record.
+/// Largest number of epoch pairs used to estimate noise, spread over the record.
 constexpr std::size_t noise_pairs = 2000;
 constexpr std::size_t fewest_satellites = 5;
 constexpr double millisecond_m = 1e-3 * speed_of_light_m_s;
@@ -30,12 +30,12 @@ constexpr int wide_lane_epochs = 30;
 constexpr double repair_from_whole = 0.25;
 constexpr double repair_sigma_cycles = 0.12;
 
-/// What is kept of a satellite from epoch to epoch.
+/// State of a satellite that is carried from epoch to epoch.
 struct Track {
     struct Signal {
         std::int32_t arc = 0;
         std::int32_t correction = 0;
-        std::size_t epoch = 0;  ///< at which it was used last
+        std::size_t epoch = 0;  ///< last epoch at which it was used
     };
     std::map<std::size_t, Signal> signals;  ///< by code
     Signal* first = nullptr;
@@ -66,7 +66,7 @@ class Screen {
     }
 
   private:
-    /// Which phases are used at all, each for itself.
+    /// Decides for each phase on its own whether it is used.
     void classify() {
         for (const PhaseEpoch& epoch : record_.epochs)
             for (const PhaseSatellite& satellite : record_.of(epoch)) {
@@ -97,7 +97,7 @@ class Screen {
         if (!(change_m == change_m)) return;
         const auto milliseconds = static_cast<std::int64_t>(std::llround(change_m / millisecond_m));
         const double rest_m = change_m - static_cast<double>(milliseconds) * millisecond_m;
-        // A clock that drifts by so much between two epochs does not jump, it runs.
+        // A clock that drifts this much between two epochs does not jump but runs.
         if (milliseconds != 0 && std::abs(rest_m) < 0.1 * millisecond_m)
             result_.jumps.push_back({.epoch = epoch, .milliseconds = milliseconds});
     }
@@ -128,7 +128,7 @@ class Screen {
             const auto moved = pairs_.displacement(i, pairs, {});
             if (!moved) continue;
             ++result_.noise.pairs;
-            // Of a residual only the part that the estimate leaves is seen.
+            // A residual shows only the part of an error that the estimate does not absorb.
             const double seen = std::sqrt(static_cast<double>(moved->redundancy) /
                                           static_cast<double>(pairs.size()));
             for (std::size_t j = 0; j < pairs.size(); ++j)
@@ -146,7 +146,7 @@ class Screen {
         result_.noise.doppler_cycles = deviation(doppler);
     }
 
-    /// Judges the pair of epochs that ends here, and carries the arcs on.
+    /// Judges the pair of epochs that ends here, and continues the arcs.
     void step(std::size_t epoch) {
         outcome_ = {};
         if (goes_on(epoch))
@@ -164,7 +164,7 @@ class Screen {
         carry_arcs(epoch);
     }
 
-    /// The satellite of an epoch that has this signal.
+    /// The satellite to which the signal of a slip belongs.
     const PhaseSatellite& satellite_of(const PhaseSlip& slip) const {
         const auto all = record_.of(record_.epochs[slip.epoch]);
         return *std::prev(
@@ -179,7 +179,8 @@ class Screen {
             slip.wide_lane_cycles = lane - track.wide_lane_mean;
     }
 
-    /// Takes a slip of whole cycles out of what follows, if the second band does not contradict.
+    /// Subtracts a slip of whole cycles from the phases that follow, unless the second band
+    /// contradicts it.
     void repair(PhaseSlip& slip) {
         const double whole = std::round(*slip.cycles);
         if (whole == 0.0 || std::abs(*slip.cycles - whole) >= repair_from_whole ||
@@ -191,7 +192,7 @@ class Screen {
             if (pair.now != &now) continue;
             const double change_m = pairs_.geometry_free_change_m(pair);
             if (!(change_m == change_m)) break;
-            // By how much the second band slipped, too, both combinations must say alike.
+            // Both combinations must agree on the slip of the second band.
             if (!slip.wide_lane_cycles) return;
             const double second = whole - std::round(*slip.wide_lane_cycles);
             const double second_m =
@@ -276,7 +277,7 @@ class Screen {
     double least_sine_;
     std::vector<Track> tracks_;
     std::array<std::int16_t, satellite_slots> issues_{};
-    PairOutcome outcome_;  ///< of the pair that is judged
+    PairOutcome outcome_;  ///< of the current pair
 };
 
 }  // namespace

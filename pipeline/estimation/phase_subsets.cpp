@@ -12,13 +12,14 @@
 namespace runcert {
 namespace {
 
-/// Slips are compared with the Doppler shift, and with whole cycles, within so many deviations.
+/// Slips are compared with the Doppler shift, and with whole cycles, to within this many standard
+/// deviations.
 constexpr double doppler_deviations = 4.5;
 constexpr double doppler_tolerance_cycles = 0.7;
 constexpr double whole_deviations = 3.3;
-/// A slip is known to be whole cycles only where its deviation is below this, in cycles.
+/// A slip is known to be whole cycles only where its standard deviation, in cycles, is below this.
 constexpr double whole_sigma_cycles = 0.2;
-/// Below this share of a satellite's own variance nothing is left of it in the residuals.
+/// Below this share of a satellite's own variance, the residuals show nothing of it.
 constexpr double least_redundancy = 1e-4;
 
 constexpr int most_in_set = 3;
@@ -27,7 +28,7 @@ using SetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, most_in_set, 1>;
 using SetMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_in_set, most_in_set>;
 
-/// The residuals of a displacement, whitened, and what they are of the errors.
+/// The whitened residuals of a displacement, and how they depend on the errors.
 class Residuals {
   public:
     explicit Residuals(const PhaseDisplacement& displacement)
@@ -36,9 +37,9 @@ class Residuals {
           gain_(displacement.design *
                 (displacement.design.transpose() * displacement.design).inverse()) {}
 
-    /// The slips of these satellites, had they slipped and no other, if without them the rest
-    /// passes. With slips in the model the residuals' square falls by w' R^-1 w, w those of the
-    /// set and R their part of the residuals' covariance; R^-1 w are the slips.
+    /// The slips of these satellites, if only they slipped and the others pass the test without
+    /// them. With slips in the model, the squared norm of the residuals falls by w' R^-1 w. Here w
+    /// holds the residuals of the set and R its block of their covariance. R^-1 w are the slips.
     std::optional<std::vector<EstimatedSlip>> explain(std::span<const std::size_t> set,
                                                       std::span<const PhaseHint> hints,
                                                       const ChiSquaredBounds& bounds) const {
@@ -79,8 +80,8 @@ class Residuals {
     PhaseDesign gain_;
 };
 
-/// Whether the Doppler shift of a satellite contradicts a slip of so many cycles. Where signals are
-/// weak it is off by far more than its usual deviation.
+/// Whether the Doppler shift of a satellite contradicts a slip of this many cycles. With weak
+/// signals it deviates by far more than its usual standard deviation.
 bool contradicts(const PhaseHint& hint, double cycles, double sigma_cycles,
                  double doppler_sigma_cycles) {
     return hint.beyond_doppler_cycles &&
@@ -89,8 +90,8 @@ bool contradicts(const PhaseHint& hint, double cycles, double sigma_cycles,
                         doppler_deviations * std::hypot(doppler_sigma_cycles, sigma_cycles));
 }
 
-/// Takes out the candidates that the Doppler shifts contradict: at a satellite that they say has
-/// slipped, or that another of them says has.
+/// Removes the candidates that the Doppler shifts contradict, judged at every satellite that this
+/// candidate or another says has slipped.
 void compare_with_doppler(std::vector<Slips>& candidates, std::span<const PhaseHint> hints,
                           double doppler_sigma_cycles) {
     std::set<std::size_t> suspects;
@@ -115,7 +116,8 @@ bool are_whole(std::span<const EstimatedSlip> slips) {
     });
 }
 
-/// Steps a set of ascending numbers below `count` to the next of its size; false after the last.
+/// Advances a set of ascending numbers below `count` to the next set of its size. Returns false
+/// after the last.
 bool step_set(std::vector<std::size_t>& set, std::size_t count) {
     for (std::size_t i = set.size(); i-- > 0;) {
         if (set[i] + (set.size() - i) >= count) continue;
@@ -153,7 +155,7 @@ std::optional<std::vector<EstimatedSlip>> slips_of_set(const PhaseDisplacement& 
 SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const PhaseHint> hints,
                       const ChiSquaredBounds& bounds, double doppler_sigma_cycles) {
     const Residuals residuals(displacement);
-    // Of more satellites than are ever in view, sets of three are too many.
+    // With more satellites than are ever in view, there are too many sets of three.
     const std::size_t most = hints.size() > 48 ? 2 : most_in_set;
     for (std::size_t size = 1; size <= most; ++size) {
         if (displacement.redundancy - static_cast<int>(size) < 1) break;
@@ -171,7 +173,7 @@ SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const Pha
         compare_with_doppler(candidates, hints, doppler_sigma_cycles);
         if (candidates.size() > 1)
             std::erase_if(candidates, [](const Slips& slips) { return !are_whole(slips); });
-        // Several cannot be told apart, and larger sets would explain all the more.
+        // Several candidates cannot be distinguished, and larger sets would explain even more.
         if (candidates.size() != 1) break;
         return {.outcome = SlipSearch::Outcome::slipped, .slips = std::move(candidates.front())};
     }

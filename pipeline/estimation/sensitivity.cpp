@@ -15,8 +15,8 @@ std::vector<PositionVector<Axes>> sensitivities(std::span<const ArcEpoch<Axes>> 
     const auto gradient = [&](std::size_t k) -> StateVector<Axes> {
         return k >= s && k < s + gradients.size() ? gradients[k - s] : StateVector<Axes>::Zero();
     };
-    // Covariance of each state with the functional: the part of it that stands on this state and
-    // those before, carried forward, and the part on those after, carried back.
+    // Covariance of each state with the functional. One part comes from this and earlier states and
+    // is carried forward; the other comes from later states and is carried back.
     std::vector<StateVector<Axes>> covariance(count);
     StateVector<Axes> after = StateVector<Axes>::Zero();
     for (std::size_t k = count; k-- > 0;) {
@@ -46,7 +46,7 @@ double weighted_variance(std::span<const ArcEpoch<Axes>> arc, const GaussMarkovE
     assert(weights.size() == arc.size());
     EstimationModel model;
     model.error = error;
-    // Of the error's value, of its covariance with the sum so far, and of the sum.
+    // Variance of the error, its covariance with the sum so far, and variance of the sum.
     double variance = error.initial_sigma_m * error.initial_sigma_m;
     PositionVector<Axes> with_sum = PositionVector<Axes>::Zero();
     double of_sum = 0.0;

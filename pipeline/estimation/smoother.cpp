@@ -14,12 +14,12 @@ namespace {
 template <int Axes>
 using Factor = Eigen::LLT<StateMatrix<Axes>>;
 
-/// The Cholesky factor of a covariance. Where it is positive definite but for rounding, which is
-/// where a part in 1e9 of each variance more makes it so, that is added.
+/// The Cholesky factor of a covariance. If it fails to be positive definite only by rounding, so
+/// that adding 1e-9 of each variance makes it so, that is added.
 template <int Axes>
 Factor<Axes> factorise(const StateMatrix<Axes>& covariance, double time_s, std::int64_t& repaired) {
     const Factor<Axes> factor(covariance);
-    // What is not a number passes the factorisation.
+    // NaN passes the factorisation.
     if (factor.info() == Eigen::Success && covariance.allFinite()) return factor;
     if (covariance.allFinite() && (covariance.diagonal().array() > 0.0).all()) {
         constexpr double rounding = 1e-9;
@@ -36,8 +36,9 @@ Factor<Axes> factorise(const StateMatrix<Axes>& covariance, double time_s, std::
                   "Check the stated standard deviations and the time steps around this epoch");
 }
 
-/// The motion over a step given velocity and acceleration at both ends: that of the model without
-/// noise, and the regression of the position's noise on the velocity's and the acceleration's.
+/// The motion over a step given velocity and acceleration at both ends. It combines the model's
+/// motion without noise with the regression of the position noise on the noise of velocity and
+/// acceleration.
 BridgedStep bridge(std::size_t epoch, const AxisStep& step) {
     const Eigen::Matrix3d& f = step.transition;
     const Eigen::Matrix3d& q = step.process_noise;
@@ -74,8 +75,8 @@ Eigen::Matrix<double, Columns, Columns> joint_covariance(
     return sum + of(carried, s + gradients.size() - 1);
 }
 
-/// The RTS step: `state`, given the measurements up to its own epoch, with what later ones say of
-/// the next epoch.
+/// The RTS step: updates `state`, given the measurements up to its own epoch, with what later ones
+/// say about the next epoch.
 template <int Axes>
 StateEstimate<Axes> step_back(const StateEstimate<Axes>& state, const StateMatrix<Axes>& gain,
                               const StateEstimate<Axes>& next,
@@ -167,7 +168,7 @@ template <int Axes>
 std::vector<StateEstimate<Axes>> smooth_fixed_lag(std::span<const ArcEpoch<Axes>> arc,
                                                   const EstimationModel& model, std::size_t lag) {
     if (arc.empty()) return {};
-    // A gain depends on the filter alone, so those of the whole arc serve every lag.
+    // Gains depend only on the filter, so those of the whole arc serve every lag.
     const std::vector<StateMatrix<Axes>> gains = smooth<Axes>(arc, model).gains;
     std::vector<StateEstimate<Axes>> predicted;
     std::vector<StateEstimate<Axes>> filtered;
@@ -182,7 +183,7 @@ std::vector<StateEstimate<Axes>> smooth_fixed_lag(std::span<const ArcEpoch<Axes>
                        });
     std::vector<StateEstimate<Axes>> states(arc.size());
     const std::size_t end = arc.size() - 1;
-    // The epochs from here on know all measurements, and share the recursion from the arc's end.
+    // From here on the epochs know all measurements, and share the recursion from the arc's end.
     const std::size_t sharing = lag < end ? end - lag : 0;
     states[end] = filtered[end];
     for (std::size_t k = end; k-- > sharing;)

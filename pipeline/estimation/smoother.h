@@ -7,11 +7,12 @@
 
 namespace runcert {
 
-/// A linear functional of the states s, s+1, ... of an arc: one gradient for each.
+/// A linear functional of the states s, s+1, ... of an arc: one gradient for each state.
 template <int Axes>
 using Gradients = std::vector<StateVector<Axes>>;
 
-/// The axes that a displacement is counted along: east and north, or up where heights are alone.
+/// Number of axes that a displacement has: two (east and north), or one (up) where heights stand
+/// alone.
 template <int Axes>
 inline constexpr int speed_axes = Axes == 1 ? 1 : 2;
 template <int Axes>
@@ -19,22 +20,23 @@ using SpeedVector = Eigen::Matrix<double, speed_axes<Axes>, 1>;
 template <int Axes>
 using SpeedMatrix = Eigen::Matrix<double, speed_axes<Axes>, speed_axes<Axes>>;
 
-/// The same of a vector along these axes: a column for each of its coordinates.
+/// A vector of functionals along these axes: for each state a matrix with one column for each
+/// coordinate.
 template <int Axes>
 using CountedGradients = std::vector<Eigen::Matrix<double, state_size<Axes>, speed_axes<Axes>>>;
 
-/// A step of an arc over which the positions jump by an unknown offset. What the craft itself moved
-/// over it, each axis for itself, is told by velocity and acceleration at its two ends: the mean of
-/// the motion model under these four is their sum with the factors here. Where acceleration
-/// persists, it is dt (v + v') / 2 - dt^2 (a' - a) / 12, with variance q dt^5 / 720 about it, q
-/// the square of the jerk density.
+/// A step of an arc at which the positions jump by an unknown offset. The craft's own motion over
+/// it follows, on each axis, from velocity and acceleration at its two ends. The mean of the motion
+/// model given these four is their sum with the factors here. Where acceleration persists, it is dt
+/// (v + v') / 2 - dt^2 (a' - a) / 12, with variance q dt^5 / 720 around it, q being the square of
+/// the jerk density.
 struct BridgedStep {
-    std::size_t epoch = 0;  ///< the first of the offset positions
+    std::size_t epoch = 0;  ///< the first epoch with offset positions
     double velocity_before_s = 0.0;
     double acceleration_before_s2 = 0.0;
     double velocity_after_s = 0.0;
     double acceleration_after_s2 = 0.0;
-    double variance_m2 = 0.0;  ///< of the motion about its mean, independent of all states
+    double variance_m2 = 0.0;  ///< of the motion around its mean, independent of all states
 
     /// The mean motion (m), given the states before and after the step.
     template <int Axes>
@@ -47,7 +49,7 @@ struct BridgedStep {
     }
 };
 
-/// The smoothed states of an arc, and what is needed for the joint covariance of any of them.
+/// The smoothed states of an arc, and the gains needed for the joint covariance of any of them.
 template <int Axes>
 struct SmoothedArc {
     std::vector<StateEstimate<Axes>> states;  ///< given all measurements of the arc
@@ -56,20 +58,21 @@ struct SmoothedArc {
     std::vector<BridgedStep> bridged;  ///< in order of time
     double innovation_sum = 0.0;  ///< sum of the innovation statistics: the least-squares minimum
     std::int64_t measurements = 0;
-    std::int64_t repaired = 0;       ///< covariances that were made positive definite again
-    double largest_asymmetry = 0.0;  ///< of a smoothed covariance before symmetrising, relative
+    std::int64_t repaired = 0;       ///< covariances that had to be made positive definite again
+    double largest_asymmetry = 0.0;  ///< relative, of a smoothed covariance before it was made
+                                     ///< symmetric
 
-    /// Covariance between the errors of states s and e (s <= e):
-    /// Gain[s] Gain[s+1] ... Gain[e-1] P[e]. Shape state by state.
+    /// Covariance between the errors of states s and e (s <= e): Gain[s] Gain[s+1] ... Gain[e-1]
+    /// P[e], a square matrix of the state's size.
     StateMatrix<Axes> cross_covariance(std::size_t s, std::size_t e) const;
 
     /// Variance of the sum of gradients[i]' state[s + i] over the gradients given, from the joint
-    /// posterior of all these states: backwards in time they are a Markov chain,
-    /// x[k] = m[k] + Gain[k] (x[k+1] - m[k+1]) + w, w of variance P[k] - Gain[k] P[k+1] Gain[k]'.
-    /// Linear in the number of states.
+    /// posterior of all these states. Backwards in time they are a Markov chain, x[k] = m[k] +
+    /// Gain[k] (x[k+1] - m[k+1]) + w, w of variance P[k] - Gain[k] P[k+1] Gain[k]'. The cost is
+    /// linear in the number of states.
     double variance(std::size_t s, const Gradients<Axes>& gradients) const;
 
-    /// The same for a vector along the counted axes.
+    /// Covariance of a vector of such sums, along the axes of a displacement.
     SpeedMatrix<Axes> covariance(std::size_t s, const CountedGradients<Axes>& gradients) const;
 
     /// The bridged steps between epochs s and e: those with s < epoch <= e.
@@ -78,23 +81,22 @@ struct SmoothedArc {
 
 /// Forward Kalman filter and backward RTS smoother [YSM22] over one arc.
 ///
-/// From a bridged step on, smoothed positions are offset as the measured ones are: what spans the
-/// step is for speed.h to say.
+/// From a bridged step on, smoothed positions are offset as the measured ones are. speed.h computes
+/// displacements across the step.
 ///
-/// Times must increase strictly; the first epoch must have a measurement. A predicted covariance
-/// that has stopped being positive definite within rounding (its smallest eigenvalue, with the
-/// diagonal scaled to one, above -1e-9) is repaired and counted; further off it is a Failure that
-/// names the time.
+/// Times must increase strictly, and the first epoch must have a measurement. A predicted
+/// covariance that rounding has made indefinite is repaired and counted, if its smallest eigenvalue
+/// is above -1e-9 with the diagonal scaled to one. Beyond that it is a Failure that names the time.
 template <int Axes>
 SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model);
 
 /// Fixed-lag smoother [YSM22]: the state of each epoch k of an arc given the measurements up to
-/// epoch k + lag, or to the arc's end where that comes first. What an estimate with a delay of so
-/// many epochs would know; lag 0 is the filter, a lag of the arc's length or more the smoother.
+/// epoch k + lag, or to the arc's end if that comes first. This is what an estimate delayed by
+/// `lag` epochs would know. Lag 0 is the filter; a lag of the arc's length or more is the smoother.
 ///
-/// One RTS recursion for each epoch, from k + lag back to k: the cost is that of `lag` smoother
-/// steps an epoch. Times must increase strictly; the first epoch must have a measurement. An arc
-/// without an epoch has no states. Repairs and Failures are those of `smooth`.
+/// It runs one RTS recursion for each epoch, from k + lag back to k, so that an epoch costs `lag`
+/// smoother steps. Times must increase strictly, and the first epoch must have a measurement. An
+/// arc without epochs gives no states. Repairs and Failures are those of `smooth`.
 template <int Axes>
 std::vector<StateEstimate<Axes>> smooth_fixed_lag(std::span<const ArcEpoch<Axes>> arc,
                                                   const EstimationModel& model, std::size_t lag);

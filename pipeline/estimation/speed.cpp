@@ -25,8 +25,8 @@ SpeedEstimate vertical_speed(double velocity_m_s, double variance) {
 
 namespace {
 
-/// Gradients of the displacement between epochs s and e: the states of both, and around each
-/// bridged step the motion in place of the difference of the positions.
+/// Gradients of the displacement between epochs s and e: with respect to the states of both and,
+/// around each bridged step, to those of the motion that replaces the difference of the positions.
 template <int Axes>
 CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
                                               std::size_t e) {

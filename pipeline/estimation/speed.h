@@ -16,34 +16,34 @@ struct SpeedEstimate {
 /// where the direction is undefined, the uncertainty is that of the least certain direction.
 SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Matrix2d& covariance);
 
-// Speeds are horizontal; of heights alone (Axes 1) they are vertical, without sign.
+// Speeds are horizontal. With heights alone (Axes 1) they are vertical, without sign.
 
-/// The vertical counterpart: speed of a vertical velocity (m/s) of this variance.
+/// Vertical speed from a vertical velocity (m/s) and its variance (m^2/s^2), without sign.
 SpeedEstimate vertical_speed(double velocity_m_s, double variance);
 
 /// Horizontal displacement (m) of the craft between epochs s and e (s < e) of an arc: the
-/// difference of the smoothed positions; across a bridged step, over whose ends alone that would
-/// hold the unknown offset, what velocity and acceleration at both ends say of the motion
+/// difference of the smoothed positions. Across a bridged step that difference would contain the
+/// unknown offset. There the motion follows from velocity and acceleration at both ends of the step
 /// (`BridgedStep`).
 template <int Axes>
 SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
-/// Covariance (m^2) of this displacement: P_s + P_e - C - C', from the joint covariance of both
-/// positions; across bridged steps, from that of all states between.
+/// Covariance (m^2) of `displacement`: P_s + P_e - C - C', from the joint covariance of both
+/// positions. Across bridged steps it uses the joint covariance of all states in between.
 template <int Axes>
 SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
                                           std::size_t e);
 
-/// Horizontal displacement over time between epochs s and e of an arc, with the uncertainty
-/// u' [P_s + P_e - C - C'] u / T^2, or as above across bridged steps; u is the direction of the
-/// displacement, T (s) the time between.
+/// Horizontal displacement divided by time between epochs s and e of an arc. Its variance is u'
+/// [P_s + P_e - C - C'] u / T^2, or that of `displacement_covariance` across bridged steps. u is
+/// the direction of the displacement, and T (s) the time between the epochs.
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s);
 
-/// Length of the horizontal path through the smoothed positions from epoch s to e, over time, with
-/// its uncertainty from the joint covariance of all these positions. Over a bridged step the path
-/// is the displacement.
+/// Length of the horizontal path through the smoothed positions from epoch s to e, divided by time,
+/// with its uncertainty from the joint covariance of all these positions. Over a bridged step the
+/// path is the displacement.
 template <int Axes>
 SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                          double duration_s);
@@ -53,8 +53,9 @@ SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
-/// Gradients of these three speeds by the smoothed states s to e: what `SmoothedArc::variance` and
-/// `sensitivities` take. Zero where the displacement, or a velocity, has no direction.
+/// Gradients of these three speeds with respect to the smoothed states s to e, as
+/// `SmoothedArc::variance` and `sensitivities` take them. Zero where the displacement, or a
+/// velocity, has no direction.
 template <int Axes>
 Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
                                              std::size_t e, double duration_s);

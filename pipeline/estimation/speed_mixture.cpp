@@ -27,8 +27,9 @@ bool is_possible(const FaultPrior& fault) {
     return fault.probability > 0.0 && fault.largest_m_s > 0.0;
 }
 
-/// Calls for faults in the middle of equal parts of a range, no longer than `step_m_s` unless there
-/// would be too many. A part stands for the faults in it: their standard deviation is handed on.
+/// Divides a range into equal parts of at most `step_m_s`, unless there would be too many. Calls
+/// `call` with the fault in the middle of each part and the standard deviation of the faults within
+/// it.
 template <class Call>
 void for_parts(const FaultRange& range, double step_m_s, const Call& call) {
     constexpr double most = 4000.0;
@@ -76,7 +77,7 @@ SpeedMixture::SpeedMixture(const SpeedBySource& positions,
     double sum = 0.0;
     for (const Component& one : components_)
         sum += one.weight;
-    // Nobody expects such a difference: one of the two is wrong, and it is not told which.
+    // No hypothesis expects such a difference. One of the two is wrong, and which one is unknown.
     if (!(sum > 0.0)) {
         components_.clear();
         positions_at_fault_ = 1.0;
@@ -108,7 +109,7 @@ void SpeedMixture::add_positions_at_fault(const SpeedBySource& positions,
     const double p = positions.standard_uncertainty_m_s, w = witness.standard_uncertainty_m_s;
     const double sigma = std::hypot(p, w);
     const double difference = positions.speed_m_s - witness.speed_m_s;
-    // Other faults do not explain the difference.
+    // Faults beyond this many standard deviations do not explain the difference.
     constexpr double enough = 9.0;
     const FaultRange whole = range_of(positions.fault);
     const FaultRange range{std::max(whole.lowest_m_s, difference - enough * sigma),

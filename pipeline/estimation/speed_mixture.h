@@ -3,49 +3,51 @@
 #include <optional>
 #include <vector>
 
-// What is known of a speed where its measurements may be at fault: hypotheses with prior
-// probabilities, and what each of them says ([PPC98], [JCGM106] 7).
+// Knowledge of a speed whose measurements may be at fault: hypotheses with prior probabilities, and
+// the speed under each ([PPC98], [JCGM106] 7).
 
 namespace runcert {
 
-/// An error that nothing found: with this probability a source has one, and its effect on the speed
-/// lies anywhere from minus to plus the largest (m/s), or from 0 to it of a source that can err
-/// upwards alone.
+/// An undetected fault. A source has one with this probability. Its effect on the speed is uniform
+/// between minus and plus the largest (m/s), or between 0 and the largest for a source that can
+/// only err upwards.
 struct FaultPrior {
     double probability = 0.0;
     double largest_m_s = 0.0;
     bool upwards_alone = false;
 };
 
-/// A speed as one source has it (m/s), its errors normal but for a fault.
+/// A speed according to one source (m/s), with normal errors apart from a fault.
 struct SpeedBySource {
     double speed_m_s = 0.0;
     double standard_uncertainty_m_s = 0.0;  ///< above 0
     FaultPrior fault = {};
 };
 
-/// The distribution of the true speed by positions, and by a witness that is independent of them
-/// where there is one. A mixture of three hypotheses: nobody is at fault, and the speed is the
-/// weighted mean of both; the positions are, and it is the witness's, as far as their largest fault
-/// allows; the witness is, and it is the positions'. Each counts by its prior probability times
-/// what it makes of the difference of the two. Without a witness the first two are what there is.
+/// The distribution of the true speed given the positions and, if there is one, an independent
+/// witness. It is a mixture of three hypotheses. If neither is at fault, the speed is the weighted
+/// mean of both. If the positions are, it is the witness's speed, as far as their largest fault
+/// allows. If the witness is, it is the speed of the positions.
+///
+/// Each hypothesis has its prior probability times the likelihood of the difference between the
+/// two. Without a witness only the first two remain.
 class SpeedMixture {
   public:
-    /// `shared_m_s` is the standard uncertainty of what moves both sources alike, so that their
-    /// difference does not show it.
+    /// `shared_m_s` is the standard uncertainty of errors that affect both sources alike, so that
+    /// their difference does not show them.
     SpeedMixture(const SpeedBySource& positions, const std::optional<SpeedBySource>& witness,
                  double shared_m_s = 0.0);
 
-    /// Probability that the positions, or the witness, are at fault, after their comparison.
+    /// Probability that the positions, or the witness, are at fault, given their comparison.
     double positions_at_fault() const { return positions_at_fault_; }
     double witness_at_fault() const { return witness_at_fault_; }
 
-    /// Probability that the true speed is at least, or below, one that itself is uncertain
-    /// (normal). Both keep their digits where they are small.
+    /// Probability that the true speed is at least, or below, a speed that is itself uncertain
+    /// (normal). Both keep their relative accuracy where they are small.
     double probability_not_below(double speed_m_s, double standard_uncertainty_m_s = 0.0) const;
     double probability_below(double speed_m_s, double standard_uncertainty_m_s = 0.0) const;
 
-    /// The speed that the true one is below with this probability, above 0 and below 1.
+    /// The speed that the true speed is below with this probability, above 0 and below 1.
     double quantile(double probability) const;
 
   private:

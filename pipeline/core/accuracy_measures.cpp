@@ -43,9 +43,9 @@ double within_on_line(double sigma, double radius) {
 }
 
 /// Integrates over the smaller axis, of standard deviation s, where the larger coordinate must lie
-/// within sqrt(radius^2 - x^2): P(r) = 2 integral_0^h phi(x / s) / s P_1(sqrt(r^2 - x^2)) dx, h =
-/// min(r, 9 s). The smaller axis keeps the integrand smooth on the scale of h, because the other
-/// factor cannot vary faster. x = h sin(t) removes the square root's infinite slope at x = r.
+/// within sqrt(radius^2 - x^2): P(r) = 2 integral_0^h phi(x / s) / s P_1(sqrt(r^2 - x^2)) dx,
+/// h = min(r, 9 s). The smaller axis keeps the integrand smooth on the scale of h, because the
+/// other factor cannot vary faster. x = h sin(t) removes the square root's infinite slope at x = r.
 double probability_within(const Axes& sigma, double radius) {
     if (sigma.smaller == 0.0) return within_on_line(sigma.larger, radius);
     constexpr double far = 9.0;  // standard deviations; 2e-19 of the probability lies beyond

@@ -30,8 +30,8 @@ std::int64_t days_since_gps_epoch(int year, int month, int day);
 /// before that instant. Leap seconds are not counted, and nanoseconds are ignored.
 std::int64_t seconds_since_gps_epoch(const CalendarTime& time);
 
-/// The calendar time a number of nanoseconds after 1980-01-06T00:00:00, exact, with days of 86 400
-/// s.
+/// The calendar time a number of nanoseconds after 1980-01-06T00:00:00, exact, with days of
+/// 86 400 s.
 CalendarTime from_nanoseconds_since_gps_epoch(std::int64_t nanoseconds);
 
 /// 10^exponent, for exponents 0 to 9 (asserted).

@@ -18,8 +18,8 @@ struct CoverageInterval {
 /// Options for propagating distributions, [GUM-S1] 7.9.4.
 struct MonteCarloOptions {
     std::uint64_t seed = 1;
-    /// Trials in a block, raised if below the minimum of [GUM-S1] 7.9.4 b), 100 / (1 -
-    /// probability).
+    /// Trials in a block, raised if below the minimum of [GUM-S1] 7.9.4 b),
+    /// 100 / (1 - probability).
     std::int64_t block = 10'000;
     /// Blocks before the first test for convergence, at least 2. [GUM-S1] tests from the second
     /// block on. The standard deviation of two averages is by chance often small enough to stop far

@@ -32,8 +32,8 @@ Parts parts_of(double x) {
 
 /// Natural logarithm of a normal positive number, to 2 ulp, by basic operations only.
 ///
-/// x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 atanh(s), s = (m - 1) / (m + 1), |s| <
-/// 0.172, so 11 terms of s^(2k) / (2k + 1) leave less than 1e-17.
+/// x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 atanh(s), s = (m - 1) / (m + 1),
+/// |s| < 0.172, so 11 terms of s^(2k) / (2k + 1) leave less than 1e-17.
 double portable_log(const Parts& x) {
     const double s = (x.number - 1.0) / (x.number + 1.0);
     const double square = s * s;

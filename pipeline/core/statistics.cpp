@@ -67,8 +67,8 @@ double log_chi_squared_upper_tail(double x, int degrees_of_freedom) {
     const double a = 0.5 * degrees_of_freedom;
     const double z = 0.5 * x;
     constexpr double series_from = 600.0;
-    // Closed forms for the most frequent degrees of freedom: Q(1, z) = exp(-z) and Q(1/2, z) =
-    // erfc(sqrt(z)), Abramowitz & Stegun 6.5.17.
+    // Closed forms for the most frequent degrees of freedom: Q(1, z) = exp(-z) and
+    // Q(1/2, z) = erfc(sqrt(z)), Abramowitz & Stegun 6.5.17.
     if (degrees_of_freedom == 2) return -z;
     if (degrees_of_freedom == 1 && z < series_from) return std::log(std::erfc(std::sqrt(z)));
     if (z < std::max(series_from, 10.0 * a)) return std::log(boost::math::gamma_q(a, z));

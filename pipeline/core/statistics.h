@@ -14,8 +14,8 @@ double chi_squared_quantile(double probability, int degrees_of_freedom);
 /// unless 0 < tail_probability <= 1 and degrees_of_freedom >= 1.
 double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom);
 
-/// ln P(chi-squared > x), accurate even where the probability itself underflows. Failure unless x
-/// >= 0 and degrees_of_freedom >= 1. Relative accuracy 1e-9.
+/// ln P(chi-squared > x), accurate even where the probability itself underflows. Failure unless
+/// x >= 0 and degrees_of_freedom >= 1. Relative accuracy 1e-9.
 double log_chi_squared_upper_tail(double x, int degrees_of_freedom);
 
 /// The non-centrality parameter at which a chi-squared test of size `test_size` rejects with

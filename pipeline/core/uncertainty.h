@@ -59,8 +59,8 @@ double coverage_factor(double probability, std::optional<double> degrees_of_free
 /// `degrees_of_freedom` (empty: infinite) as `factor` does for the normal distribution ([GUM] G.3).
 double equivalent_coverage_factor(double factor, std::optional<double> degrees_of_freedom);
 
-/// Standard uncertainty of a quantity uniformly distributed within +- `half_width`: half_width /
-/// sqrt(3) ([GUM] (7)). Failure where half_width is negative or not finite.
+/// Standard uncertainty of a quantity uniformly distributed within +- `half_width`:
+/// half_width / sqrt(3) ([GUM] (7)). Failure where half_width is negative or not finite.
 double rectangular_uncertainty(double half_width);
 
 /// Degrees of freedom of a standard uncertainty that is itself uncertain by the fraction

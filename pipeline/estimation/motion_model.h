@@ -37,14 +37,14 @@ struct GaussMarkovError {
     double process_density = 0.0;  ///< root spectral density of the driving noise, m s^-0.5
     double initial_sigma_m = 0.0;  ///< standard deviation at the first epoch of an arc, m
 
-    /// A stationary error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as 10
-    /// um, which keeps covariances regular and changes nothing.
+    /// A stationary error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as
+    /// 10 um, which keeps covariances regular and changes nothing.
     static GaussMarkovError steady(double sigma_m, double tau_s);
 
     /// The process whose covariance bounds that of every stationary error of standard deviation
     /// `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`. It has correlation
-    /// time tau_max, process noise larger by tau_max / tau_min, and initial variance 2 sigma^2 / (1
-    /// + tau_min / tau_max) [LGJ21].
+    /// time tau_max, process noise larger by tau_max / tau_min, and initial variance
+    /// 2 sigma^2 / (1 + tau_min / tau_max) [LGJ21].
     ///
     /// "Bounds" means that its covariance between all epochs minus the true one is positive
     /// semidefinite. Any weighted sum of the errors, by whatever estimator, therefore has at most
@@ -60,9 +60,9 @@ struct GaussMarkovError {
     static GaussMarkovError bounding(double sigma_m, double tau_min_s, double tau_max_s);
 
     /// The stationary process of correlation time `tau_max_s` whose covariance bounds, in the same
-    /// sense, a whole family of errors. These are all stationary errors with the same sigma sqrt(2
-    /// / tau) = `diffusion` (m s^-0.5) and a shorter correlation time. The spectrum, diffusion^2 /
-    /// (w^2 + 1 / tau^2), grows with tau at every frequency.
+    /// sense, a whole family of errors. These are all stationary errors with the same sigma
+    /// sqrt(2 / tau) = `diffusion` (m s^-0.5) and a shorter correlation time. The spectrum,
+    /// diffusion^2 / (w^2 + 1 / tau^2), grows with tau at every frequency.
     static GaussMarkovError bounding_diffusion(double diffusion, double tau_max_s);
 
     /// A process that bounds whatever either of two bounding processes bounds. Both must have the

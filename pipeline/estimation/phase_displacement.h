@@ -17,9 +17,9 @@ struct PhaseChange {
                                                  ///< cycles
 };
 
-/// Noise of the difference of two phases, for elevation el and time dt between them: sigma^2 =
-/// white^2 (1 + 1/sin^2 el) + (rate dt / sin el)^2. Measured values of `white`: geodetic receivers
-/// 0.9 mm, u-blox 1.2 mm standing still and 3.5 mm carried by a walker.
+/// Noise of the difference of two phases, for elevation el and time dt between them:
+/// sigma^2 = white^2 (1 + 1/sin^2 el) + (rate dt / sin el)^2. Measured values of `white`: geodetic
+/// receivers 0.9 mm, u-blox 1.2 mm standing still and 3.5 mm carried by a walker.
 struct PhaseNoise {
     double white_m = 0.0012;
     double rate_m_s = 0.0012;

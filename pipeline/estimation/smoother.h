@@ -67,9 +67,9 @@ struct SmoothedArc {
     StateMatrix<Axes> cross_covariance(std::size_t s, std::size_t e) const;
 
     /// Variance of the sum of gradients[i]' state[s + i] over the gradients given, from the joint
-    /// posterior of all these states. Backwards in time they are a Markov chain, x[k] = m[k] +
-    /// Gain[k] (x[k+1] - m[k+1]) + w, w of variance P[k] - Gain[k] P[k+1] Gain[k]'. The cost is
-    /// linear in the number of states.
+    /// posterior of all these states. Backwards in time they are a Markov chain,
+    /// x[k] = m[k] + Gain[k] (x[k+1] - m[k+1]) + w, w of variance P[k] - Gain[k] P[k+1] Gain[k]'.
+    /// The cost is linear in the number of states.
     double variance(std::size_t s, const Gradients<Axes>& gradients) const;
 
     /// Covariance of a vector of such sums, along the axes of a displacement.

@@ -11,8 +11,8 @@ double gravitation(SatelliteSystem system) {
     return system == SatelliteSystem::galileo ? 3.986004418e14 : 3.9860050e14;
 }
 
-/// Kepler's equation by Newton's steps; eccentricities of these orbits are below 0.03, those of
-/// any ephemeris below 1.
+/// Solves Kepler's equation by Newton's method. Eccentricities of these orbits are below 0.03, and
+/// those of any ephemeris below 1.
 double eccentric_anomaly(double mean_anomaly, double eccentricity) {
     double anomaly = mean_anomaly;
     for (int step = 0; step < 30; ++step) {
@@ -37,7 +37,7 @@ std::size_t place_of(Satellite satellite) {
 
 bool is_plausible(const Ephemeris& e) {
     const auto below = [](double bound, auto... values) {
-        return (... && (std::abs(values) < bound));  // not a number is not below
+        return (... && (std::abs(values) < bound));  // false for NaN
     };
     return e.root_of_semi_major_axis > 4500.0 && e.root_of_semi_major_axis < 7000.0 &&
            e.eccentricity >= 0.0 && e.eccentricity < 0.5 &&
@@ -96,7 +96,8 @@ SatelliteState satellite_state(const Ephemeris& ephemeris, GpsTime time) {
 SatelliteState state_at_transmission(const Ephemeris& ephemeris, GpsTime reception,
                                      double pseudorange_m) {
     const double travel_s = pseudorange_m / speed_of_light_m_s;
-    // The polynomial alone dates the transmission: the relativistic term moves it by nothing.
+    // The clock polynomial suffices to date the transmission; the relativistic term is negligible
+    // here.
     const double clock_s = clock_polynomial(ephemeris, reception);
     return state_after(ephemeris, reception, -travel_s - clock_s);
 }
@@ -104,7 +105,7 @@ SatelliteState state_at_transmission(const Ephemeris& ephemeris, GpsTime recepti
 Ephemerides::Ephemerides(std::vector<Ephemeris> all) : all_(std::move(all)), chosen_(7 * 100) {
     std::ranges::stable_sort(all_, [](const Ephemeris& a, const Ephemeris& b) {
         if (a.satellite != b.satellite) return a.satellite < b.satellite;
-        // Of two of the same time the first is found, which is I/NAV's.
+        // Of two with the same time the first is found, so I/NAV comes first.
         if (a.reference != b.reference) return a.reference < b.reference;
         return a.is_fnav < b.is_fnav;
     });
@@ -117,7 +118,7 @@ std::optional<std::size_t> Ephemerides::nearest(Satellite satellite, GpsTime tim
     const auto last = std::ranges::upper_bound(all_, satellite, {}, &Ephemeris::satellite);
     for (auto each = first; each != last; ++each) {
         const double age_s = std::abs(time.seconds_since(each->reference));
-        // F/NAV only where there is no other that is valid.
+        // F/NAV only where nothing else is valid.
         const double rank_s = age_s + (each->is_fnav ? valid_for_s : 0.0);
         if (rank_s >= least_s) continue;
         least_s = rank_s;

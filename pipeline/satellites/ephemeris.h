@@ -10,15 +10,16 @@
 
 namespace runcert {
 
-/// The Earth's rotation as broadcast orbits have it ([IS-GPS-200] table 20-IV).
+/// The Earth's rotation rate used with broadcast orbits ([IS-GPS-200] table 20-IV).
 inline constexpr double earth_rotation_rad_s = 7.2921151467e-5;
 
-/// A satellite's orbit and clock as it broadcasts them: Kepler's elements with their corrections,
-/// of GPS (LNAV) and Galileo (I/NAV, F/NAV). Angles in radians; names as [IS-GPS-200] table 20-III.
+/// A satellite's broadcast orbit and clock: Keplerian elements with their corrections, of GPS
+/// (LNAV) and Galileo (I/NAV, F/NAV). Angles are in radians. Names follow [IS-GPS-200] table
+/// 20-III.
 struct Ephemeris {
     Satellite satellite;
-    GpsTime reference;        ///< of the orbit (toe)
-    GpsTime clock_reference;  ///< of the clock (toc)
+    GpsTime reference;        ///< reference time of the orbit (toe)
+    GpsTime clock_reference;  ///< reference time of the clock (toc)
     double root_of_semi_major_axis = 0.0;
     double eccentricity = 0.0;
     double mean_anomaly = 0.0;
@@ -33,60 +34,62 @@ struct Ephemeris {
     double clock_offset_s = 0.0;
     double clock_drift = 0.0;
     double clock_drift_rate = 0.0;
-    double group_delay_s = 0.0;  ///< of the first band's pseudorange against the clock
+    double group_delay_s = 0.0;  ///< of the first band's pseudorange relative to the clock
     std::int32_t issue = 0;      ///< IODE, IODnav
     bool healthy = true;
-    bool is_fnav = false;    ///< of Galileo's F/NAV, whose clock is that of another pair of signals
-    std::int32_t file = 0;   ///< of several: which one it is from, counted from 0
-    std::int64_t place = 0;  ///< line or byte where it begins in its file
+    bool is_fnav = false;    ///< Galileo F/NAV, whose clock refers to another pair of signals
+    std::int32_t file = 0;   ///< index of the navigation file it comes from, counted from 0
+    std::int64_t place = 0;  ///< line or byte at which it begins in its file
 };
 
-/// Whether its numbers are those of a navigation satellite's orbit and clock at all.
+/// Whether the numbers can be those of a navigation satellite's orbit and clock.
 bool is_plausible(const Ephemeris& ephemeris);
 
-/// The instant of that second of a week (0 to 604800) which is nearest to another instant.
+/// The instant at this second of a week (0 to 604800) that is nearest to another instant.
 GpsTime nearest_of_week(double second_of_week, GpsTime near);
 
-/// A satellite at an instant, WGS 84 (Earth-centred, Earth-fixed at that instant).
+/// A satellite at an instant, in WGS 84 (Earth-centred, Earth-fixed at that instant).
 struct SatelliteState {
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-    double clock_s = 0.0;  ///< ahead of GPS time, with the relativistic term, without group delay
+    double clock_s = 0.0;  ///< clock offset, positive ahead of GPS time, with the relativistic
+                           ///< term, without group delay
 };
 
 /// Orbit and clock of an ephemeris at an instant: [IS-GPS-200] table 20-IV and 20.3.3.3.3.1,
 /// [GAL-ICD] tables 63 and 66. Agrees with RTKLIB's eph2pos to 1 um.
 SatelliteState satellite_state(const Ephemeris& ephemeris, GpsTime time);
 
-/// The same so many seconds after an instant, which are no whole nanoseconds.
+/// The state `after_s` seconds after an instant, for times that are not whole nanoseconds.
 SatelliteState state_after(const Ephemeris& ephemeris, GpsTime time, double after_s);
 
-/// The same for a signal that the receiver measured at `reception` by its own clock, with that
-/// pseudorange (m): at the transmission, from which the receiver's clock drops out.
+/// The state when a signal was transmitted. The receiver measured the signal at `reception` by its
+/// own clock with this pseudorange (m). The receiver's clock error cancels out.
 SatelliteState state_at_transmission(const Ephemeris& ephemeris, GpsTime reception,
                                      double pseudorange_m);
 
-/// Ephemerides of many satellites. One that was chosen for a satellite is kept as long as it is
-/// valid, so that orbits have no steps from one to the next.
+/// Ephemerides of many satellites. The ephemeris chosen for a satellite is kept as long as it is
+/// valid, so that its orbit has no avoidable steps.
 class Ephemerides {
   public:
     /// An ephemeris is used up to this long before and after its reference time: half the fit
-    /// interval of [IS-GPS-200] 20.3.4.4; of Galileo the same.
+    /// interval of [IS-GPS-200] 20.3.4.4, for Galileo too.
     static constexpr double valid_for_s = 7200.0;
 
     explicit Ephemerides(std::vector<Ephemeris> all);
 
-    /// The index (in `all`) of the satellite's ephemeris at an instant; nothing where none is
-    /// valid. To be asked in the order of time.
+    /// The index (in `all`) of the satellite's ephemeris at an instant. Empty where none is valid.
+    /// Calls must be in order of time.
     std::optional<std::size_t> choose(Satellite satellite, GpsTime time);
 
-    /// The ephemeris of the satellite that is nearest in time, valid or not.
+    /// The index (in `all`) of the satellite's ephemeris nearest in time, valid or not. Empty where
+    /// the satellite has none.
     std::optional<std::size_t> nearest(Satellite satellite, GpsTime time) const;
 
     const Ephemeris& operator[](std::size_t index) const { return all_[index]; }
     const std::vector<Ephemeris>& all() const { return all_; }
 
   private:
-    std::vector<Ephemeris> all_;  ///< by satellite, then reference time
+    std::vector<Ephemeris> all_;  ///< ordered by satellite, then reference time
     std::vector<std::optional<std::size_t>> chosen_;
 };
 

@@ -18,7 +18,7 @@ LineOfSight line_of_sight(const Eigen::Vector3d& satellite_m, const ReceiverPlac
     LineOfSight sight;
     Eigen::Vector3d apart_m = satellite_m - place.position_m;
     double range_m = apart_m.norm();
-    // The angle is below 1e-5: its square counts, its cube does not.
+    // The angle is below 1e-5: its square matters, its cube does not.
     for (int step = 0; step < 3; ++step) {
         const double angle = earth_rotation_rad_s * range_m / speed_of_light_m_s;
         const double cosine = 1.0 - 0.5 * angle * angle;

@@ -14,7 +14,7 @@ using Unknowns = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3 + most_systems, 1
 using Normals =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3 + most_systems, 3 + most_systems>;
 
-/// The unknown that a system's clock is, by the systems in their order of appearance.
+/// Assigns an unknown to the clock of each system, in order of appearance.
 struct Clocks {
     std::array<int, most_systems> unknown{};
     int count = 0;
@@ -40,7 +40,7 @@ std::optional<PointSolution> point_solution(std::span<const CodeMeasurement> mea
     state.head<3>() = start_m;
     for (int step = 0; step < 12; ++step) {
         const bool near_earth = state.head<3>().norm() > 5e6;
-        // From the Earth's centre the first steps go without what depends on the place.
+        // Starting from the Earth's centre, the first iterations omit what depends on the place.
         const ReceiverPlace place = near_earth
                                         ? receiver_place(state.head<3>())
                                         : ReceiverPlace{.position_m = state.head<3>(),

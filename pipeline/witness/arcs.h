@@ -17,54 +17,54 @@ namespace runcert {
 template <int Axes>
 struct Arc {
     std::int64_t number = 0;
-    std::vector<std::size_t> rows;       ///< indices into the table's rows
+    std::vector<std::size_t> rows;       ///< indices into the rows of the table
     std::vector<ArcEpoch<Axes>> epochs;  ///< one for each of these rows
 };
 
-/// Which epochs of an arc come with their measurement.
+/// Which epochs of an arc have their measurement.
 enum class Measurements {
-    usable,            ///< those that screening kept
-    before_rejection,  ///< and those that were rejected alone, as outliers
+    usable,            ///< epochs that screening kept
+    before_rejection,  ///< also epochs rejected individually, as outliers
 };
 
 /// The arcs of a screened table, in order, of the horizontal positions (Axes 2), the heights alone
-/// (1) or both together (3). Rejected epochs inside an arc are kept, without their
-/// measurement. The covariances are those stated, unscaled.
+/// (1) or both together (3). Rejected epochs inside an arc stay, without their measurement.
+/// Covariances are as stated, unscaled.
 template <int Axes>
 std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table,
                                Measurements measurements = Measurements::usable);
 
-/// The noise model that a trajectory was estimated with.
+/// The noise model with which a trajectory was estimated.
 EstimationModel model_of(const NoiseSummary& noise);
 
-/// The models of the motion that an attempt's choice allows.
+/// The motion models that an attempt's choice allows.
 NoiseFitOptions::Motion motion_of(MotionChoice choice);
 
-/// What an estimate rests on after this fit.
+/// The basis of an estimate, given the status of its noise fit.
 NoiseBasis basis_of(NoiseFit::Status status);
 
-/// The horizontal (Axes 2) or vertical (1) noise that a trajectory says it was estimated with.
-/// Failure without heights for the vertical one.
+/// The horizontal (Axes 2) or vertical (1) noise with which a trajectory says it was estimated.
+/// Failure where the vertical one is requested and the trajectory has no heights.
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory);
 
-/// The arcs of a screened table with the jerk densities that the trajectory was estimated with.
+/// The arcs of a screened table, with the jerk densities used to estimate the trajectory.
 template <int Axes>
 std::vector<Arc<Axes>> arcs_of(const ScreenedTable& screened, const TrajectoryTable& trajectory);
 
-/// The models that the recording allows, with their shares; that of the trajectory alone where
-/// nothing was fitted.
+/// The noise models that the recording supports, with their weights. Only the trajectory's own
+/// model where nothing was fitted.
 std::vector<WeightedModel> posterior_of(const NoiseSummary& noise);
 
-/// The noise model that the tests of screening rested on.
+/// The noise model of screening's tests.
 EstimationModel model_of(const ScreeningModel& noise);
 
-/// By how much the stated variances of each fix type were multiplied beside that model's
-/// scale. Empty where there was but one kind, whose scale is the model's.
+/// Factors on the stated variances of each fix type, in addition to the model's scale. Empty where
+/// there was only one fix type, whose scale is the model's.
 std::map<FixType, double> kind_factors(const ScreeningBasis& basis, TestedAxes axes);
 
-/// Gives the step from one epoch to the next so much jerk density that an acceleration which
-/// changes by `size_m_s2` in it is one standard deviation; never less than it has.
+/// Raises the jerk density of the step to the next epoch so that a change of acceleration by
+/// `size_m_s2` is one standard deviation. It is never lowered.
 template <int Axes>
 void allow_manoeuvre(const ArcEpoch<Axes>& from, double size_m_s2, const EstimationModel& model,
                      ArcEpoch<Axes>& to) {
@@ -72,13 +72,14 @@ void allow_manoeuvre(const ArcEpoch<Axes>& from, double size_m_s2, const Estimat
     to.jerk_factor = std::max(to.jerk_factor, size_m_s2 / of_model);
 }
 
-/// The arcs of the table as the tests of screening have them: stated covariances times the factor
-/// of their fix type, and the manoeuvres that were found allowed for.
+/// The arcs of the table as screening tests them. Stated covariances are multiplied by the factor
+/// of their fix type, and the manoeuvres found are allowed for.
 template <int Axes>
 std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationModel& model,
                                    const std::map<FixType, double>& factors);
 
-/// The manoeuvre found before an epoch (m/s^2), horizontally or vertically; 0 where there is none.
+/// The manoeuvre (m/s^2) found just before an epoch, horizontal (Axes 2) or vertical (1). 0 where
+/// there is none.
 template <int Axes>
 double manoeuvre_before(const ScreenedEpoch& row) {
     return (Axes == 1 ? row.manoeuvre_up_m_s2 : row.manoeuvre_m_s2).value_or(0.0);

@@ -20,8 +20,8 @@ std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& t
                                                         double duration_s,
                                                         double duration_tolerance_s,
                                                         BridgedSteps bridged) {
-    // What may not lie after a window's first row and up to its last. Every row counts, also one
-    // that belongs to no arc, as a repeated time stamp.
+    // Rows that must not lie after a window's first row and up to its last. Every row counts, also
+    // one that belongs to no arc, such as a repeated time stamp.
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     for (const TrajectoryEpoch& row : trajectory.rows) {

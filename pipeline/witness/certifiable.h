@@ -17,13 +17,14 @@ struct EpochPair {
     std::size_t last = 0;
 };
 
-/// For each epoch, the first later one that is at least `duration` away; nothing where there is
-/// none, or where it is further than one `nominal_interval` beyond. Times must increase. Linear.
+/// For each epoch, the first later one at least `duration_s` away (to the tolerance). Empty where
+/// there is none, or where it is more than one nominal interval beyond. Times must increase. The
+/// cost is linear.
 std::vector<std::optional<std::size_t>> window_ends(std::span<const ElapsedTime> times,
                                                     double duration_s, double duration_tolerance_s,
                                                     double nominal_interval_s);
 
-/// The rows of one arc, as a trajectory has them.
+/// One arc's rows in a trajectory.
 struct ArcRows {
     std::int64_t number = 0;
     std::vector<std::size_t> rows;
@@ -31,13 +32,13 @@ struct ArcRows {
 
 std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory);
 
-/// Whether a window that can be certified may span a bridged step.
+/// Whether a certifiable window may span a bridged step.
 enum class BridgedSteps { refused, allowed };
 
-/// The windows that can be certified, for each arc in order: they begin and end at usable epochs of
-/// one arc, hold no unusable epoch, span no bridged step unless that is allowed, and are as long as
-/// asked for (to the tolerance; where no epoch is exactly so far, the next one). The ends are
-/// indices into the arc's rows. Linear.
+/// The certifiable windows of each arc, in order, as indices into the arc's rows. They begin and
+/// end at usable epochs of one arc and contain no unusable epoch. They span no bridged step unless
+/// that is allowed. Each is `duration_s` long, to the tolerance; where no epoch is exactly that
+/// far, the next one is taken. The cost is linear.
 std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
                                                         const std::vector<ArcRows>& arcs,
                                                         double duration_s,

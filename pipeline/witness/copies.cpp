@@ -10,7 +10,8 @@
 namespace runcert {
 namespace {
 
-/// Between samples further apart than rows only the rows next to one are one filter of them.
+/// Whether a sample lies within `near_s` of a time. Where samples are sparser than rows, only the
+/// rows next to a sample depend on the samples through one and the same filter.
 bool is_near_a_sample(std::span<const TimedValue> samples, double time_s, double near_s) {
     const auto after = std::ranges::lower_bound(samples, time_s - near_s, {}, &TimedValue::time_s);
     return after != samples.end() && after->time_s <= time_s + near_s;

@@ -29,8 +29,8 @@ double variance(const EnuEpoch& row) {
     return sum;
 }
 
-/// How far off (m) the step may be from where the velocities lead. Each of them comes from two
-/// positions one interval apart, so that theirs count as often as those of the step.
+/// How far (m) the step may miss the position that the velocities predict. Each velocity comes from
+/// two positions one interval apart, so that their errors count as much as those of the step.
 double allowed_m(const RecordedStep& step, double step_s, double way_m) {
     const double sigma_m = 2.0 * std::sqrt(variance(*step.from) + variance(*step.to));
     return coverage * sigma_m + craft_acceleration_m_s2 * step_s * step_s / 2.0 + way_m / 4.0;
@@ -51,7 +51,7 @@ double least_displacement_m(double speed_m_s, double time_s) {
 }
 
 double seconds_between(const EnuEpoch& earlier, const EnuEpoch& later) {
-    // As integers the difference of stamps centuries apart would overflow.
+    // In integers the difference of stamps centuries apart would overflow.
     return (static_cast<double>(later.time.nanoseconds) -
             static_cast<double>(earlier.time.nanoseconds)) *
            1e-9;

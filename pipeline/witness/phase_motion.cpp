@@ -9,11 +9,11 @@
 namespace runcert {
 namespace {
 
-/// A receiver's clock drifts by less than this between two epochs some seconds apart; it jumps by
-/// whole milliseconds.
+/// Largest drift of a receiver's clock between two epochs some seconds apart. Jumps are whole
+/// milliseconds.
 constexpr double largest_drift_s = 2e-4;
 
-/// East and north, or up.
+/// Index of the first axis: east (followed by north), or up.
 template <int Axes>
 constexpr int first_axis = Axes == 1 ? 2 : 0;
 
@@ -61,7 +61,7 @@ std::optional<WitnessedDisplacement> PhaseWitness<Axes>::moved(std::size_t first
     auto found = displacement_between(phases_->record, phases_->screening, first, second);
     const double by_tags_s = record_time_s(second) - record_time_s(first);
     if (!found || std::abs(found->interval_s - by_tags_s) > largest_drift_s) return std::nullopt;
-    // The way in so much true time, for the time that is asked for.
+    // Scales the displacement from the true interval to the time requested.
     found->enu_m *= by_tags_s / found->interval_s;
     return found;
 }
@@ -86,7 +86,8 @@ std::optional<typename PhaseWitness<Axes>::Place> PhaseWitness<Axes>::place_of(
     const Eigen::Vector3d velocity = (v0 * h1 + v1 * h0) / (h0 + h1);
     const Eigen::Vector3d acceleration = 2.0 * (v1 - v0) / (h0 + h1);
     place.beyond_m = beyond_s * velocity + 0.5 * beyond_s * beyond_s * acceleration;
-    // Of the velocity by the differences to both neighbours: noise, and a white jerk between them.
+    // Variance of the velocity from the differences to both neighbours: their noise, and a white
+    // jerk in between.
     const double h = std::max(h0, h1);
     constexpr double of_jerk = 1.0 / 20.0;
     const double noise_m2 = (before->covariance_m2.trace() + after->covariance_m2.trace()) / 3.0;

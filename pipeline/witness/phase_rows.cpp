@@ -12,7 +12,7 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t epochs_to_estimate = 100;
-/// A head that says more is not believed before they are there.
+/// A head that announces more epochs is not trusted in advance.
 constexpr std::int64_t most_epochs = 10'000'000;
 
 }  // namespace
@@ -45,7 +45,8 @@ PhaseSatellite PhaseRecordBuilder::satellite_of(const PhaseRow& row) const {
     return satellite;
 }
 
-/// Room for all, by what the first epochs had, so that growing never copies them.
+/// Reserves memory for all rows, extrapolated from the first epochs, so that growth never copies
+/// them.
 void PhaseRecordBuilder::make_room() {
     const auto of_all = [&](std::size_t so_far) {
         const double each = static_cast<double>(so_far) / epochs_to_estimate;

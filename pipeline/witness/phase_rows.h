@@ -9,14 +9,14 @@
 
 namespace runcert {
 
-/// Takes rows of 1-phase.ecsv in their order into the record that estimation works on: one signal a
-/// row, so that the signal of a row has its number.
+/// Adds rows of 1-phase.ecsv, in order, to the record that estimation uses. Each row is one signal,
+/// so that row and signal numbers agree.
 class PhaseRecordBuilder {
   public:
-    /// The head says what ephemerides the rows' positions are of.
+    /// `head` identifies the ephemerides of the rows' positions.
     explicit PhaseRecordBuilder(const PhaseTable& head);
 
-    /// Failure where the rows are not in the order of time, satellite and signal.
+    /// Failure where the rows are not ordered by time, satellite and signal.
     void add(const PhaseRow& row);
 
     PhaseRecord take() && { return std::move(record_); }
@@ -31,7 +31,7 @@ class PhaseRecordBuilder {
     };
     std::map<std::pair<Satellite, std::int64_t>, Health> ephemerides_;  ///< by satellite and issue
     PhaseRecord record_;
-    std::int64_t epochs_ = 0;  ///< as the head has them
+    std::int64_t epochs_ = 0;  ///< number of epochs that the head announces
     std::int64_t epoch_ = 0;
 };
 

@@ -133,7 +133,7 @@ std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& rec
     result.enu_m = moved->enu_m;
     const double by_tags_s = seconds_between(from, to);
     const double slow_m = systematic_rate_m_s(phases.changes.size()) * by_tags_s;
-    // Phases that are disturbed at either end say so by their residuals.
+    // Residuals reveal phases that are disturbed at either end.
     const double excess = moved->statistic / moved->redundancy;
     result.covariance_m2 = moved->covariance_m2 * std::max(1.0, excess);
     result.covariance_m2.diagonal().head<2>().array() += slow_m * slow_m;

@@ -84,13 +84,15 @@ namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d, Eigen::Vector3d;
 
-/// Beyond this two antennas are not on one craft that turns as a whole.
+/// Antennas further apart are not on one craft that turns as a whole.
 constexpr double longest_baseline_m = 50.0;
-/// A craft points where it goes no better than this, and below this speed nobody knows where.
+/// Uncertainty of a craft's heading (rad) taken from its track, and the speed below which the track
+/// gives no heading.
 constexpr double sigma_heading = 0.015;
 constexpr double slowest_m_s = 1.0;
 
-/// From the other's frame to the own one: places turn and shift, velocities turn.
+/// Transforms from the other receiver's frame to the own one. Places are rotated and shifted,
+/// velocities only rotated.
 class FrameChange {
   public:
     FrameChange(const Track& other, const Track& own) {
@@ -98,7 +100,7 @@ class FrameChange {
         from_.emplace(*other.origin);
         to_.emplace(*own.origin);
     }
-    /// An epoch of the other's at a moment on either clock.
+    /// Transforms an epoch of the other receiver, at a time given on both clocks.
     void apply(TrackEpoch& epoch, ElapsedTime there, ElapsedTime here) const {
         if (!from_) return;
         epoch.position_m = to_->enu_m(here, from_->geodetic(there, epoch.position_m));
@@ -117,7 +119,7 @@ ElapsedTime elapsed(double time_s) {
     return {std::llround(time_s * 1e9)};
 }
 
-/// The other receiver's usable epochs in the own frame and time.
+/// The other receiver's usable epochs, in the own frame and time.
 std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool with_heights) {
     const FrameChange frame(other, own);
     const double later_s =
@@ -132,8 +134,8 @@ std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool wit
     return epochs;
 }
 
-/// The vector between the antennas along and across the track; `tolerance_s`: between epochs so
-/// near to one another the motion takes the one to the time of the other.
+/// The vector between the antennas, along and across the track. Epochs within `tolerance_s` of each
+/// other are compared; the motion carries one to the time of the other.
 Vector2d baseline_of(const std::vector<TrackEpoch>& epochs, double tolerance_s, const Track& own) {
     std::vector<double> along, across;
     std::size_t k = 0;

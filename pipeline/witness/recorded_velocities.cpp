@@ -78,7 +78,7 @@ bool has_velocity(const ScreenedEpoch& row) {
     return row.recorded_velocity_east_m_s || row.recorded_speed_m_s;
 }
 
-/// The stated standard deviation (m/s, each axis) of the velocity of a row; zero is a field that
+/// The stated standard deviation (m/s, each axis) of a row's velocity. Zero means that the field
 /// was not filled.
 template <int Axes>
 std::optional<double> stated_sigma(const ScreenedEpoch& row) {

@@ -17,36 +17,37 @@
 #include "witness/track.h"
 #include "witness/witness.h"
 
-// Every kind of witness that there is. A kind is a word of `WitnessKind` (schemas/screened/v1.yaml:
-// its name and its origin) and a file in kinds/ that makes its entry here, of the same name. One
-// that is handed in is a series of the attempt under the key of the same name, whose `read_by` says
-// which stages hear it.
+// The roster of all kinds of witness. A kind consists of a value of `WitnessKind`
+// (schemas/screened/v1.yaml: its name and its origin) and a file of the same name in kinds/, which
+// defines its entry. A witness that is handed in is a series of the attempt under the key of the
+// same name. The `read_by` of that key says which stages use it.
 
 namespace runcert {
 
-/// A witness of a recording's positions, and which one it is.
+/// A witness of a recording's positions and its identity.
 template <int Axes>
 struct HeardWitness {
     WitnessKind kind = WitnessKind::velocities;
-    std::string receiver = {};  ///< id, where it is another receiver
+    std::string receiver = {};  ///< id of the other receiver, where it is one
     std::shared_ptr<const Witness<Axes>> motion;
-    std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same, where it is that
-    std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
-    /// It was made from the positions or from another witness, and says nothing of any window.
+    std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same witness, where it
+                                                                 ///< consists of phases
+    std::string note = {};  ///< a sentence on the estimated parameters; empty where there are none
+    /// It was made from the positions or from another witness, and says nothing about any window.
     bool is_copy = false;
-    bool confirms = true;  ///< false: only a contradiction by it counts
+    bool confirms = true;  ///< false: it can only contradict
 };
 
 template <int Axes>
 using HeardWitnesses = std::vector<HeardWitness<Axes>>;
 
-/// What was handed in beside a receiver's recording.
+/// Data handed in in addition to a receiver's recording.
 struct HandedIn {
-    AttemptDocument attempt = {};                       ///< what it says of the series
+    AttemptDocument attempt = {};                       ///< describes the series
     std::map<std::string, MeasuredSeries> series = {};  ///< by key
 };
 
-/// A series that a witness is made of, and what its errors are judged by.
+/// A series from which to make a witness, and the data by which to judge its errors.
 struct HandedInSeries {
     const MeasuredSeries& series;
     const AttemptDocument& attempt;
@@ -56,36 +57,37 @@ struct HandedInSeries {
     std::span<const WitnessSource> sources = {};  ///< what else it may have been made from
 };
 
-/// How screening tests positions against a witness, and what it marks them with.
+/// How screening tests positions against a witness, and how it marks them.
 struct ScreeningTest {
     Reason reason;
     Hypothesis hypothesis;
-    bool single_epochs = true;  ///< whether the witness is sharp enough over one interval
-    /// Whether it is worth its figures only where the craft moves fast: a wheel that slips and a
-    /// second antenna that swings are of slow stretches.
+    bool single_epochs = true;  ///< whether the witness is precise enough over a single interval
+    /// Whether its errors hold only where the craft moves fast. In slow stretches wheels slip and
+    /// second antennas swing.
     bool only_fast = false;
 };
 
 struct WitnessEntry {
     WitnessKind kind;
-    /// How likely it errs unseen in a window, and by how much; the positions' own is given.
+    /// Probability and size of its undetected errors in a window, given those of the positions.
     FaultPrior (*fault)(const FaultPrior& positions);
-    std::string_view silent;  ///< why one that there is may say nothing, behind a colon
+    std::string_view silent;  ///< why an existing witness may say nothing; printed after a colon
     std::optional<ScreeningTest> screening = {};
-    /// Makes one of a series; nothing where that tells no motion. Null: a receiver records it.
+    /// Makes a witness from a series. Empty where the series determines no motion. Null if a
+    /// receiver records this kind.
     std::optional<HeardWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
 };
 
-/// How likely measured speeds err unseen in a window, and by how much.
+/// Probability and size of undetected errors of measured speeds in a window.
 inline constexpr FaultPrior faults_of_speeds{.probability = 0.01, .largest_m_s = 1.0};
 
-/// In the order of `WitnessKind`, in which they are heard.
+/// All kinds in the order of `WitnessKind`, in which they are used.
 const std::vector<WitnessEntry>& witness_roster();
 
-/// Of a kind that is a witness of positions: not `WitnessKind::positions`.
+/// The entry of a kind of witness. `WitnessKind::positions` has none.
 const WitnessEntry& witness_entry(WitnessKind kind);
 
-/// The witness of that entry, where its series was handed in and tells a motion.
+/// The witness of an entry. Empty where its series was not handed in or determines no motion.
 std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,

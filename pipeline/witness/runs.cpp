@@ -52,7 +52,7 @@ double angle_between_deg(const Vector2d& a, const Vector2d& b) {
     return std::abs(std::atan2(cross, a.dot(b))) * degrees_per_radian;
 }
 
-/// Goes through the moments once, but for those of each turn, which are part of two runs.
+/// Visits each moment once, except for those of a turn, which belong to two runs.
 class RunCutter {
   public:
     RunCutter(std::vector<Moment> moments, const RunThresholds& thresholds)
@@ -93,14 +93,14 @@ class RunCutter {
         straight_.reset();
     }
 
-    /// Begins anew while the craft stands, as it does since `slow_since_`.
+    /// Restarts while the craft is at a standstill, which began at `slow_since_`.
     void begin_standing_at(std::size_t k) {
         const std::optional<std::size_t> since = slow_since_;
         begin_at(k, RunEdge::standing);
         slow_since_ = stood_from_ = since;
     }
 
-    /// Ends the run, if it is one, here or where the craft has been standing since.
+    /// Ends the run, if there is one, here or at the beginning of the craft's standstill.
     void end_at(std::size_t k, RunEdge why) {
         if (!fast_) return;
         const bool stands = slow_since_.has_value() && why != RunEdge::turn;
@@ -124,7 +124,7 @@ class RunCutter {
         begin_standing_at(k);
     }
 
-    /// By how much the direction of travel differs from that of the run, degrees.
+    /// Angle between the direction of travel and that of the run, degrees.
     std::optional<double> turned_deg(std::size_t k) const {
         const std::size_t before = moments_[k].before;
         if (!fast_ || before <= begin_) return std::nullopt;
@@ -136,7 +136,7 @@ class RunCutter {
         return angle_between_deg(so_far, now);
     }
 
-    /// Where to cut, if the craft has turned by now.
+    /// The moment at which to cut, if the craft has turned by now.
     std::optional<std::size_t> turn_at(std::size_t k) {
         const std::optional<double> turned = turned_deg(k);
         if (!turned) return std::nullopt;
@@ -153,11 +153,11 @@ class RunCutter {
     std::vector<Moment> moments_;
     RunThresholds thresholds_;
     std::vector<CraftRun> runs_;
-    std::size_t begin_ = 0;  ///< where the run would begin
+    std::size_t begin_ = 0;  ///< beginning of a possible run
     RunEdge began_ = RunEdge::recording;
-    bool fast_ = false;                      ///< it is a run: it has a fast part
-    std::optional<std::size_t> slow_since_;  ///< below stop_m_s from there to now
-    std::optional<std::size_t> stood_from_;  ///< and from there to begin_
+    bool fast_ = false;                      ///< it has a fast part, so it is a run
+    std::optional<std::size_t> slow_since_;  ///< below stop_m_s since then
+    std::optional<std::size_t> stood_from_;  ///< below stop_m_s from there to begin_
     std::optional<std::size_t> straight_;    ///< the last moment within half of turn_deg
 };
 

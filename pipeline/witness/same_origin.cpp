@@ -23,7 +23,8 @@ double median_step_s(Rows rows) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// The second's positions less the first's, where the first has neighbours without a gap.
+/// The second's positions minus the first's, interpolated where the first has neighbours without a
+/// gap.
 std::vector<SpeedBesidePosition> differences_of(Rows first, Rows second, double offset_s) {
     constexpr double gap_factor = 1.5;
     const double longest_s = gap_factor * median_step_s(first);
@@ -45,7 +46,7 @@ std::vector<SpeedBesidePosition> differences_of(Rows first, Rows second, double 
     return differences;
 }
 
-/// Speeds beside the displacements around them, per second and along the direction of travel.
+/// Speeds and the displacements around them, per second and along the direction of travel.
 struct Regression {
     Eigen::MatrixXd displacements;  ///< one row for each speed
     Eigen::VectorXd speeds;
@@ -57,7 +58,7 @@ bool without_gap(Rows rows, std::size_t first, std::size_t last, double longest_
     return true;
 }
 
-/// Of at most `most` rows of those fast enough.
+/// The regression over at most `most` of the rows that are fast enough.
 Regression regression_of(Rows rows, std::size_t either_side, double least_m_s, std::size_t most) {
     constexpr double gap_factor = 1.5;
     const double step_s = median_step_s(rows);
@@ -86,7 +87,7 @@ Regression regression_of(Rows rows, std::size_t either_side, double least_m_s, s
     return regression;
 }
 
-/// Robust scatter of what the best weights leave of the speeds; those far off count no more.
+/// Robust scatter that the best weights leave in the speeds. Distant outliers are dropped.
 double least_residual_m_s(const Regression& all) {
     constexpr int rounds = 3;
     constexpr double far_off = 5.0;
@@ -104,7 +105,7 @@ double least_residual_m_s(const Regression& all) {
     return scatter;
 }
 
-/// The white noise of the speeds, by their differences as that of positions is.
+/// The white noise of the speeds, from their differences as for positions.
 double white_noise_of_speeds(Rows rows) {
     std::vector<SpeedBesidePosition> speeds;
     for (const SpeedBesidePosition& row : rows)

@@ -14,9 +14,10 @@
 namespace runcert {
 namespace {
 
-/// Positions further apart in time than this are not interpolated between.
+/// Positions further apart in time are not interpolated.
 constexpr std::int64_t interpolated_ns = 3'000'000'000;
-/// Pseudoranges place a receiver to some metres; further apart it was another.
+/// Pseudoranges place a receiver to some metres. If they differ by more than this, it was another
+/// one.
 constexpr double same_place_m = 100.0;
 constexpr std::size_t places_compared = 20;
 
@@ -24,7 +25,7 @@ constexpr std::size_t places_compared = 20;
     throw Failure("3-phase.ecsv", what, "Run runcert-screen again");
 }
 
-/// What begins an arc, in the estimate and in the table.
+/// What begins an arc, in estimation and in the table.
 constexpr std::array<std::pair<PhaseBreak, ArcStart>, 8> arc_starts{
     {{PhaseBreak::start, ArcStart::start},
      {PhaseBreak::gap, ArcStart::gap},

@@ -19,14 +19,14 @@
 
 namespace runcert {
 
-/// What begins an arc of phases, as the table says it; nothing where none begins.
+/// The table's word for what begins an arc of phases. Empty where no arc begins.
 std::optional<ArcStart> start_of(PhaseBreak begins);
 
-/// Where the recorded positions put a receiver, by GPS time.
+/// The place of a receiver over GPS time, from its recorded positions.
 class ReceiverPlaces {
   public:
-    /// Empty where the positions have no times or no place on the Earth. `Rows`: of EnuEpoch, or of
-    /// what extends it.
+    /// Empty where the positions have no times or no geodetic origin. `Rows` holds EnuEpoch or a
+    /// type derived from it.
     template <class Rows>
     ReceiverPlaces(const std::optional<FrameOrigin>& origin,
                    const std::optional<GpsTime>& first_epoch, const Rows& rows) {
@@ -39,38 +39,39 @@ class ReceiverPlaces {
 
     bool empty() const { return places_m_.empty(); }
 
-    /// WGS 84, Earth-centred (m); interpolated between neighbours that are no more than three
-    /// seconds apart, nothing outside of them.
+    /// WGS 84 Earth-centred position (m), interpolated between neighbours at most three seconds
+    /// apart. Empty elsewhere.
     std::optional<Eigen::Vector3d> at(std::int64_t time_ns) const;
 
   private:
     void add(const PlaceFrames& frames, const GpsTime& first_epoch, const EnuEpoch& row);
     void put_in_order();
 
-    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< by increasing times
+    std::vector<std::pair<std::int64_t, Eigen::Vector3d>> places_m_;  ///< in ascending order of
+                                                                      ///< time
 };
 
-/// How a record was placed.
+/// How a record was given its places.
 struct PlacesSet {
     bool by_positions = false;
-    /// Median distance (m) of the place by pseudoranges from the recorded one; nothing where none
-    /// has both.
+    /// Median distance (m) between the places by pseudoranges and by recorded positions. Empty
+    /// where no epoch has both.
     std::optional<double> apart_m;
 };
 
-/// Puts a record's receiver where its recorded positions say, unless its pseudoranges, which place
-/// it to some metres, say somewhere else; and elsewhere where these do. `first_ns`: GPS time of the
-/// record's first epoch.
+/// Sets a record's receiver places from its recorded positions, or from pseudoranges (to some
+/// metres) where there is no recorded position. If the two are too far apart, all places come from
+/// pseudoranges. `first_ns` is the GPS time of the record's first epoch.
 PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions);
 
-/// Takes the rows of 3-phase.ecsv beside the record of 1-phase.ecsv, in their order.
+/// Adds the rows of 3-phase.ecsv, in order, to the record of 1-phase.ecsv.
 class PhaseScreeningBuilder {
   public:
-    /// The record has its places. `mask_deg`: that of screening.
+    /// The record must have its places. `mask_deg` is screening's elevation mask.
     PhaseScreeningBuilder(const PhaseRecord& record, const ScreenedPhaseTable& head,
                           double mask_deg);
 
-    /// Failure where the row is not of the same signal as the record's.
+    /// Failure where the row's signal differs from the record's.
     void add(const ScreenedPhase& row);
 
     /// Failure where rows are missing.
@@ -87,8 +88,8 @@ class PhaseScreeningBuilder {
     std::size_t signal_ = 0;
 };
 
-/// The phases of 1-phase.ecsv with what 3-phase.ecsv says of them, both gone through row by row;
-/// of the epochs whose time (s) is within `from_s` to `to_s` alone.
+/// The phases of 1-phase.ecsv with their screening in 3-phase.ecsv, both read row by row. Only
+/// epochs with a time (s) from `from_s` to `to_s` are included.
 template <class PhaseRows, class ScreenedRows>
 JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
                            const ReceiverPlaces& positions, double mask_deg,
@@ -110,8 +111,8 @@ JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
     return judged;
 }
 
-/// The phases as a witness of positions; nothing where these have no times or no place on the
-/// Earth.
+/// The phases as a witness of positions. Empty where the positions have no times or no geodetic
+/// origin.
 template <int Axes>
 std::optional<PhaseWitness<Axes>> phase_witness(std::shared_ptr<const JudgedPhases> phases,
                                                 const GpsTime& first_of_phases,

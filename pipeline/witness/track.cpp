@@ -16,7 +16,7 @@ bool is_estimated(const TrajectoryEpoch& row) {
            row.sigma_east_m && row.sigma_north_m;
 }
 
-/// Counts the stretches of rows in order of time.
+/// Numbers the stretches of rows in order of time.
 class Stretches {
   public:
     std::int64_t of(std::int64_t arc, bool after_step) {

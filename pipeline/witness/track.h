@@ -10,8 +10,8 @@
 
 namespace runcert {
 
-/// Where a receiver was, and how it moved, at an epoch inside an arc: m, m/s, m/s^2, towards east,
-/// north and up. Where heights were not measured, up is 0.
+/// Position (m), velocity (m/s) and acceleration (m/s^2) of a receiver at an epoch inside an arc,
+/// as east, north and up. Up is 0 where heights were not measured.
 struct TrackEpoch {
     double time_s = 0.0;
     std::int64_t stretch = 0;  ///< ends with an arc and at a step
@@ -23,8 +23,7 @@ struct TrackEpoch {
     Eigen::Vector3d variance_m2 = Eigen::Vector3d::Zero();  ///< of the position
 };
 
-/// A receiver's way with the frame and the time that it is given in: what a witness is related to,
-/// or made of.
+/// A receiver's motion with its frame and time, for comparison with a witness or to make one.
 struct Track {
     std::optional<GpsTime> first_epoch;
     std::optional<FrameOrigin> origin;
@@ -32,14 +31,14 @@ struct Track {
     std::vector<TrackEpoch> epochs;  ///< in order of time
 };
 
-/// The epoch of the track nearest to a time; null where none is near.
+/// The epoch of the track nearest to a time. Null where none is within 0.6 nominal intervals.
 const TrackEpoch* epoch_near(const Track& track, double time_s);
 
-/// The smoothed track.
+/// The track of the smoothed trajectory.
 Track track_of(const TrajectoryTable& trajectory);
 
-/// The track as screening has it: usable positions as measured, with the motion that is estimated
-/// beside them. `motion` has one entry for each row.
+/// The track as screening sees it: usable positions as measured, with the motion estimated from
+/// them. `motion` has one entry for each row.
 Track track_of(const ScreenedTable& screened, const Motion& motion);
 
 }  // namespace runcert

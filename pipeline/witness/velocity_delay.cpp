@@ -24,7 +24,7 @@ std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, dou
         ++k;
     const bool last = k + 1 == knots.size() || knots[k + 1].arc != arc;
     if (!last) return k;
-    // At the last knot itself the segment before it serves.
+    // The last knot itself belongs to the segment before it.
     if (knots[k].time_s < time_s || k == 0 || knots[k - 1].arc != arc) return std::nullopt;
     return k - 1;
 }
@@ -50,7 +50,7 @@ double scale_of(double squared_norm, double probability) {
 
 namespace {
 
-/// What one comparison says about the delay: the difference there, and its derivative.
+/// One comparison as a function of the delay: its difference and derivative there.
 struct DelayTerm {
     std::int64_t arc = 0;
     double time_s = 0.0;
@@ -69,9 +69,10 @@ std::vector<DelayTerm> delay_terms(const Knots& knots, const std::vector<Compari
     return terms;
 }
 
-/// The comparisons that can tell a delay: acceleration that is not just noise (95 %), and the
-/// whole range of delays inside the arc, so that every delay is judged by the same epochs. Epochs
-/// that stand still are thereby left out, and cannot make the scale too small for the others.
+/// The comparisons that contribute to the delay. Their acceleration must exceed noise (95 %), and
+/// the whole range of delays must lie inside the arc, so that every delay is judged by the same
+/// epochs. Epochs at a standstill thereby drop out, and cannot make the scale too small for the
+/// others.
 std::vector<Comparison> accelerating(const Knots& knots, const Motion& motion,
                                      const std::vector<Comparison>& comparisons,
                                      double delay_max_s) {
@@ -88,7 +89,8 @@ std::vector<Comparison> accelerating(const Knots& knots, const Motion& motion,
     return chosen;
 }
 
-/// Huber's function of the norm (in scales), quadratic up to here: 86 % of normal errors.
+/// Limit of the quadratic part of Huber's function, in scales of the norm: 86 % of normal errors
+/// lie within.
 constexpr double huber_bend = 2.0;
 
 double huber(double x) {
@@ -98,9 +100,9 @@ double huber_weight(double x) {
     return x <= huber_bend ? 1.0 : huber_bend / x;
 }
 
-/// Standard deviation of the M-estimate by the sandwich: curvature of the criterion, and the sum of
-/// its terms' covariances over two seconds (Bartlett weights, [NW87]), because
-/// neighbouring differences share the errors of the smoothed motion.
+/// Standard deviation of the M-estimate by the sandwich formula. It combines the curvature of the
+/// criterion with the sum of its terms' covariances over two seconds (Bartlett weights, [NW87]),
+/// because neighbouring differences share the errors of the smoothed motion.
 double delay_sigma(const std::vector<DelayTerm>& terms, double scale, double interval_s) {
     const double span_s = std::max(2.0, 3.0 * interval_s);
     double curvature = 0.0, white = 0.0, correlated = 0.0;
@@ -132,7 +134,7 @@ struct CoarseDelay {
     bool at_limit = false;
 };
 
-/// Some thousand of them, as far apart as they lie: a grid needs no more.
+/// A few thousand comparisons, evenly spread: enough for a grid.
 std::vector<Comparison> spread(const std::vector<Comparison>& all) {
     constexpr std::size_t enough = 2000;
     const std::size_t stride = 1 + all.size() / (2 * enough);
@@ -142,7 +144,7 @@ std::vector<Comparison> spread(const std::vector<Comparison>& all) {
     return chosen;
 }
 
-/// The delay on a grid over the whole range that has the least Huber criterion, in the scale of
+/// The delay with the least Huber criterion on a grid over the whole range. Its scale is that of
 /// the grid's least median [Rousseeuw84], which up to half of the epochs cannot spoil.
 CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& all,
                          double delay_max_s) {
@@ -157,7 +159,7 @@ CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& all,
             squares.push_back(term.difference.squaredNorm());
         coarse.scale = std::min(coarse.scale, scale_of(median(squares), 0.5));
     }
-    // Noise-free velocities would leave nothing to divide by.
+    // A floor, because noise-free velocities would make the divisor zero.
     coarse.scale = std::max(coarse.scale, 1e-6);
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t g = 0; g < grid.size(); ++g) {
@@ -192,7 +194,7 @@ Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector
             along += weight * term.acceleration.dot(term.difference);
             squares += weight * term.acceleration.squaredNorm();
         }
-        // The derivative of a difference by the delay is the acceleration.
+        // The derivative of a difference with respect to the delay is the acceleration.
         const double next_s = std::clamp(delay_s - along / squares, coarse.delay_s - coarse.step_s,
                                          coarse.delay_s + coarse.step_s);
         const bool settled = std::abs(next_s - delay_s) < 1e-7;

@@ -9,14 +9,13 @@
 
 #include "estimation/epoch_motion.h"
 
-// The delay of recorded velocities behind the positions: the part of the velocity check that
-// estimates.
+// Estimates the delay of recorded velocities relative to the positions, for the velocity check.
 
 namespace runcert::velocities {
 
 inline constexpr std::size_t least_comparisons = 30;
 
-/// A velocity at a time of an arc, with its slope.
+/// A velocity at a time of an arc, with its acceleration.
 struct Knot {
     std::size_t row = 0;
     std::int64_t arc = 0;
@@ -27,12 +26,12 @@ struct Knot {
 };
 using Knots = std::vector<Knot>;
 
-/// The first of the two knots about `time_s` in the arc of knot `near`, where the search starts.
-/// Nothing outside the arc.
+/// The first of the two knots around `time_s`, in the arc of knot `near`, where the search starts.
+/// Empty outside the arc.
 std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, double time_s);
 
-/// Velocity and acceleration between knots by the cubic that has both at either end (Hermite);
-/// the covariance linearly between theirs. Nothing outside the arc.
+/// Velocity and acceleration between knots, by the cubic that has both at either end (Hermite). The
+/// covariance is interpolated linearly. Empty outside the arc.
 std::optional<Knot> motion_at(const Knots& knots, std::size_t near, double time_s);
 
 /// A usable row with a recorded velocity, and the knot of its smoothed motion.
@@ -42,58 +41,61 @@ struct Comparison {
 };
 
 struct Delay {
-    std::optional<double> delay_s;  ///< empty if not told
+    std::optional<double> delay_s;  ///< empty if undetermined
     double sigma_s = 0.0;
 };
 
-/// Standard deviation for each axis of two-dimensional vectors whose squared norm has the given
-/// quantile at `probability`, for normal errors.
+/// Standard deviation on each axis of normally distributed two-dimensional vectors whose squared
+/// norm has the quantile `squared_norm` at `probability`.
 double scale_of(double squared_norm, double probability);
 
-/// The delay d of v_recorded(t) = v(t - d), looked for between minus and plus `limit_s`, by a Huber
-/// M-estimate, refined from a grid by reweighted least squares. Not told where hardly any epoch
-/// accelerates, where the criterion is least at the limit of the range, or where its standard
-/// uncertainty is over half an interval.
+/// The delay d of v_recorded(t) = v(t - d), between minus and plus `limit_s`. It is a Huber
+/// M-estimate, refined from a grid by reweighted least squares. Undetermined where hardly any epoch
+/// accelerates, where the criterion is least at the end of the range, or where the standard
+/// uncertainty exceeds half an interval.
 Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
                      double limit_s, double interval_s);
 
 }  // namespace runcert::velocities
 
-// The delay of recorded speeds by their lengths alone: over a wide range, and along the recording.
+// Estimates the delay of recorded speeds from their magnitudes alone: over a wide range, and along
+// the recording.
 
 namespace runcert::velocities {
 
-/// Delays are looked for between minus and plus this: watches were seen to lose a minute.
+/// Delays are searched between minus and plus this. Watches have been seen to lose a minute.
 inline constexpr double delay_range_s = 120.0;
 
-/// A row of a recording: the speed that its positions make, and the recorded one (m/s).
+/// A row of a recording: the speed computed from its positions, and the recorded one (m/s).
 struct SpeedPair {
     double time_s = 0.0;
     std::optional<double> by_positions_m_s = std::nullopt;
     std::optional<double> recorded_m_s = std::nullopt;
 };
 
-/// A part of a recording with one delay.
+/// A part of a recording with a single delay.
 struct DelayStretch {
-    std::size_t first = 0, last = 0;  ///< of the pairs
+    std::size_t first = 0, last = 0;  ///< indices into the pairs
     double delay_s = 0.0;
     double sigma_s = 0.0;
-    /// Mean of the differences of the speeds, without their signs: at this delay, and at the best
-    /// within the limit; of the recorded speeds by their factor.
+    /// Mean absolute difference of the speeds, at this delay and at the best one within the limit.
+    /// Recorded speeds are divided by their factor.
     double difference_m_s = 0.0;
     double difference_within_m_s = 0.0;
 
     bool is_beyond(double limit_s) const;
 };
 
-/// The delays d of |v_recorded|(t) = c |v|(t - d), in order of time, with one factor c for all:
-/// those whose differences of the speeds, summed over time with a price for each change of the
-/// delay, are the least [Viterbi67].
-/// Of delays that explain the speeds alike the smaller is taken, and late rather than early. Left
-/// out are stretches of less than two minutes (half of a shorter recording, a minute at least),
-/// those of which the delay leaves more than three tenths of what the speeds change by, and delays
-/// beyond `limit_s` that explain no fifth more than the best within it. `pairs`: rows in the
-/// recording's order; a time that goes back begins another session. Never fails.
+/// The delays d of |v_recorded|(t) = c |v|(t - d), in order of time, with one factor c for all.
+/// They minimise the differences of the speeds, integrated over time, plus a price for each change
+/// of the delay [Viterbi67].
+///
+/// Of delays that explain the speeds equally well, the smaller is taken, and a late one rather than
+/// an early one. Some stretches are left out: those shorter than two minutes (half of a shorter
+/// recording, but at least a minute), those whose delay leaves more than three tenths of the
+/// variation of the speeds unexplained, and those beyond `limit_s` that do not explain a fifth more
+/// than the best within it. `pairs` are rows in the recording's order. A time that goes back begins
+/// another session. Never fails.
 std::vector<DelayStretch> delays_along(std::span<const SpeedPair> pairs, double limit_s);
 
 }  // namespace runcert::velocities

@@ -13,19 +13,19 @@ using Pairs = std::span<const SpeedPair>;
 using Places = std::vector<double>;
 
 constexpr std::size_t bins_of_block = 10;
-/// A stretch tells no delay by fewer bins; nor in less time, or half of a shorter recording,
-/// which is a minute at least.
+/// A stretch determines no delay with fewer bins, or in less time. For a recording shorter than
+/// twice this time, the limit is half of it, but at least a minute.
 constexpr std::size_t least_bins = 30;
 constexpr double least_s = 120.0;
-/// The price of a change of the delay: what the speeds change by in so many seconds.
+/// The price of a change of the delay: the spread of the speeds times this many seconds.
 constexpr double change_s = 30.0;
-/// What the speeds must change by (m/s, mean), and the part of it that a delay leaves at most.
+/// Least spread of the speeds (m/s, mean), and the largest fraction of it that a delay may leave.
 constexpr double least_change_m_s = 0.2;
 constexpr double unexplained = 0.3;
 constexpr double better_than_within = 0.8;
 
-/// Times (s) without the long gaps, and without a clock that is set back: delays reach over
-/// neither.
+/// Times (s) with long gaps and backward steps of the clock removed. No delay reaches across
+/// either.
 Places places_of(Pairs pairs) {
     constexpr double apart_s = 2.0 * delay_range_s;
     Places places;
@@ -45,15 +45,16 @@ double median_step_s(const Places& places) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// Both speeds in steps of one length, NaN where there is none.
+/// Both speeds averaged in bins of equal length, NaN where there is none.
 struct Binned {
     double interval_s = 1.0;  ///< between rows
     double step_s = 1.0;
-    std::ptrdiff_t range = 0;  ///< of delays, in steps
+    std::ptrdiff_t range = 0;  ///< largest delay, in steps
     std::vector<double> by_positions, recorded;
-    double spread_m_s = 0.0;  ///< mean difference from their median, without sign
+    double spread_m_s = 0.0;  ///< mean absolute difference from their median
 
-    /// A bin that has both speeds; where there is no motion at the delay, a part of the spread.
+    /// The difference in a bin that has both speeds. Where the motion at the delay is unknown, a
+    /// fraction of the spread replaces it.
     double difference(std::size_t bin, std::ptrdiff_t delay) const {
         constexpr double unknown = 0.25;
         const auto by = at(bin, delay);
@@ -70,10 +71,11 @@ struct Binned {
     }
 };
 
-/// How many times those by positions the recorded speeds are, whatever their delay: by the medians
-/// of both among as many of the fastest as move at half the speed of nearly the fastest or more.
+/// Ratio of the recorded speeds to those by positions, whatever their delay. Takes the medians of
+/// both over equally many of the fastest: those that move at half the speed of nearly the fastest
+/// or more.
 double scale_of_speeds(Pairs pairs) {
-    constexpr double nearly_all = 0.98;  // the rest may be wrong
+    constexpr double nearly_all = 0.98;  // the rest may be outliers
     std::vector<double> recorded, by_positions;
     for (const SpeedPair& pair : pairs) {
         if (!pair.recorded_m_s || !pair.by_positions_m_s) continue;
@@ -106,7 +108,7 @@ std::vector<double> means(Pairs pairs, const Places& places, double step_s,
     return sums;
 }
 
-/// Nothing where there is too little to compare.
+/// The binned speeds. Empty where there is too little to compare.
 std::optional<Binned> binned(Pairs pairs, const Places& places) {
     Binned bins;
     bins.interval_s = median_step_s(places);
@@ -125,7 +127,7 @@ std::optional<Binned> binned(Pairs pairs, const Places& places) {
     return bins;
 }
 
-/// The differences of a block of bins, summed over time (m), at each delay of the range.
+/// The differences in a block of bins, integrated over time (m), at each delay of the range.
 std::vector<double> costs_of_block(const Binned& bins, std::size_t first) {
     std::vector<double> costs;
     const std::size_t end = std::min(first + bins_of_block, bins.recorded.size());
@@ -143,7 +145,8 @@ std::vector<std::ptrdiff_t> delays_of_blocks(const Binned& bins) {
     const std::size_t blocks = (bins.recorded.size() + bins_of_block - 1) / bins_of_block;
     const auto states = static_cast<std::size_t>(2 * bins.range + 1);
     const double price_m = change_s * bins.spread_m_s;
-    // Late rather than early, and as little of either as explains the speeds.
+    // Favours late over early delays, and small over large ones, where they explain the speeds
+    // equally.
     constexpr double late = 0.05, early = 0.5;
     std::vector<double> least(states);
     for (std::size_t s = 0; s < states; ++s) {
@@ -179,8 +182,8 @@ struct Run {
     std::ptrdiff_t delay = 0;
 };
 
-/// The mean differences of a run, where the motion of its delay is known; nothing where they tell
-/// no delay.
+/// The mean differences of a run, where the motion at its delay is known. Empty where they
+/// determine no delay.
 std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, double limit_s) {
     const auto limit = static_cast<std::ptrdiff_t>(std::ceil(limit_s / bins.step_s));
     std::vector<double> within(static_cast<std::size_t>(2 * limit + 1), 0.0);
@@ -213,7 +216,7 @@ std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, doubl
     return told;
 }
 
-/// Speeds by positions between rows, linearly; not over a gap.
+/// Speed by positions, interpolated linearly between rows but not over a gap.
 std::optional<double> speed_at(Pairs pairs, const Places& places, double place_s, double gap_s) {
     const auto after = std::ranges::upper_bound(places, place_s);
     if (after == places.begin() || after == places.end()) return std::nullopt;
@@ -225,8 +228,8 @@ std::optional<double> speed_at(Pairs pairs, const Places& places, double place_s
            part * (*pairs[b].by_positions_m_s - *pairs[a].by_positions_m_s);
 }
 
-/// Mean square of the differences of a stretch at a delay, at some thousand rows as far apart as
-/// they lie; nothing where the motion there is not known.
+/// Mean square of a stretch's differences at a delay, at a few thousand rows that are evenly
+/// spread. Empty where the motion there is unknown.
 std::optional<double> mean_square(Pairs pairs, const Places& places, const DelayStretch& stretch,
                                   double delay_s, double gap_s) {
     constexpr std::size_t enough = 4000;
@@ -242,8 +245,8 @@ std::optional<double> mean_square(Pairs pairs, const Places& places, const Delay
     return count > 0.0 ? std::optional(sum / count) : std::nullopt;
 }
 
-/// The delay of least squares among whole intervals of the recording near that of the bins. Its
-/// standard uncertainty takes errors to last for two seconds.
+/// The least-squares delay among whole intervals of the recording near that of the bins. Its
+/// standard uncertainty assumes errors that last for two seconds.
 void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_s,
             DelayStretch& stretch) {
     constexpr double lasting_s = 2.0;
@@ -262,8 +265,9 @@ void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_
         least = square;
         stretch.delay_s = delay_s;
     }
-    // Motion that repeats itself fits a period later as well, and may do so better by chance than
-    // the nearest whole interval: the best within the limit, more finely, must be clearly worse.
+    // Periodic motion fits one period later as well, by chance perhaps better than at the nearest
+    // whole interval. The best delay within the limit, found on a finer grid, must therefore be
+    // clearly worse.
     constexpr double clearly = better_than_within * better_than_within;
     constexpr double parts = 8.0;
     double least_within = std::numeric_limits<double>::infinity(), within_s = 0.0;

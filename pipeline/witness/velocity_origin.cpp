@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::size_t least_compared = 30;
 constexpr int longest_mean = 5;
-/// A step longer than this many of the median is a gap.
+/// Steps longer than this many medians are gaps.
 constexpr double gap_factor = 1.5;
-/// Of a difference's noise: a speed that lies nearer was made from the same errors.
+/// Fraction of a difference's noise. Speeds that lie closer were made from the same errors.
 constexpr double share_of_noise = 0.2;
-/// Of the standard deviation of rounding: within this a speed may be the rounded difference, and
-/// below twice this a difference's noise does not stand out.
+/// Multiple of the standard deviation of rounding. Within it a speed may be the rounded difference;
+/// below twice this, the noise of a difference does not stand out.
 constexpr double share_of_rounding = 2.0;
-/// Devices write speeds no finer than this; what turns axes hides how fine.
+/// Finest resolution with which devices write speeds. A rotation of the axes hides the resolution.
 constexpr double finest_speed_m_s = 0.01;
 constexpr double normal_from_median = 1.4826;
 
@@ -31,7 +31,7 @@ double rounding_deviation(double step) {
     return step / std::sqrt(12.0);
 }
 
-/// Scatter about zero.
+/// Robust scatter about zero.
 double robust_scatter(std::vector<double> residuals) {
     for (double& residual : residuals)
         residual = std::abs(residual);
@@ -46,7 +46,7 @@ double median_step_of(Rows rows) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// Velocity from each row's predecessor to it; nothing across a gap.
+/// Velocity from each row's predecessor to the row. Empty across a gap.
 Vectors backward_differences(Rows rows, double step_s) {
     Vectors differences(rows.size());
     for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -70,8 +70,8 @@ Vectors differences_of(const Vectors& backward, Difference kind) {
     return result;
 }
 
-/// The white noise of the positions (m, each coordinate): the smallest that differences of some
-/// order show. A difference of order k has a variance of binomial(2 k, k) times theirs.
+/// The white noise of the positions (m, each coordinate): the smallest that the differences of any
+/// order show. A difference of order k has binomial(2 k, k) times their variance.
 double position_noise_m(const Vectors& backward, double step_s) {
     constexpr std::array<double, 4> gain{20.0, 70.0, 252.0, 924.0};  // orders 3 to 6
     double noise_m = std::numeric_limits<double>::infinity();
@@ -94,7 +94,7 @@ double position_noise_m(const Vectors& backward, double step_s) {
     return std::isfinite(noise_m) ? noise_m : 0.0;
 }
 
-/// What a unit of white position noise makes a scheme scatter by, along an axis (1/s).
+/// Scatter of a scheme along an axis for unit white position noise (1/s).
 double noise_gain(Difference kind, int mean_over, double step_s) {
     std::vector<double> weight(static_cast<std::size_t>(mean_over) + 2, 0.0);
     const std::size_t span = kind == Difference::central ? 2 : 1;
@@ -108,13 +108,13 @@ double noise_gain(Difference kind, int mean_over, double step_s) {
     return std::sqrt(squares) / (mean_over * static_cast<double>(span) * step_s);
 }
 
-/// The recorded speeds less those of a scheme, where both are there.
+/// The recorded speeds minus those of a scheme, where both exist.
 std::vector<double> residuals_of(Rows rows, const Vectors& differences, int before, int after) {
     std::vector<double> residuals;
     const auto size = std::ssize(rows);
     for (std::ptrdiff_t i = before; i + after < size; ++i) {
         const auto& speed = rows[static_cast<std::size_t>(i)].speed_m_s;
-        if (!speed || *speed <= 0.0) continue;  // devices write zero for what is slow
+        if (!speed || *speed <= 0.0) continue;  // devices write zero for slow motion
         Eigen::Vector2d sum = Eigen::Vector2d::Zero();
         bool whole = true;
         for (std::ptrdiff_t j = i - before; j <= i + after; ++j) {
@@ -127,7 +127,7 @@ std::vector<double> residuals_of(Rows rows, const Vectors& differences, int befo
     return residuals;
 }
 
-/// One scheme's answer; `independent` where the speeds are not its differences.
+/// The judgement on one scheme: `independent` where the speeds are not its differences.
 OriginFound judged(OriginFound scheme, std::vector<double> residuals, double rounding_m_s) {
     scheme.compared = residuals.size();
     if (scheme.compared < least_compared) return scheme;
@@ -140,8 +140,8 @@ OriginFound judged(OriginFound scheme, std::vector<double> residuals, double rou
     return scheme;
 }
 
-/// Whether an answer is to be given rather than another: one that is sure of the positions, then a
-/// doubt, then the nearest.
+/// Whether answer `a` takes precedence over `b`: first one that certainly finds positions, then a
+/// doubtful one, then the nearest.
 bool outweighs(const OriginFound& a, const OriginFound& b) {
     const auto rank = [](const OriginFound& each) {
         if (each.compared < least_compared) return 3;
@@ -164,7 +164,7 @@ double speed_resolution_m_s(Rows rows) {
         if (const double gap = speeds[i] - speeds[i - 1]; gap > 2.0 * written_to_m_s)
             step = std::min(step, gap);
     if (!std::isfinite(step) || step < finest_speed_m_s) return finest_speed_m_s;
-    // The smallest gap has the errors of two writings; a mean over many steps has not.
+    // The smallest gap contains two rounding errors; a mean over many steps does not.
     const double steps = std::round(speeds.back() / step);
     if (steps > 0.0) step = speeds.back() / steps;
     const bool all = std::all_of(speeds.begin(), speeds.end(), [&](double speed) {

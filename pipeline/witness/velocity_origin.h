@@ -7,7 +7,7 @@
 
 namespace runcert::velocities {
 
-/// A recorded position in the plane with the recorded horizontal speed beside it.
+/// A recorded horizontal position and the horizontal speed recorded with it.
 struct SpeedBesidePosition {
     double time_s = 0.0;
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
@@ -15,43 +15,42 @@ struct SpeedBesidePosition {
 };
 
 enum class Origin {
-    independent,  ///< no difference of the positions gives them
-    positions,    ///< the device computed them from its positions: they witness nothing
-    unclear,      ///< too few, or what is recorded is too coarse beside the positions' noise
+    independent,  ///< no difference of the positions reproduces them
+    positions,    ///< the device computed them from its positions, so they are no witness
+    unclear,      ///< too few, or rounded too coarsely relative to the positions' noise
 };
 
-/// The difference of positions: between an epoch and the one before, the one after, or both.
+/// How positions are differenced: from the previous epoch, to the next, or between both.
 enum class Difference { backward, forward, central };
 
 struct OriginFound {
     Origin origin = Origin::unclear;
-    /// The difference that comes nearest to the speeds, meaned over the epochs from `before` ahead
-    /// of each to `after` behind it.
+    /// The difference nearest to the speeds, averaged over `before` epochs before each epoch to
+    /// `after` epochs after it.
     Difference difference = Difference::backward;
     int before = 0, after = 0;
-    double residual_m_s = 0.0;  ///< robust scatter of the speeds about it
-    double noise_m_s = 0.0;     ///< what the positions' white noise makes it scatter by
-    std::size_t compared = 0;   ///< epochs
+    double residual_m_s = 0.0;  ///< robust scatter of the speeds around it
+    double noise_m_s = 0.0;     ///< scatter expected from the positions' white noise
+    std::size_t compared = 0;   ///< number of epochs
 };
 
-/// The white noise of the positions (m, each coordinate) by their differences of third to sixth
-/// order, of which the smallest counts, so that motion does not pass for noise; 0 where there are
-/// too few.
+/// The white noise of the positions (m, each coordinate), from their differences of third to sixth
+/// order. The smallest counts, so that motion is not taken for noise. 0 where there are too few.
 double white_noise_m(std::span<const SpeedBesidePosition> rows);
 
-/// The step (m/s) that all speeds are multiples of; 0.01 where it is finer, or hidden.
+/// The step (m/s) that all speeds are multiples of. 0.01 where it is finer, or cannot be seen.
 double speed_resolution_m_s(std::span<const SpeedBesidePosition> rows);
 
-/// Whether recorded speeds are differences of the recorded positions, and of which kind.
+/// Whether recorded speeds are differences of the recorded positions, and of which type.
 ///
-/// A speed measured on its own differs from every difference of positions by at least the noise
-/// that the positions' white errors (`white_noise_m`) give that difference. Speeds that lie within
-/// a fifth of it, beyond rounding, were computed from the positions. Where rounding alone would
-/// hide it the answer is `unclear`.
+/// An independently measured speed differs from every difference of positions by at least that
+/// difference's noise, which the positions' white errors cause (`white_noise_m`). Speeds within a
+/// fifth of this noise, beyond rounding, were computed from the positions. Where rounding alone
+/// would hide this, the answer is `unclear`.
 ///
-/// `rows`: in order of time, s and m; gaps are allowed. `position_resolution_m`: what the positions
-/// are rounded to. Only the lengths of velocities are compared, so a rounded course does no harm.
-/// Never fails.
+/// `rows` are in order of time, in s and m; gaps are allowed. `position_resolution_m` is the
+/// rounding of the positions. Only magnitudes of velocities are compared, so a rounded course has
+/// no effect. Never fails.
 OriginFound origin_of_speeds(std::span<const SpeedBesidePosition> rows,
                              double position_resolution_m);
 

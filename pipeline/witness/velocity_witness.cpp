@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::array spans_s{3.0, 10.0, 30.0, 100.0, 300.0};
 
-/// Integral of the cubic through values and slopes at both ends of a step, from its beginning to
-/// the part `s` of it.
+/// Integral, over the fraction `s` of a step, of the cubic with these values and slopes at its
+/// ends.
 template <class Value>
 Value hermite_integral(double step_s, double s, const Value& before, const Value& after,
                        const Value& slope_before, const Value& slope_after) {
@@ -31,7 +31,7 @@ Value hermite(double step_s, double s, const Value& before, const Value& after,
            step_s * ((s - 2.0 * s2 + s3) * slope_before + (s3 - s2) * slope_after);
 }
 
-/// The slope of a sample's velocity by its neighbours of the same stretch.
+/// The slope of the velocity at a sample, from its neighbours in the same stretch.
 template <int Axes>
 PositionVector<Axes> slope_at(const std::vector<TimedVelocity<Axes>>& samples, std::size_t k) {
     const bool before = k > 0 && samples[k - 1].stretch == samples[k].stretch;
@@ -129,7 +129,8 @@ PositionVector<Axes> VelocityWitness<Axes>::moved_beyond(const Place& place) con
            0.5 * place.beyond_s * place.beyond_s * slopes_[place.sample];
 }
 
-/// Of a white jerk, from a velocity that is known and a slope that is a step old.
+/// Variance caused by a white jerk, starting from a known velocity and a slope that is one step
+/// old.
 template <int Axes>
 double VelocityWitness<Axes>::variance_beyond(const Place& place) const {
     if (place.beyond_s == 0.0) return 0.0;
@@ -147,7 +148,7 @@ PositionVector<Axes> VelocityWitness<Axes>::moved_in_step(std::size_t k, double 
                             slopes_[k], slopes_[k + 1]);
 }
 
-/// By Simpson's rule.
+/// Integrated by Simpson's rule.
 template <int Axes>
 double VelocityWitness<Axes>::path_in_step(std::size_t k, double part) const {
     return step_s(k) * part / 6.0 *
@@ -178,7 +179,8 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
     if (from.part > 0.0) motion.displacement_m -= moved_in_step(from.sample, from.part);
     motion.displacement_m += moved_beyond(to) - moved_beyond(from);
     const std::size_t last = to.sample + (to.part > 0.0 ? 1 : 0);
-    // Of the integral over a step between known velocities and slopes, under a white jerk.
+    // Variance factor of the integral over a step between known velocities and slopes, under a
+    // white jerk.
     constexpr double of_step = 1.0 / 720.0;
     const double between_samples =
         jerk_density_ * jerk_density_ * of_step * (unseen_[last] - unseen_[from.sample]);
@@ -229,7 +231,7 @@ EstimatedVelocityErrors<Axes> estimate_velocity_errors(
         sigmas.push_back(one.sigma_m);
     if (sigmas.empty()) return estimated;
     const double sigma_m = median(std::move(sigmas));
-    // At twice what is stated at both ends, positions explain nearly all that they could.
+    // Twice the stated errors at both ends bounds nearly all that positions can explain.
     const double by_positions = 2.0 * (2.0 * sigma_m) * (2.0 * sigma_m);
     for (const double span_s : spans_s) {
         const auto spread = displacement_spread(witness, positions, span_s);

@@ -8,13 +8,14 @@
 
 namespace runcert {
 
-/// How far the craft moved between two instants, as a witness has it.
+/// The displacement of the craft between two instants, according to a witness.
 template <int Axes>
 struct WitnessedMotion {
     PositionVector<Axes> displacement_m = PositionVector<Axes>::Zero();
-    PositionMatrix<Axes> covariance_m2 = PositionMatrix<Axes>::Identity();  ///< of that error
-    std::int64_t satellites = 0;  ///< that it rests on; 0 of a witness that has none of its own
-    bool confirms = true;  ///< false: fitted to the positions there, it can only contradict them
+    PositionMatrix<Axes> covariance_m2 = PositionMatrix<Axes>::Identity();  ///< of its error
+    std::int64_t satellites = 0;  ///< number of satellites behind it; 0 for a witness without its
+                                  ///< own
+    bool confirms = true;  ///< false: fitted to the positions there, so it can only contradict them
 };
 
 struct TimeSpan {
@@ -22,28 +23,28 @@ struct TimeSpan {
     double last_s = 0.0;
 };
 
-/// Anything that says how far the craft moved between two instants and does not come from the
-/// positions: recorded velocities, carrier phases, a second receiver, a wheel, gates. Each has its
-/// own error model; what it cannot see it does not answer.
+/// An independent source for the craft's displacement between two instants, one not derived from
+/// the positions: recorded velocities, carrier phases, a second receiver, a wheel, gates. Each has
+/// its own error model, and gives no answer about what it cannot see.
 template <int Axes>
 class Witness {
   public:
     virtual ~Witness() = default;
 
-    /// From one instant (s) to a later one, on the time scale of the positions; nothing where the
-    /// witness does not cover all of it.
+    /// Displacement from one instant (s) to a later one, on the time scale of the positions. Empty
+    /// where the witness does not cover all of it.
     virtual std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const = 0;
 
-    /// The first and the last instant (s) that it knows anything of.
+    /// The first and the last instant (s) that it knows anything about.
     virtual TimeSpan covered() const = 0;
 
-    /// Length (m) of the path between, as uncertain as the displacement along it; nothing where the
-    /// witness does not tell it.
+    /// Length (m) of the path between two instants, as uncertain as the displacement along it.
+    /// Empty where the witness does not determine it.
     virtual std::optional<double> path_between(double from_s, double to_s) const = 0;
 };
 
-/// A figure from positions beside the same figure from a witness, with the standard uncertainties
-/// of both, which are independent.
+/// A figure by positions and the same figure by a witness, with their independent standard
+/// uncertainties.
 struct WitnessedFigure {
     double by_position = 0.0;
     double by_witness = 0.0;
@@ -52,17 +53,17 @@ struct WitnessedFigure {
 
     double difference() const { return by_position - by_witness; }
 
-    /// E_n at k = 2 (ISO/IEC 17043): above 1 the two contradict one another.
+    /// E_n at k = 2 (ISO/IEC 17043). Above 1 the two contradict each other.
     double normalised_error() const {
         return std::abs(difference()) /
                (2.0 * std::hypot(uncertainty_by_position, uncertainty_by_witness));
     }
 };
 
-/// By how much the difference from the witness is the positions' error, 0 to 1: of two independent
-/// errors of these standard deviations whose difference is known, the first is expected to be this
-/// part of it, and its variance falls to the product of the two over their sum (the weighted
-/// mean's).
+/// Expected share, 0 to 1, of the positions in the difference from the witness. For two independent
+/// errors with these standard deviations and a known difference, the first is expected to be this
+/// fraction of it. Its variance is then that of the weighted mean: the product of the two variances
+/// divided by their sum.
 inline double share_of_position(double sigma_position, double sigma_witness) {
     const double of_position = sigma_position * sigma_position;
     const double of_both = of_position + sigma_witness * sigma_witness;

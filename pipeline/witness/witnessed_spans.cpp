@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d;
 
-/// A displacement by positions less that by the witness, over one span.
+/// The displacement by positions minus that by the witness, over one span.
 template <int Axes>
 struct SpanDifference {
     PositionVector<Axes> difference_m = PositionVector<Axes>::Zero();
@@ -24,7 +24,7 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
                                                    std::span<const TimedPosition<Axes>> positions,
                                                    double span_s) {
     constexpr double tolerance = 1e-6;
-    constexpr double spans_apart = 0.1;  // a tenth of the length; more often says nothing new
+    constexpr double spans_apart = 0.1;  // one tenth of the length; closer spans add nothing new
     std::vector<SpanDifference<Axes>> differences;
     std::size_t to = 0;
     double next_s = -std::numeric_limits<double>::infinity();
@@ -39,7 +39,7 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
         const auto path_m = witness.path_between(from.time_s, last.time_s);
         if (!moved || !path_m) continue;
         const double length_s = last.time_s - from.time_s;
-        // By the variance of a span's own length: it may be longer by one interval.
+        // Scaled by the variance of the span's own length, which may be one interval longer.
         differences.push_back(
             {.difference_m = std::sqrt(span_s / length_s) *
                              (last.position - from.position - moved->displacement_m),
@@ -49,7 +49,7 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
     return differences;
 }
 
-/// The last position of each one's stretch.
+/// For each position, the last index of its stretch.
 std::vector<std::size_t> ends_of_stretches(std::span<const TimedPosition<2>> positions) {
     std::vector<std::size_t> ends(positions.size());
     for (std::size_t k = positions.size(); k-- > 0;)
@@ -78,7 +78,7 @@ void set_core(std::span<const TimedPosition<2>> positions, const Witness<2>& wit
     }
 }
 
-/// By how much the displacement of a span may differ by the positions' errors, m^2, each axis.
+/// Variance of a span's displacement from the positions' errors, m^2, each axis.
 double variance_of_span(const TimedPosition<2>& begin, const TimedPosition<2>& end,
                         const SpanTest& test) {
     const double stated = begin.sigma_m * begin.sigma_m + end.sigma_m * end.sigma_m;
@@ -108,7 +108,7 @@ std::optional<DisplacementSpread> displacement_spread(
         if (one.speed_m_s >= least_m_s) squares.push_back(one.difference_m.squaredNorm());
     DisplacementSpread spread{.span_s = span_s, .spans = std::ssize(squares)};
     spread.least_speed_m_s = least_m_s;
-    // Spans follow one another by a tenth of their length, or by an interval where that is more.
+    // Consecutive spans are a tenth of their length apart, or one interval if that is longer.
     const double interval_s = (positions.back().time_s - positions.front().time_s) /
                               static_cast<double>(std::max<std::size_t>(positions.size(), 2) - 1);
     spread.independent =

@@ -11,12 +11,12 @@ namespace runcert {
 namespace {
 
 constexpr double farthest_s = 0.25;
-/// Of the speed by the positions beside a gate.
+/// Of the speed that the positions give at a gate.
 constexpr double sigma_speed_m_s = 0.1;
-/// Across the course nothing is known.
+/// Large, because gates do not observe motion across the course.
 constexpr double sigma_across_m = 100.0;
 
-/// The way of the craft in a time after a passage, or before it, and its variance.
+/// The craft's displacement along its way a time after a passage, or before it.
 double way_after(const GatePassage& passage, double time_s) {
     return passage.speed_m_s * time_s + 0.5 * passage.acceleration_m_s2 * time_s * time_s;
 }

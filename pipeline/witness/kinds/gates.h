@@ -15,27 +15,26 @@ namespace runcert {
 /// The passage of a timing gate.
 struct GatePassage {
     double time_s = 0.0;      ///< on the time scale of the positions
-    double distance_m = 0.0;  ///< from the first gate, along the course
-    /// Of the craft there, by its positions: for the little that a window begins or ends beside the
-    /// gate, and for the direction of the way between two.
+    double distance_m = 0.0;  ///< along the course from the first gate
+    /// Position and motion of the craft there, from its positions. They extend the way from the
+    /// gate to a nearby instant, and give its direction.
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
     double speed_m_s = 0.0;
     double acceleration_m_s2 = 0.0;  ///< in the direction of travel
-    std::int64_t stretch = 0;        ///< nothing is known of the way between two
-    /// What the distance is uncertain by beside the errors of all, from the stretch's first on: by
-    /// what lasts, and by what does not.
+    std::int64_t stretch = 0;        ///< between different stretches the way is unknown
+    /// Uncertainty of the distance beyond the errors common to all passages, accumulated since the
+    /// stretch's first: a lasting part and a variance of independent parts.
     double lasting_sigma_m = 0.0;
     double variance_m2 = 0.0;
 };
 
-/// The craft at a time, as the passage of a gate at no distance; nothing where the track tells
-/// nothing near it.
+/// The craft's passage at a time, with distance 0. Empty where the track has no epoch near it.
 std::optional<GatePassage> passage_at(const Track& track, double time_s);
 
-/// The ways between neighbouring passages of one stretch.
+/// The ways between neighbouring passages of the same stretch.
 std::vector<Way> ways_between(const std::vector<GatePassage>& passages);
 
-/// Of what changes the acceleration between two measurements (standard deviation).
+/// Standard deviation of the jerk that changes the acceleration between two measurements.
 inline constexpr double sigma_jerk_m_s3 = 4.0;
 
 struct GateErrors {
@@ -43,21 +42,21 @@ struct GateErrors {
     double sigma_time_s = 0.0;      ///< of one passage
 };
 
-/// Surveyed timing gates on a straight course as a witness: the distance between the gates nearest
-/// to both instants, a quarter of a second away at most, moved to the instants by speed and
-/// acceleration. Across the course they say nothing.
+/// Surveyed timing gates on a straight course as a witness. The displacement is the distance
+/// between the gates nearest to the two instants, at most a quarter of a second away. Speed and
+/// acceleration extend it to the instants. Gates say nothing about motion across the course.
 class GateWitness final : public Witness<2> {
   public:
-    /// Passages with increasing times.
+    /// The times of the passages must increase.
     GateWitness(std::vector<GatePassage> passages, const GateErrors& errors);
 
     std::optional<WitnessedMotion<2>> between(double from_s, double to_s) const override;
     TimeSpan covered() const override;
     std::optional<double> path_between(double from_s, double to_s) const override;
 
-    /// Whether the ways between neighbouring gates are those between the positions there, more
-    /// exactly than the errors stated for the gates and the least that positions err by would let
-    /// them be but once in a hundred times.
+    /// Whether the distances between neighbouring gates match those between the positions there too
+    /// closely. That is so where chance would allow it only once in a hundred times, given the
+    /// errors stated for the gates and the smallest errors of positions.
     bool agrees_too_well() const;
 
   private:
@@ -67,8 +66,8 @@ class GateWitness final : public Witness<2> {
     GateErrors errors_;
 };
 
-/// Timing gates as a witness; `passages` are times and distances (m). Gates that the track does not
-/// pass in its arcs are left out; nothing where fewer than two are left.
+/// Timing gates as a witness. `passages` are times and distances (m). Gates outside the arcs of the
+/// track are left out. Empty where fewer than two are left.
 std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
                                         const GateErrors& errors, const Track& track);
 

@@ -1,6 +1,6 @@
 #include "witness/roster.h"
 
-// Carrier phases differenced in time: `phase_witness` and `phase_motion` make the witness.
+// Time-differenced carrier phases: `phase_witness` and `phase_motion` make the witness.
 
 namespace runcert::witnesses {
 namespace {

@@ -5,7 +5,7 @@
 namespace runcert::witnesses {
 namespace {
 
-/// It errs as the judged one does.
+/// Its errors are as likely and as large as those of the receiver under test.
 FaultPrior fault_of_receiver(const FaultPrior& positions) {
     return positions;
 }

@@ -4,17 +4,17 @@
 #include "witness/kinds/gates.h"
 #include "witness/roster.h"
 
-// Speeds by a radar gun or a speed trap: each is the mean over a stretch of the way, whose middle
-// is passed at its time; of a radar gun the stretch has no length.
+// Speeds by a radar gun or a speed trap. Each is the mean over a stretch whose middle is passed at
+// the given time. For a radar gun the stretch has zero length.
 
 namespace runcert {
 namespace {
 
-/// Between two measurements no further apart (s) the speed goes linearly.
+/// Between measurements at most this far apart (s), the speed is interpolated linearly.
 constexpr double longest_gap_s = 1.0;
 
-/// Where the stretches of the measurements begin and end, as gates are passed. Their errors last:
-/// what aims at the craft from the side, or is set up wrong, is wrong by the same all the time.
+/// The beginning and end of each measured stretch, as passages of gates. Their errors last: an
+/// instrument that aims from the side, or is set up wrongly, errs by the same amount all the time.
 std::vector<GatePassage> ends_of_stretches(const MeasuredSeries& series, const Track& track) {
     std::vector<GatePassage> ends;
     const SeriesSample* before = nullptr;

@@ -1,6 +1,7 @@
 #include "witness/roster.h"
 
-// Recorded velocities: `recorded_velocities` makes the witness, screening finds its errors.
+// Recorded velocities: `recorded_velocities` makes the witness, and screening determines its
+// errors.
 
 namespace runcert::witnesses {
 namespace {

@@ -15,7 +15,7 @@
 namespace runcert {
 namespace {
 
-/// No tyre rolls more alike from run to run.
+/// Least relative uncertainty: no tyre is more repeatable from run to run.
 constexpr double least_sigma = 1e-3;
 constexpr std::size_t fewest_runs = 2;
 
@@ -30,7 +30,7 @@ constexpr std::size_t fewest_epochs = 30;
 constexpr double largest_delay_s = 1.0;
 constexpr double delay_step_s = 0.02;
 
-/// Of the plane.
+/// Horizontal speed.
 double speed_of(const TrackEpoch& epoch) {
     return epoch.velocity_m_s.head<2>().norm();
 }
@@ -70,8 +70,8 @@ struct WheelDelay {
     double sigma_s = 0.0;
 };
 
-/// The delay of the best fit. Where the speed hardly changes, or the best lies at the end of the
-/// range, it is not known: then it is none, with the uncertainty of the range.
+/// The delay of the best fit. It is unknown where the speed hardly changes, or where the best lies
+/// at the end of the range. It is then zero, with an uncertainty that covers the range.
 WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
     std::vector<WheelFit> fits;
@@ -86,7 +86,7 @@ WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     const double curvature = (left - 2.0 * middle + right) / (delay_step_s * delay_step_s);
     if (!(curvature > 0.0)) return unknown_delay;
     const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
-    // Errors that last for a second: as many count as seconds.
+    // Errors are assumed to last for a second, so the seconds count as independent.
     const double seconds =
         std::max(1.0, static_cast<double>(best->epochs) * track.nominal_interval_s);
     WheelDelay delay;
@@ -95,10 +95,10 @@ WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     return delay.sigma_s < unknown_delay.sigma_s ? delay : unknown_delay;
 }
 
-/// Both paths over a span of 3 s or more while the craft moves fast.
+/// Both path lengths over a span of 3 s or more in which the craft moves fast.
 struct FastSpan {
     TimeSpan span;
-    Eigen::Vector2d velocities = Eigen::Vector2d::Zero();  ///< sum
+    Eigen::Vector2d velocities = Eigen::Vector2d::Zero();  ///< sum of the velocities
     double smoothed = 0.0;
     double wheeled = 0.0;
 
@@ -150,8 +150,8 @@ std::vector<WheelRun> runs_of(const std::vector<FastSpan>& spans) {
     return runs;
 }
 
-/// Samples with the scale that fits the run that each is nearest to: what a run's positions drift
-/// in proportion to the speed is no error of the wheel's.
+/// Samples scaled by the fit to the nearest run. A drift of that run's positions proportional to
+/// the speed then does not count as an error of the wheel.
 std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
                                         const std::vector<WheelRun>& runs) {
     const auto beside_s = [](const WheelRun& run, double time_s) {
@@ -165,8 +165,8 @@ std::vector<TimedVelocity<2>> as_fitted(std::vector<TimedVelocity<2>> samples,
     return samples;
 }
 
-/// Standard uncertainty of the scale that fits all: of the ratios of both paths, as many as do not
-/// overlap.
+/// Standard uncertainty of the scale fitted to all, from the ratios of both path lengths over spans
+/// that do not overlap.
 double sigma_of_scale(const std::vector<FastSpan>& spans) {
     constexpr double least = 1e-4;
     if (spans.size() < 3) return 0.01;
@@ -283,7 +283,7 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
 
 namespace {
 
-/// What was estimated of a wheel, and by which scale its speeds count.
+/// A sentence on the parameters estimated for a wheel and the scale in use.
 std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
     if (wheel.made_from_positions)
         return "The wheel's speeds keep to the positions more closely than a wheel can: they were "

@@ -20,7 +20,7 @@ struct TimedVelocity {
     double worse = 1.0;
 };
 
-/// Smallest error assumed for recorded velocities whose errors are estimated. Good receivers have
+/// Least error assumed for recorded velocities whose errors are estimated. Good receivers have
 /// been seen to err by this much.
 inline constexpr double least_velocity_sigma_m_s = 0.03;
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t passes_max = 200;
 
-/// Simpler hypotheses first; of two that say the same, the simpler is taken.
+/// Orders hypotheses by simplicity. Of two that are equivalent, the simpler is taken.
 int complexity(const Candidate& candidate) {
     if (candidate.manoeuvre) return 5;
     switch (candidate.hypothesis) {
@@ -33,20 +33,20 @@ int complexity(const Candidate& candidate) {
     }
 }
 
-/// Of the candidates, those that are accepted in one pass: the best supported, and others further
-/// from it than `reach` epochs.
+/// The candidates accepted in one pass: the best supported, and others more than `reach` epochs
+/// away.
 std::vector<Candidate> choose(std::vector<Candidate> candidates, std::size_t reach) {
     std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
         return std::tuple(a.log_tail, complexity(a), a.first) <
                std::tuple(b.log_tail, complexity(b), b.first);
     });
     std::vector<Candidate> chosen;
-    std::set<std::size_t> taken;  // first and last epochs of those chosen
+    std::set<std::size_t> taken;  // first and last epochs of the chosen candidates
     for (std::size_t i = 0; i < candidates.size(); ++i) {
         const Candidate& candidate = candidates[i];
         const auto next = taken.lower_bound(candidate.first < reach ? 0 : candidate.first - reach);
         if (next != taken.end() && *next <= candidate.last + reach) continue;
-        // Hypotheses that say the same differ by rounding alone.
+        // Equivalent hypotheses differ only by rounding.
         const Candidate* simplest = &candidate;
         for (std::size_t j = i + 1; j < candidates.size(); ++j) {
             const Candidate& other = candidates[j];
@@ -73,22 +73,22 @@ class Adaptation {
           section_epochs_(section_epochs),
           decisions_(arc.size()) {}
 
-    /// The stretches that decisions leave, as far as they are not known to fit the model.
+    /// The stretches that remain after the decisions and are not known to fit the model.
     std::vector<TestedStretch<Axes>> begin_pass() {
         ++decisions_.passes;
         return open_stretches();
     }
 
-    /// Tests every hypothesis at every epoch of a stretch and decides for the best supported of
-    /// those that exceed their critical values; where there is none, takes back what need not have
-    /// been decided. Whether anything was.
+    /// Tests every hypothesis at every epoch of a stretch, and accepts the best supported of those
+    /// above their critical values. If there is none, it withdraws unnecessary decisions. Returns
+    /// whether anything changed.
     bool adapt_stretch(const TestedStretch<Axes>& stretch) {
         const bool changed = decide_in(stretch);
         if (!changed) settled_.insert(place_of(stretch));
         return changed;
     }
 
-    /// Stretches that no number of decisions has made fit are left out.
+    /// Leaves out stretches that no number of decisions has made fit.
     void give_up() {
         for (const TestedStretch<Axes>& stretch : open_stretches()) {
             const auto [first, end] = place_of(stretch);
@@ -121,7 +121,7 @@ class Adaptation {
 
     struct Findings {
         std::vector<Candidate> candidates;
-        std::optional<Candidate> span;  ///< the shortest that fails, the worst of that length
+        std::optional<Candidate> span;  ///< the shortest that fails, and the worst of that length
     };
 
     Findings findings_of(const std::vector<Section>& sections, SectionLooks<Axes>& looks) const {
@@ -191,7 +191,7 @@ class Adaptation {
         return false;
     }
 
-    /// Whether anything of a section could be taken back.
+    /// Whether a section has decisions that could be withdrawn.
     bool decided_in(const TestedStretch<Axes>& stretch, const Section& section) const {
         for (std::size_t i = section.first; i < section.end; ++i)
             if (decisions_.left_out[stretch.first + i] || stretch.epochs[i].step_before)
@@ -224,7 +224,7 @@ class Adaptation {
             if (!decisions_.left_out[k]) decisions_.left_out[k] = decision;
     }
 
-    /// Outliers and steps that, given everything else decided, are none.
+    /// Withdraws outliers and steps that are none, given all other decisions.
     bool take_back(const SectionTests<Axes>& looked) {
         const TestedStretch<Axes>& stretch = looked.part;
         const StretchTests<Axes>& tests = looked.tests;
@@ -245,7 +245,7 @@ class Adaptation {
                 }
             }
             if (stretch.epochs[i].step_before) {
-                // The step may have been found at an epoch before it that is left out now.
+                // The step may have been found at an earlier epoch that is now left out.
                 std::size_t at = k;
                 while (!decisions_.breaks[at])
                     --at;
@@ -269,7 +269,7 @@ class Adaptation {
     std::size_t section_epochs_;
     ArcDecisions decisions_;
     std::set<std::pair<std::size_t, std::size_t>> settled_;
-    std::set<std::size_t> reconsidered_;  ///< epochs left out, and arc size + epochs of steps
+    std::set<std::size_t> reconsidered_;  ///< epochs left out, and arc size + epoch for steps
 };
 
 }  // namespace
@@ -296,7 +296,7 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
         if (decisions.manoeuvres_m_s2[k] > 0.0)
             allow_manoeuvre(arc[k - 1], decisions.manoeuvres_m_s2[k], model, epoch);
         if (!used) epoch.measurement.reset();
-        // A step among epochs left out shows at the next measurement.
+        // A step among epochs left out takes effect at the next measurement.
         epoch.step_before = used && step;
         if (used) step = false;
         stretches.back().epochs.push_back(epoch);

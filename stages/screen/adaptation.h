@@ -8,8 +8,8 @@
 
 namespace runcert {
 
-/// A hypothesis that was accepted, of epochs `first` to `last` of an arc; a step, ramp or shift of
-/// the stamps begins with `first`.
+/// A hypothesis accepted for epochs `first` to `last` of an arc. A step, ramp or shift of the
+/// stamps begins with `first`.
 struct ScreeningDecision {
     Hypothesis hypothesis = Hypothesis::outlier;
     std::size_t first = 0;
@@ -20,7 +20,7 @@ struct ScreeningDecision {
     double sigma_rate_m_s = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
-/// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
+/// A decision, or none. Nearly all epochs have none, and then it takes only the space of a pointer.
 class OptionalDecision {
   public:
     OptionalDecision& operator=(const ScreeningDecision& decision) {
@@ -37,35 +37,40 @@ class OptionalDecision {
     std::unique_ptr<ScreeningDecision> decision_;
 };
 
-/// What was decided of an arc, epoch by epoch.
+/// The decisions on an arc, epoch by epoch.
 struct ArcDecisions {
     explicit ArcDecisions(std::size_t epochs)
         : left_out(epochs), breaks(epochs), manoeuvres_m_s2(epochs, 0.0) {}
 
     std::vector<OptionalDecision> left_out;  ///< the measurement is not used
-    std::vector<OptionalDecision> breaks;    ///< a step, ramp or shift begins here
-    /// By how much (m/s^2) the craft's acceleration changes before the epoch, where it changes more
-    /// than the model has it.
+    std::vector<OptionalDecision> breaks;    ///< a step, ramp or shift of the stamps begins here
+    /// Change of the craft's acceleration (m/s^2) just before the epoch, where it exceeds what the
+    /// model allows.
     std::vector<double> manoeuvres_m_s2;
     std::int64_t passes = 0;
 };
 
-/// The stretches that decisions leave; they begin and end with a measurement.
+/// The stretches that remain after the decisions. Each begins and ends with a measurement.
 template <int Axes>
 std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>& arc,
                                               const EstimationModel& model,
                                               const ArcDecisions& decisions);
 
-/// Detection, identification, adaptation along an arc without a gap (every epoch measured): tests
-/// every hypothesis at every epoch, accepts the best supported ones (smallest tail probability;
-/// of equals the simplest) that are far enough apart not to disturb one another, and repeats until
-/// the model is accepted; sets of neighbouring outliers are tested together, so that they cannot
-/// hide one another. What is left out or broken is tested once more at the end, given all other
-/// decisions, and taken back where it need not have been. A span that fails the overall test
-/// without a hypothesis that explains it is left out (Hypothesis::model). One hypothesis is no
-/// error: where a change of the craft's acceleration is the best supported, the model is given that
-/// much more motion there, and nothing is left out. Long stretches are tested in sections that take
-/// in so much of their neighbours that nothing beyond counts.
+/// Detection, identification and adaptation along an arc without a gap (every epoch measured). It
+/// tests every hypothesis at every epoch and accepts the best supported ones, with the smallest
+/// tail probability, and of equals the simplest. Those accepted together are far enough apart not
+/// to disturb one another. It repeats until the model is accepted. Sets of neighbouring outliers
+/// are tested together, so that they cannot mask one another.
+///
+/// At the end each omission or break is tested again, given all other decisions, and withdrawn if
+/// unnecessary. A span that fails the overall test, and that no hypothesis explains, is left out
+/// (Hypothesis::model).
+///
+/// One hypothesis is not an error. Where a change of the craft's acceleration is best supported,
+/// the model is given that much more motion there, and nothing is left out.
+///
+/// Long stretches are tested in sections. These include enough of their neighbours that nothing
+/// beyond matters.
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                    const TestPlan& plan, std::size_t section_epochs = epochs_of_section);

@@ -25,17 +25,18 @@ std::vector<double> lengths_of(const std::vector<ReceiverPair>& pairs) {
     return lengths;
 }
 
-/// Turns east and north into along the track and across it to the right, and back.
+/// The rotation from east and north to along the track and across it to the right, and back.
 Matrix2d track_axes(const Vector2d& track) {
     return (Matrix2d() << track.x(), track.y(), track.y(), -track.x()).finished();
 }
 
-/// What is tested of a pair, as the position of a row: along and across (2), or the length (1).
+/// Writes the tested quantity of a pair as a row's position: along and across (2), or the length
+/// (1).
 template <int Axes>
 void fill_difference(const ReceiverPair& pair, ScreenedEpoch& row) {
     if constexpr (Axes == 1) {
         row.up_m = pair.difference.norm();
-        // Of antennas closer than their noise, the largest standard deviation.
+        // For antennas closer than their noise, the largest standard deviation.
         const Vector3d direction = pair.difference.stableNormalized();
         row.sigma_up_m = std::sqrt(*row.up_m > 0.0 ? direction.dot(pair.covariance * direction)
                                                    : pair.covariance.diagonal().maxCoeff());
@@ -55,7 +56,7 @@ void fill_difference(const ReceiverPair& pair, ScreenedEpoch& row) {
     }
 }
 
-/// For each row, how many arcs and bridged steps have begun up to it.
+/// For each row, the number of arcs and bridged steps that have begun up to it.
 std::vector<std::int64_t> breaks_up_to(const std::vector<ScreenedEpoch>& rows) {
     std::vector<std::int64_t> breaks;
     for (const ScreenedEpoch& row : rows)
@@ -63,14 +64,14 @@ std::vector<std::int64_t> breaks_up_to(const std::vector<ScreenedEpoch>& rows) {
     return breaks;
 }
 
-/// The differences as a table of their own.
+/// The differences as a table.
 struct Series {
     ScreenedTable table;
-    std::vector<std::size_t> pairs;  ///< of each row
+    std::vector<std::size_t> pairs;  ///< of each row, the index of its pair
 };
 
-/// Pairs that are still usable in both, in arcs that end where one of either table does, or where
-/// more than `longest_hole` pairs have no direction.
+/// Pairs still usable in both tables. Arcs end where an arc of either table does, or where more
+/// than `longest_hole` pairs have no direction.
 template <int Axes>
 Series series_of(const std::vector<ReceiverPair>& pairs,
                  const std::array<const ScreenedTable*, 2>& receivers, const ScreenConfig& config) {
@@ -105,12 +106,13 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
     return series;
 }
 
-/// Noise estimated from what a first adaptation, with noise as stated, leaves.
+/// Noise estimated from what remains after a first adaptation with the stated noise.
 template <int Axes>
 EstimationModel estimate_model(const Series& series, double length_m, const TestPlan& plan,
                                ScreenConfig config) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    // How fast the craft may turn against its track, rad s^-2.5; and how fast antennas sway.
+    // How fast the craft may turn relative to its track, rad s^-2.5, and how fast antennas may
+    // sway.
     constexpr double angular_jerk_density = 0.1;
     constexpr double least_jerk_density = 0.05;
     config.jerk_density = std::max(least_jerk_density, angular_jerk_density * length_m);
@@ -129,7 +131,7 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
     return fitted.summary.noise == NoiseBasis::fitted ? fitted.model : stated;
 }
 
-/// Estimates the errors anew, given all decisions, and each epoch's of a burst by itself.
+/// Re-estimates the errors given all decisions, with a separate error for each epoch of a burst.
 template <int Axes>
 void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDecisions& decisions) {
     for (const TestedStretch<Axes>& stretch : stretches_of(arc.epochs, model, decisions)) {
@@ -145,8 +147,8 @@ void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDeci
     }
 }
 
-/// An error along and across, or of the length, turned to east, north and up; of the second
-/// receiver for `sign` 1, of the first for -1.
+/// An error along and across the track, or of the length, rotated to east, north and up. `sign` is
+/// 1 for the second receiver and -1 for the first.
 EstimatedError turned_back(const EstimatedError& error, const ReceiverPair& pair, double sign) {
     EstimatedError turned;
     if (error.up_m) {
@@ -180,12 +182,12 @@ class Marker {
 
     bool any() const { return any_; }
 
-    /// The row of a compared pair.
+    /// Leaves out the row of a compared pair.
     void leave_out(std::size_t pair, const ScreeningDecision& decision) {
         leave_out_row(row_of(pair), decision, own_error(pair, decision));
     }
 
-    /// Usable rows between two pairs.
+    /// Leaves out usable rows between two pairs.
     void leave_out_between(std::size_t before, std::size_t after,
                            const ScreeningDecision& decision) {
         for (std::size_t row = row_of(before) + 1; row < row_of(after); ++row)
@@ -233,7 +235,7 @@ class Marker {
     bool any_ = false;
 };
 
-/// Marks what was decided of an arc; `arc_pairs` are the pairs of its epochs.
+/// Marks the decisions on an arc. `arc_pairs` are the pairs of its epochs.
 void mark_decisions(const ArcDecisions& decisions, const std::vector<std::size_t>& arc_pairs,
                     Marker& marker) {
     const std::size_t last = arc_pairs.size() - 1;
@@ -260,7 +262,7 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
     const Series series = series_of<Axes>(pairs, receivers, config);
     const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(series.table);
     if (arcs.empty()) return;
-    // What changes the vector between two antennas is no manoeuvre of the craft.
+    // A manoeuvre of the craft does not change the vector between two antennas.
     const TestPlan own = plan.without_manoeuvres();
     const EstimationModel model = estimate_model<Axes>(series, length_m, own, config);
     for (const Arc<Axes>& arc : arcs) {
@@ -289,7 +291,7 @@ BaselineComparison comparison_of(const ScreenedTable& table, const std::string& 
     return comparison;
 }
 
-/// The recorded positions, usable or not: a copy keeps the errors that screening finds.
+/// The recorded positions, usable or not, because a copy also has the errors that screening finds.
 std::vector<velocities::SpeedBesidePosition> recorded_positions(const ScreenedTable& table) {
     std::vector<velocities::SpeedBesidePosition> positions;
     for (const ScreenedEpoch& row : table.rows) {

@@ -18,7 +18,7 @@ void record(ScreenedEpoch& row, const ScreeningDecision& decision, TestedAxes ax
     row.estimated = decision.estimated;
 }
 
-/// Whether it was usable until then.
+/// Leaves out a row. Returns whether it was usable before.
 bool leave_out(ScreenedEpoch& row, const ScreeningDecision& decision, Reason reason,
                TestedAxes axes) {
     if (!row.usable) return false;
@@ -44,7 +44,7 @@ struct EpochRange {
 struct Excursion {
     std::vector<const ScreeningDecision*> ramps;
 
-    /// Whether the rates add up to none: what drifted has come to an end.
+    /// Whether the rates sum to zero, so that the drift has ended.
     bool ends() const {
         Eigen::Vector3d rate = Eigen::Vector3d::Zero();
         double variance = 0.0;
@@ -95,8 +95,8 @@ std::optional<Eigen::Vector3d> recorded_velocity(const ScreenedEpoch& row, Teste
     return std::nullopt;
 }
 
-/// Velocity of the positions from one row of the arc to another less the mean of the velocities
-/// recorded `lag` rows later; empty where a value is missing, or there are but few rows.
+/// Velocity of the positions between two rows of the arc, minus the mean of the velocities recorded
+/// `lag` rows later. Empty where a value is missing, or there are too few rows.
 std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpoch>& rows,
                                                    std::span<const std::size_t> arc_rows,
                                                    EpochRange part, std::size_t lag,
@@ -116,7 +116,7 @@ std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpo
            sum / static_cast<double>(part.last - part.first + 1);
 }
 
-/// The two sides of a ramp's beginning, as far as they are asked for what velocities say.
+/// The two sides of a ramp's beginning on which recorded velocities are considered.
 struct RampSides {
     EpochRange before;
     EpochRange after;
@@ -129,7 +129,7 @@ double away_s(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_
     return std::abs(rows[arc_rows[k]].time.seconds() - rows[arc_rows[from]].time.seconds());
 }
 
-/// The epochs from one on to both sides, within so many seconds.
+/// The epochs on both sides of a given one within `reach_s` seconds.
 EpochRange around(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                   std::size_t from, double reach_s) {
     EpochRange range{from, from};
@@ -141,8 +141,8 @@ EpochRange around(const std::vector<ScreenedEpoch>& rows, std::span<const std::s
     return range;
 }
 
-/// Heights of a craft on the ground that the recording has no vertical velocities for are a witness
-/// of the horizontal positions, and so are asked about these.
+/// On the ground, heights without recorded vertical velocities serve only as a witness of the
+/// horizontal positions. Horizontal velocities are then considered instead.
 RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
@@ -158,9 +158,9 @@ RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
                      by.rate_up_m_s.value_or(0.0)}};
 }
 
-/// Whether the recorded velocities change with the positions where these seem to begin to drift:
-/// the craft then moved so, harder than the class's motion has it. A drift of the positions alone
-/// would be missing from them. They may lag behind by up to half a second.
+/// Whether the recorded velocities change with the positions where these seem to begin to drift.
+/// The craft then really moved so, harder than the class's motion model allows. The velocities
+/// would not show a drift of the positions alone. They may lag by up to half a second.
 bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
@@ -176,12 +176,12 @@ bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
     return false;
 }
 
-/// Which side of a ramp the recorded velocities vouch for.
+/// The side of a ramp that the recorded velocities confirm.
 enum class VouchedSide { neither, before, after };
 
-/// The velocities vouch for a side whose positions move as they say, where those of the other do
-/// not: to a quarter of the rate against three quarters, at whichever lag of up to half a second
-/// suits each best, and only where the positions' stated noise leaves that much to be told.
+/// The velocities confirm a side whose positions move as they say, if those of the other side do
+/// not: to a quarter of the rate against three quarters. Each side uses the lag of up to half a
+/// second that suits it best. The positions' stated noise must be low enough to decide this.
 VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
                          std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                          const RampSides& sides) {
@@ -211,7 +211,7 @@ VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
 }
 
 /// Whether the positions stand still for some seconds from an epoch on, in the direction of the arc
-/// or against it: they move by less than a tenth of the rate. What drifts does not.
+/// or against it: they move by less than a tenth of the rate. Drifting positions do not.
 bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                   std::size_t from, int direction, const RampSides& sides) {
     constexpr double long_s = 10.0;
@@ -228,7 +228,7 @@ bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::s
     return (position(k) - position(from)).norm() <= allowed_m_s * away_s(rows, arc_rows, k, from);
 }
 
-/// Whether most epochs of a range come with a velocity, or a speed, along the axes.
+/// Whether most epochs of a range have a velocity, or a speed, along the axes.
 bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                     EpochRange range, TestedAxes axes) {
     std::size_t recorded = 0;
@@ -241,16 +241,17 @@ bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std:
     return 2 * recorded > range.last - range.first + 1;
 }
 
-/// How far a drift that begins or ends at a ramp can reach. It does not reach over another break,
-/// nor to a side that the recorded velocities vouch for. Epochs first to last - 1.
+/// How far a drift that begins or ends at a ramp can reach: epochs first to last - 1. It does not
+/// extend past another break, nor to a side that the recorded velocities confirm.
 EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                     const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
                     const MarkOptions& options) {
-    // Solutions that lost their way were simulated to 150 m; no receiver goes on further unnoticed.
+    // Solutions that lost track reached 150 m in simulations. No receiver goes further unnoticed.
     constexpr double largest_error_m = 1000.0;
     const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
     const double rate = sides.rate.norm();
-    // Where velocities are recorded they test what lies further off, and each window by itself.
+    // Recorded velocities, where they exist, test positions further away, and each window by
+    // itself.
     constexpr double beside_velocities_s = 10.0;
     const bool witnessed = has_velocities(rows, arc_rows, sides.before, sides.axes) &&
                            has_velocities(rows, arc_rows, sides.after, sides.axes);
@@ -276,7 +277,7 @@ EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std:
     return reach;
 }
 
-/// What a decision left out, in the words of the table's header.
+/// The epochs that a decision left out, in the terms of the table's header.
 class Losses {
   public:
     explicit Losses(TestedAxes axes) : axes_(axes) {}
@@ -340,7 +341,7 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
     Losses losses(axes);
     leave_out_drifting(rows, arc_rows, decisions, axes, options, losses);
     std::int64_t lost = 0;
-    std::size_t begun = arc_rows.size();  // first epoch of the decision that is counted
+    std::size_t begun = arc_rows.size();  // first epoch of the decision being counted
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         ScreenedEpoch& row = rows[arc_rows[k]];
         const auto& decision = decisions.left_out[k];
@@ -348,7 +349,7 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
         const Reason reason = decision->hypothesis == Hypothesis::outlier ? Reason::outlier
                               : decision->hypothesis == Hypothesis::burst ? Reason::burst
                                                                           : Reason::model;
-        // Epochs of a span that were decided for before belong to what was decided then.
+        // Epochs of a span with an earlier decision are counted there.
         if (decision->first != begun) lost = 0;
         begun = decision->first;
         lost += leave_out(row, *decision, reason, axes) ? 1 : 0;
@@ -362,13 +363,13 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision) continue;
-        // Where that epoch is left out, the break shows at the next that is not.
+        // Where that epoch is left out, the break takes effect at the next usable one.
         std::size_t at = k;
         while (at < arc_rows.size() && !rows[arc_rows[at]].usable)
             ++at;
         if (at == arc_rows.size()) continue;
         ScreenedEpoch& row = rows[arc_rows[at]];
-        // The beginning of the arc, or what the other axes found, is break enough.
+        // The beginning of the arc, or a break found on the other axes, suffices.
         if (row.break_before && *row.break_before != ArcBreak::bridged) continue;
         row.break_before = break_of(decision->hypothesis, options.bridge_steps);
         record(row, *decision, axes);
@@ -386,7 +387,7 @@ void finish_arcs(std::vector<ScreenedEpoch>& rows, double longest_hole_s,
     std::vector<Stretch> stretches;
     std::optional<ArcBreak> pending;
     std::vector<ScreenedEpoch*> hole;       // left out since the last usable row
-    const ScreenedEpoch* usable = nullptr;  // the last
+    const ScreenedEpoch* usable = nullptr;  // the last usable row
     for (ScreenedEpoch& row : rows) {
         if (!row.arc) continue;
         if (row.break_before && (!pending || *pending == ArcBreak::bridged))

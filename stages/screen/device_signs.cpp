@@ -12,12 +12,12 @@ namespace {
 
 constexpr std::size_t epochs_beside = 5;
 constexpr double moving_m_s = 1.0;
-/// What is straight in latitude and longitude is not to the last digit in the local frame.
+/// A line straight in latitude and longitude is not straight to the last digit in the local frame.
 constexpr double smallest_tolerance_m = 5e-5;
 
 using Position = Eigen::Vector2d;
 
-/// Positions that follow one another at the recording's interval.
+/// Consecutive positions at the recording's interval.
 using Stretch = std::vector<Position>;
 
 std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows,
@@ -38,7 +38,7 @@ std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows,
     return stretches;
 }
 
-/// The probability that each coordinate of a difference of that scatter is zero to a tolerance.
+/// The probability that each coordinate of a difference with this scatter is zero to a tolerance.
 double chance_of_zero(double scatter_m, double tolerance_m) {
     if (scatter_m <= tolerance_m) return 1.0;
     const double of_one = std::erf(tolerance_m / (std::numbers::sqrt2 * scatter_m));
@@ -51,10 +51,11 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
                               double position_resolution_m) {
     DeviceSigns signs;
     if (nominal_interval_s <= 0.0) return signs;
-    // Coordinates turned into the local frame are no longer whole steps: rounded at both ends.
+    // Coordinates rotated into the local frame are no longer whole steps, being rounded at both
+    // ends.
     const double tolerance_m = std::max(smallest_tolerance_m, 0.5 * position_resolution_m);
     std::vector<double> third;
-    // A row must be some steps of the coordinates further than the one before.
+    // A row must be several coordinate steps away from the previous one.
     const double moved_m = 2.0 * static_cast<double>(epochs_beside) *
                            std::max(moving_m_s * nominal_interval_s, 3.0 * position_resolution_m);
     for (const Stretch& stretch : stretches_of(rows, nominal_interval_s)) {
@@ -78,13 +79,13 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
         }
     }
     if (third.empty()) return signs;
-    // Robust against the rows that are looked for: the upper quartile of what is not zero.
+    // The upper quartile of the non-zero values, robust against the rows that are looked for.
     std::erase_if(third, [&](double one) { return one <= 3.0 * tolerance_m; });
     if (third.empty()) return signs;
     constexpr double median_of_normal = 0.6745;
     const double scatter_m = median(std::move(third)) / median_of_normal;
-    // Of errors that are independent from row to row third differences scatter by sqrt(20 / 6) of
-    // what second differences do.
+    // For errors independent from row to row, third differences scatter by sqrt(20 / 6) times as
+    // much as second differences.
     const double chance = chance_of_zero(scatter_m, 3.0 * tolerance_m) +
                           chance_of_zero(scatter_m * std::sqrt(6.0 / 20.0), 2.0 * tolerance_m);
     signs.by_chance = std::min(1.0, chance) * static_cast<double>(signs.moving);

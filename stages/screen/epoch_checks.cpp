@@ -11,7 +11,7 @@
 namespace runcert {
 namespace {
 
-/// m; a plane of no more is what the local frame serves.
+/// m; the extent that a local frame serves
 constexpr double farthest_m = 100'000.0;
 
 struct Finding {
@@ -35,7 +35,7 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
-/// East and north of the middle of all positions.
+/// East and north of the median of all positions.
 Eigen::Vector2d middle_of(const std::vector<ScreenedEpoch>& rows) {
     std::vector<double> east, north;
     for (const ScreenedEpoch& row : rows) {
@@ -47,7 +47,7 @@ Eigen::Vector2d middle_of(const std::vector<ScreenedEpoch>& rows) {
     return Eigen::Vector2d(median_of(std::move(east)), median_of(std::move(north)));
 }
 
-/// A position half the earth away would drown in rounding whatever the tests below compute.
+/// A position half the Earth away would lose all digits in the tests below.
 std::optional<Finding> check_place(const ScreenedEpoch& row, const Eigen::Vector2d& place) {
     const double distance_m = (Eigen::Vector2d(*row.east_m, *row.north_m) - place).norm();
     if (distance_m <= farthest_m) return std::nullopt;
@@ -65,7 +65,7 @@ std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
         return Finding{Reason::accuracy_absurd, *smallest, config.accuracy_min_m};
     if (*largest > config.accuracy_max_m)
         return Finding{Reason::accuracy_absurd, *largest, config.accuracy_max_m};
-    // A correlation matrix that is not positive definite belongs to no error.
+    // No error has a correlation matrix that is not positive definite.
     Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
     correlation(1, 0) = row.correlation_east_north.value_or(0.0);
     if (vertical) {
@@ -81,7 +81,8 @@ std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
     return std::nullopt;
 }
 
-/// What the solution says of itself beside its accuracy. A zero is a field that was not filled.
+/// The solution's own quality figures other than its standard deviations. Zero means that the field
+/// was not filled.
 std::optional<Finding> check_witnesses(const ScreenedEpoch& row, const ScreenConfig& config) {
     if (row.satellites && *row.satellites > 0 && *row.satellites < config.satellites_min)
         return Finding{Reason::few_satellites, static_cast<double>(*row.satellites),
@@ -156,8 +157,8 @@ void number_arcs(std::vector<ScreenedEpoch>& rows, const std::vector<bool>& seam
             row.break_before = ArcBreak::start;
         } else {
             const double step_s = seconds_between(*previous, row);
-            // Where more was recorded out of order than there is room for, the stamps do not say
-            // how long that took.
+            // Where more was recorded out of order than there is room for, the stamps do not
+            // determine how long that took.
             const bool no_room =
                 out_of_order > 1 && step_s < (out_of_order + 0.5) * nominal_interval_s;
             if (step_s > longest_step_s || no_room || apart) row.break_before = ArcBreak::gap;

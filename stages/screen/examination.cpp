@@ -15,11 +15,11 @@
 namespace runcert {
 namespace {
 
-// Larger than these, an error of an epoch is not said to be detectable.
+// Larger errors of an epoch are not reported as detectable.
 constexpr double largest_detectable_m = 1000.0;
 constexpr double largest_detectable_s = 100.0;
 
-/// The minimal detectable bias, in the direction in which it is hardest to find.
+/// The minimal detectable bias, in the direction in which it is hardest to detect.
 template <int Size>
 std::optional<double> detectable(const ScoreTest<Size>& test, double variance_factor,
                                  const TestPlan& plan, double largest) {
@@ -54,7 +54,7 @@ struct BestSupported {
 template <int Axes>
 class ArcExamination {
   public:
-    /// The part of the arc that the section takes in; its epochs are counted from there.
+    /// The part of the arc that the section includes. Its epochs are counted from there.
     ArcExamination(const Arc<Axes>& arc, const Section& section, const EstimationModel& model,
                    const TestPlan& plan)
         : epochs_(std::span(arc.epochs)
@@ -138,9 +138,10 @@ std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
             });
     }
     const double expected = chi_squared_quantile(0.5, Axes);
-    // Of the median of n such statistics: 1 / (2 f sqrt(n)), f the density there.
+    // Standard deviation of the median of n such statistics: 1 / (2 f sqrt(n)), where f is the
+    // density there.
     const double density = Axes == 2 ? 0.25 : 0.4720;
-    // Time-correlated errors included: what the recording shows were white noise alone the model.
+    // The scale includes time-correlated errors, as if white noise were the whole model.
     const double scale = noise.summary.white_scale * noise.summary.white_scale;
     std::vector<FixTypeErrors> kinds;
     for (const auto& [fix, values] : statistics) {
@@ -168,7 +169,7 @@ template std::vector<FixTypeErrors> compare_fix_types<2>(const ScreenedTable&,
 
 namespace {
 
-/// Fills one row, and its motion, from both groups of axes.
+/// Fills one row, and returns its motion, from both groups of axes.
 EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcExamination<2>& plane,
                     const std::optional<ArcExamination<1>>& height, ScreenedEpoch& row) {
     BestSupported best;
@@ -187,8 +188,8 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcExami
     return at;
 }
 
-/// Fills the rows that a section of an arc answers for, and their motion. Without heights `heights`
-/// is null.
+/// Fills the rows whose tests a section of an arc decides, and their motion. `heights` is null
+/// without heights.
 void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& section,
                      const ScreeningNoises& noises, const TestPlan& plan, ScreenedTable& table,
                      Motion& motion) {
@@ -199,7 +200,8 @@ void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& se
                     if (heights != nullptr)
                         height.emplace(*heights, section, noises.vertical->model, plan);
                 });
-    // Each epoch stands for itself; the plan knows the limits for one and two axes already.
+    // Epochs are independent of one another, and the plan already holds the limits for one and two
+    // axes.
     constexpr std::size_t block = 4096;
     const auto blocks =
         static_cast<std::int64_t>((section.end - section.first + block - 1) / block);

@@ -23,7 +23,7 @@ PositionMeasurement<Axes> measurement_of(const ScreenedEpoch& row, double varian
             .covariance = variance_factor * stated_covariance<Axes>(row)};
 }
 
-/// Forward filter over one arc that can be wound back to the state before a rejected epoch.
+/// Forward filter over one arc that can return to the state before a rejected epoch.
 template <int Axes>
 class ArcFilter {
   public:
@@ -32,8 +32,8 @@ class ArcFilter {
 
     void restart() { started_ = false; }
 
-    /// The innovation of an epoch; nothing for the first of an arc, which a vague prior cannot
-    /// test.
+    /// The innovation statistic of an epoch. Empty for the first of an arc, which a vague prior
+    /// cannot test.
     std::optional<double> statistic(const ScreenedEpoch& row) {
         const auto measurement = measurement_of<Axes>(row, variance_factor_);
         predicted_ = started_ ? filter_.predict(estimate_, row.time.seconds() - time_s_)
@@ -43,7 +43,7 @@ class ArcFilter {
         return filter_.innovation(predicted_, measurement).statistic;
     }
 
-    /// Takes in the epoch last asked about.
+    /// Takes in the epoch tested last.
     void accept(const ScreenedEpoch& row) {
         estimate_ = predicted_;
         filter_.take_in(estimate_, measurement_of<Axes>(row, variance_factor_));
@@ -91,7 +91,7 @@ void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
                const ScreenConfig& config) {
     const double threshold = chi_squared_upper_quantile(config.false_alarm_rate, Axes);
     ArcFilter<Axes> filter(class_model(config), variance_factor);
-    std::vector<std::size_t> rejected;  // in a row, without an accepted epoch between
+    std::vector<std::size_t> rejected;  // consecutive, with no accepted epoch in between
     std::vector<bool> given_up(rows.size(), false);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         ScreenedEpoch& row = rows[i];
@@ -101,7 +101,7 @@ void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
             rejected.clear();
         }
         const auto statistic = filter.statistic(row);
-        // An epoch that opened an arc by restart keeps the statistic that broke the one before.
+        // An epoch that restarted an arc keeps the statistic that broke the previous one.
         if (!given_up[i]) {
             row.statistic = statistic;
             row.threshold = statistic ? std::optional(threshold) : std::nullopt;

@@ -59,12 +59,12 @@ int main(int argc, char** argv) {
             std::vector<ScreeningWitnesses> beside;
             for (const auto& witness : witnesses)
                 beside.push_back({.phases = witness ? &*witness : nullptr});
-            // What was handed in is of the first receiver's craft and on its time.
+            // Series handed in belong to the first receiver's craft and use its time.
             beside.front().handed_in = {
                 attempt, all_handed_in_series(run, tables.front().facts.first_epoch)};
             std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
             for (std::size_t i = 0; i < screened.size(); ++i) {
-                // Each table rests on what was read of all receivers.
+                // Each table depends on the data of all receivers.
                 screened[i].header = run.header();
                 run.write(products::screened, attempt.receivers[i], write_screened(screened[i]));
                 const ScreeningSummary summary = summarise(screened[i].rows);

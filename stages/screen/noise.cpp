@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t epochs_of_fit = 3000;
 constexpr std::size_t epochs_of_stretch = 300;
 
-/// The arcs, or where they are long, stretches evenly over them.
+/// The arcs or, if they are long, stretches evenly spread over them.
 template <int Axes>
 std::vector<std::span<const ArcEpoch<Axes>>> stretches_of(const std::vector<Arc<Axes>>& arcs) {
     std::vector<std::span<const ArcEpoch<Axes>>> stretches;
@@ -42,8 +42,8 @@ std::vector<std::span<const ArcEpoch<Axes>>> stretches_of(const std::vector<Arc<
     return stretches;
 }
 
-/// The stated standard deviations times the root of the median innovation statistic over its
-/// expected median, at least 1.
+/// The scale of the stated standard deviations: the square root of the median innovation statistic
+/// over its expected median, at least 1.
 template <int Axes>
 double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretches,
                     const EstimationModel& model) {
@@ -60,7 +60,7 @@ double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretche
     return std::sqrt(std::max(1.0, median(statistics) / chi_squared_quantile(0.5, Axes)));
 }
 
-/// Whether most usable epochs come with a velocity.
+/// Whether most usable epochs have a velocity.
 bool has_velocities(const ScreenedTable& table) {
     std::int64_t usable = 0;
     std::int64_t recorded = 0;

@@ -21,7 +21,7 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t listed_at_most = 1000;
-/// Windows that are compared.
+/// Length of the windows compared.
 constexpr double window_s = 3.0;
 constexpr std::int64_t least_compared = 10;
 
@@ -44,7 +44,7 @@ void note_place(const PlacesSet& places, std::vector<std::string>& notes) {
                     metres(*places.apart_m)));
 }
 
-/// Positions of a recording as they are, in order of time.
+/// Positions of a recording unchanged, in order of time.
 std::vector<TimedPosition<2>> recorded_positions(const EnuTable& table) {
     const TimeOrder order =
         order_by_time(table.rows, {.interval_s = table.facts.nominal_interval_s});
@@ -60,7 +60,7 @@ std::vector<TimedPosition<2>> recorded_positions(const EnuTable& table) {
     return positions;
 }
 
-/// The motion by phases beside that of the positions.
+/// The motion by phases compared with that by positions.
 MotionComparison compare_with(const EnuTable& table, const std::optional<PhaseWitness<2>>& phases) {
     MotionComparison result;
     result.length_s = window_s;

@@ -12,17 +12,17 @@
 
 namespace runcert {
 
-/// The figures of the phases' screening, as the attempt states them.
+/// The parameters of phase screening that the attempt states.
 PhaseScreeningConfig phase_screening_config(const Attempt& attempt);
 
-/// A receiver's phases, screened.
+/// A receiver's screened phases.
 struct ScreenedPhases {
-    ScreenedPhaseTable head;  ///< without the rows; the header is the caller's
+    ScreenedPhaseTable head;  ///< without the rows; the caller sets the header
     std::shared_ptr<const JudgedPhases> phases;
 
-    /// As a witness of the positions of a table whose first epoch and frame these are; nothing
-    /// where the positions have no times or no place on the Earth. A motion that is another than
-    /// the positions' is a contradiction that the witness shows, wherever it is asked.
+    /// The phases as a witness of a table's positions, by its first epoch and frame. Empty where
+    /// the positions have no times or no geodetic origin. Where the motion of phases and positions
+    /// differs, every use of the witness shows the contradiction.
     template <int Axes>
     std::optional<PhaseWitness<Axes>> witness(const EnuTable& positions,
                                               double jerk_density) const {
@@ -31,15 +31,15 @@ struct ScreenedPhases {
     }
 };
 
-/// Screens a receiver's phases for cycle slips (`screen_phases`), and compares the motion that they
-/// show with that of its recorded positions, which also say where it was: where there are none, or
-/// others', its pseudoranges do. A contradiction is a finding with a note, and so is too little to
-/// say.
+/// Screens a receiver's phases for cycle slips (`screen_phases`), and compares their motion with
+/// that of the recorded positions. The positions also give the receiver's place. Where there are
+/// none, or they are another receiver's, the pseudoranges do. A contradiction is a finding with a
+/// note, and so are too few data.
 ScreenedPhases screen_receiver_phases(const PhaseTable& head, PhaseRecord record,
                                       const EnuTable& positions,
                                       const PhaseScreeningConfig& config);
 
-/// The rows of the table, in the order of the record.
+/// Passes the rows of the table to `take`, in the order of the record.
 void give_screened_rows(const ScreenedPhases& screened,
                         const std::function<void(const ScreenedPhase& row)>& take);
 

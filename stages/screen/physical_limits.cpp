@@ -25,7 +25,7 @@ struct Figures {
 };
 
 double sigma_along(const Eigen::Vector2d& vector, const Eigen::Matrix2d& covariance) {
-    // A zero vector has no direction, and cannot exceed a limit either.
+    // A zero vector has no direction, and cannot exceed a limit.
     const Eigen::Vector2d direction = vector.normalized();
     return std::sqrt(std::max(0.0, direction.dot(covariance * direction)));
 }
@@ -76,7 +76,7 @@ void mark(ScreenedEpoch& row, const Excess& excess) {
     row.threshold = excess.threshold;
     row.tested_axes = excess.hypothesis == Hypothesis::vertical_rate ? TestedAxes::vertical
                                                                      : TestedAxes::horizontal;
-    // What an earlier test of the row found no longer explains the statistic.
+    // An error that an earlier test estimated for the row no longer explains the statistic.
     row.estimated = {};
 }
 

@@ -21,7 +21,7 @@ bool tells_direction(const EpochMotion& motion, double length_m) {
     return curvature * length_m <= largest_turn;
 }
 
-/// The positions of a table, in the frame of another.
+/// Transforms the positions of one table to the frame of another.
 class PositionsInFrame {
   public:
     PositionsInFrame(const std::optional<FrameOrigin>& own,
@@ -36,7 +36,7 @@ class PositionsInFrame {
         wanted_.emplace(*wanted);
     }
 
-    /// `there`: the same moment on the clock of the other.
+    /// `there` is the same moment on the other's clock.
     Vector3d of(const EnuEpoch& row, ElapsedTime there) const {
         const Vector3d own(row.east_m.value(), row.north_m.value(), in_space_ ? *row.up_m : 0.0);
         Vector3d position = own_ ? wanted_->enu_m(there, own_->geodetic(row.time, own)) : own;
@@ -73,7 +73,7 @@ std::vector<ReceiverPair> pairs_of(const ScreenedTable& first, const ScreenedTab
     for (std::size_t i = 0; i < first.rows.size(); ++i) {
         const ScreenedEpoch& a = first.rows[i];
         if (!a.usable) continue;
-        const auto behind_ns = [&] {  // of the second's row
+        const auto behind_ns = [&] {  // how far the second's row is behind
             return a.time.nanoseconds - second.rows[j].time.nanoseconds - later_ns;
         };
         while (j < second.rows.size() && (!second.rows[j].usable || behind_ns() > tolerance_ns))

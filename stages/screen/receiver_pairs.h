@@ -7,19 +7,20 @@
 
 namespace runcert {
 
-/// An epoch that both receivers have.
+/// An epoch common to both receivers.
 struct ReceiverPair {
     std::array<std::size_t, 2> rows{};  ///< of the first and of the second table
     ElapsedTime time;                   ///< of the first
-    Eigen::Vector3d difference;         ///< second less first, m; up is 0 in the plane
+    Eigen::Vector3d difference;         ///< second minus first, m; up is 0 if heights are not used
     Eigen::Matrix3d covariance;
-    std::optional<Eigen::Vector2d> track;  ///< direction of travel, where it tells the craft's own
+    std::optional<Eigen::Vector2d> track;  ///< direction of travel, where it shows the craft's
+                                           ///< attitude
     double variance_of_direction = 0.0;    ///< rad^2
 };
 
-/// The pairs of usable rows within a microsecond of one another, in order of time; none where a
-/// recording's time is relative, or only one of the two is georeferenced. In space where both
-/// recordings have heights, else in the plane. Directions as `compare_receivers` says.
+/// The pairs of usable rows within a microsecond of each other, in order of time. Empty where a
+/// recording's time is relative, or only one of the two is georeferenced. Differences include
+/// heights where both recordings have them. Directions are as `compare_receivers` describes.
 std::vector<ReceiverPair> pairs_of(const ScreenedTable& first, const ScreenedTable& second,
                                    const Motion& motion_of_first);
 

@@ -23,7 +23,7 @@
 namespace runcert {
 namespace {
 
-/// The rows as a first look leaves them, for the noise to be estimated from.
+/// The rows after a first look, from which the noise is estimated.
 ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& config) {
     ScreenedTable table = screened;
     const bool vertical = table.facts.vertical_measured;
@@ -33,7 +33,7 @@ ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& conf
     return table;
 }
 
-/// The noise of some axes, and what it says of the fix types.
+/// The noise of one group of axes, and its findings on the fix types.
 struct EstimatedNoise {
     ScreeningNoise noise;
     std::vector<FixTypeErrors> kinds;
@@ -69,7 +69,7 @@ ScreeningNoises estimate_noises(const ScreenedTable& look, const ScreenConfig& c
     return noises;
 }
 
-/// The arcs of some axes, and what was decided of each.
+/// The arcs of one group of axes, and the decisions on each.
 template <int Axes>
 struct AdaptedArcs {
     std::vector<Arc<Axes>> arcs;
@@ -96,8 +96,8 @@ void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
                     const ScreenConfig& config, ScreeningBasis& basis) {
-    // Both groups of axes are tested on what the epochs' own checks left. The plan is a copy for
-    // each: it keeps what it has worked out.
+    // Both groups of axes are tested on the epochs that passed their own checks. Each has its own
+    // copy of the plan, because the plan caches values.
     AdaptedArcs<2> horizontal;
     AdaptedArcs<1> vertical;
     do_together(
@@ -116,7 +116,8 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
                 vertical.decisions.push_back(
                     adapt<1>(arc.epochs, model, plan, config.section_epochs));
         });
-    // No craft on the ground goes up or down faster; those that do have scores in it.
+    // No craft on the ground goes up or down faster. Craft that do have vertical speed in their
+    // score.
     constexpr double on_the_ground_m_s = 20.0;
     const MarkOptions options{
         .bridge_steps = config.steps == StepTreatment::bridge,
@@ -125,7 +126,7 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     mark_arcs(screened, vertical, options, basis);
 }
 
-/// What a check over arcs takes, beside the table.
+/// The inputs of a check over arcs, in addition to the table.
 struct ArcCheck {
     const ScreeningNoises& noises;
     const TestPlan& plan;
@@ -137,7 +138,7 @@ void finish_arcs(ScreenedTable& screened, const ScreenConfig& config) {
                 config.min_arc_epochs);
 }
 
-/// Whether the witness marked anything.
+/// Tests the positions against a witness. Returns whether anything was marked.
 bool contradicts(ScreenedTable& screened, const DisplacementTest& test, const ArcCheck& check,
                  ScreeningBasis& basis) {
     DisplacementComparison found = check_displacements(
@@ -199,8 +200,7 @@ bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcC
     return any;
 }
 
-/// The witnesses beside the positions: what they mark changes the motion, so that they are asked
-/// again.
+/// Asks the witnesses in turn. Their marks change the motion, so that they are asked again.
 Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check,
                                   const ScreeningWitnesses& beside, ScreeningBasis& basis) {
     constexpr int rounds = 4;
@@ -221,7 +221,7 @@ Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check
     return examined();
 }
 
-/// A receiver screened by itself, and what its arcs are examined anew with.
+/// A receiver screened on its own, with what is needed to examine its arcs again.
 struct ReceiverScreening {
     ScreenedTable table;
     ScreeningNoises noises;
@@ -238,7 +238,7 @@ std::vector<ScreenedEpoch> in_order_of_time(const std::vector<EnuEpoch>& rows,
     return ordered;
 }
 
-/// Where a row is in another place than the one before it.
+/// Adds a seam where a row belongs to another place than the one before it.
 void add_changes_of_place(const std::vector<ScreenedEpoch>& rows, const FrameOrigin& origin,
                           std::vector<bool>& seams) {
     for (std::size_t i = 1; i < rows.size(); ++i)
@@ -303,14 +303,14 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
             .motion = std::move(motion)};
 }
 
-/// After marks: the arcs finished, and their motion estimated, anew.
+/// Finishes the arcs and re-estimates their motion after rows were marked.
 void examine_again(ReceiverScreening& one, const ScreenConfig& config) {
     finish_arcs(one.table, config);
     one.motion = examine_arcs(one.table, one.noises, one.plan, config.section_epochs);
 }
 
-/// Whether one of two receivers, as the witness of the other, contradicts it. Which of the two is
-/// wrong cannot be told: each marks the other.
+/// Whether one of two receivers contradicts the other as its witness. Which one errs cannot be
+/// decided, so each marks the other.
 bool receivers_contradict(std::array<ReceiverScreening*, 2> pair, const ScreenConfig& config) {
     const std::array tracks{track_of(pair[0]->table, pair[0]->motion),
                             track_of(pair[1]->table, pair[1]->motion)};

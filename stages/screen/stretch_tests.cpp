@@ -46,8 +46,9 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
     constexpr std::size_t local_epochs = 100;  // on each side
     const double expected = chi_squared_quantile(0.5, Axes);
     std::vector<double> statistics;
-    std::vector<std::size_t> before;          // statistics up to each epoch
-    std::vector<std::size_t> as_expected{0};  // those up to each that are no larger
+    std::vector<std::size_t> before;          // number of statistics up to each epoch
+    std::vector<std::size_t> as_expected{0};  // number of statistics up to each that are no larger
+                                              // than expected
     for (std::size_t k = 0; k < diagnosis.size(); ++k) {
         before.push_back(statistics.size());
         const auto innovation = diagnosis.innovation(k);
@@ -58,8 +59,8 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
     std::vector<double> factors(diagnosis.size(), 1.0);
     if (statistics.size() < fewest) return factors;
     std::vector<double> some;
-    // That of some statistics in a row, at least 1: their median over what is expected, which is
-    // needed only where it is beyond that.
+    // The variance factor of consecutive statistics, at least 1: their median over the expected
+    // one. The median is computed only where it exceeds the expected one.
     const auto factor_of = [&](std::size_t first, std::size_t last) {
         const std::size_t half = (last - first) / 2;
         if (as_expected[last] - as_expected[first] > half) return 1.0;
@@ -69,7 +70,7 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
         std::nth_element(some.begin(), at, some.end());
         return std::max(1.0, *at / expected);
     };
-    // Changes slowly: taken at every tenth epoch.
+    // Changes slowly, so every tenth epoch suffices.
     constexpr std::size_t every = 10;
     double factor = 1.0;
     for (std::size_t k = 0; k < diagnosis.size(); ++k) {
@@ -78,7 +79,8 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
             const std::size_t first = middle < local_epochs ? 0 : middle - local_epochs;
             const std::size_t last = std::min(statistics.size(), middle + local_epochs + 1);
             factor = factor_of(first, last);
-            // Where the noise changes, what is around the epoch is a mixture of both.
+            // Where the noise level changes, the surroundings of the epoch are a mixture of both
+            // levels.
             if (middle - first >= fewest && last - middle >= fewest) {
                 const double of_those_before = factor_of(first, middle);
                 const double of_those_after = factor_of(middle, last);

@@ -14,33 +14,33 @@
 
 namespace runcert {
 
-/// A stretch of an arc that its breaks leave whole: what is tested together. Steps do not end it:
-/// the offset after each is an unknown.
+/// A stretch of an arc between breaks, which is tested as a whole. Steps do not end it: the offset
+/// after each is an unknown.
 template <int Axes>
 struct TestedStretch {
-    std::size_t first = 0;               ///< epoch of the arc that `epochs` begins with
-    std::vector<ArcEpoch<Axes>> epochs;  ///< without the measurements left out
+    std::size_t first = 0;               ///< epoch of the arc at which `epochs` begins
+    std::vector<ArcEpoch<Axes>> epochs;  ///< measurements that are left out are missing
 };
 
-/// The estimate of an error, in the units of the columns of an estimated error: m; m/s for a ramp;
-/// s for time stamps.
+/// The estimate of an error, in the units of the table's columns: m, m/s for a ramp, s for time
+/// stamps.
 template <int Axes>
 EstimatedError estimated_error(const ScoreTest<Axes>& test);
 template <int Axes>
 EstimatedError estimated_rate(const ScoreTest<Axes>& test);
 EstimatedError estimated_time(const ScoreTest<1>& test);
 
-/// For each epoch, by how much the innovations around it exceed the model: their median over 201
-/// epochs against the chi-squared median, at least 1. Robust: what is wrong with a few of them does
-/// not change it. Every statistic of the epoch is divided by it.
+/// For each epoch, the factor by which the innovations around it exceed the model: their median
+/// over 201 epochs divided by the chi-squared median, at least 1. It is robust, so that a few
+/// outliers do not change it. Every statistic of the epoch is divided by it.
 template <int Axes>
 std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis);
 
-/// A hypothesis of epochs `first` to `last` of a stretch, and how well it is supported.
+/// A hypothesis for epochs `first` to `last` of a stretch, and its support.
 struct Candidate {
     double log_tail = 0.0;
     Hypothesis hypothesis = Hypothesis::outlier;
-    /// No error at all: the craft changed its acceleration before `first`.
+    /// Not an error: the craft changed its acceleration before `first`.
     bool manoeuvre = false;
     std::size_t first = 0;
     std::size_t last = 0;
@@ -48,7 +48,7 @@ struct Candidate {
     int degrees_of_freedom = 1;
 };
 
-/// The tests of one stretch under the decisions so far.
+/// The tests of one stretch, given the decisions so far.
 template <int Axes>
 class StretchTests {
   public:
@@ -73,11 +73,11 @@ class StretchTests {
             case Hypothesis::time_shift:
                 return estimated_time(diagnosis_.time_shift(candidate.first).value());
             default:
-                return {};  // each epoch of a burst has its own, once it is left out
+                return {};  // each epoch of a burst has its own error, known once it is left out
         }
     }
 
-    /// By how much (m/s^2) the acceleration changes in a manoeuvre, as estimated.
+    /// The estimated change of acceleration (m/s^2) in a manoeuvre.
     double manoeuvre_of(const Candidate& candidate) const {
         return diagnosis_.manoeuvre(candidate.first).estimate().norm();
     }
@@ -113,9 +113,9 @@ class StretchTests {
         return found;
     }
 
-    /// What stands in the candidate's place: motion, or a set of neighbouring epochs; the candidate
-    /// itself if neither does. `hard`: a manoeuvre was found near it, so that another needs
-    /// explain but a part.
+    /// The best explanation of a candidate: motion, a set of neighbouring epochs, or else the
+    /// candidate itself. `hard` says that a manoeuvre was found nearby, so that another needs to
+    /// explain less of it.
     Candidate best_explanation(const Candidate& candidate, bool hard) const {
         constexpr double share = 0.6;
         if (candidate.manoeuvre) return candidate;
@@ -126,23 +126,24 @@ class StretchTests {
         return best_set(candidate);
     }
 
-    /// The same of a span that fails and that no hypothesis explains: motion, where it explains a
-    /// good part of the excess. Scatter that is larger than stated it does not: this has no
-    /// direction that lasts.
+    /// The explanation of a failing span that no hypothesis explains: motion, where it accounts for
+    /// a good part of the excess, or else the span itself. Motion does not explain scatter larger
+    /// than stated, which has no lasting direction.
     Candidate explanation_of_span(const Candidate& span) const {
         constexpr double share = 0.2;
         const double excess = span.statistic - span.degrees_of_freedom;
         return motion_instead(span, share * excess).value_or(span);
     }
 
-    /// The set of neighbouring epochs, each with an error of its own, that is better supported
-    /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
-    /// to whichever side gains more.
+    /// The set of neighbouring epochs, each with its own error, that is better supported than the
+    /// candidate, or else the candidate itself. It grows from the candidate's epochs to whichever
+    /// side gains more.
     Candidate best_set(const Candidate& candidate) const {
         const double factor = factors_[candidate.first];
         Candidate best = set_of(candidate.first, candidate.last, factor);
         Candidate grown = best;
-        // Some growth without a gain is looked over: an epoch between two wrong ones may be good.
+        // Growth may continue for a few steps without a gain, because a good epoch may lie between
+        // two outliers.
         constexpr int patience = 3;
         for (int without_gain = 0; without_gain < patience;) {
             if (grown.last - grown.first + 1 >= plan_.burst_epochs_max()) break;
@@ -160,7 +161,7 @@ class StretchTests {
         return best.log_tail < candidate.log_tail ? best : candidate;
     }
 
-    /// The shortest span whose innovations are together too large, the worst of that length.
+    /// The shortest span whose innovations are jointly too large, and the worst of that length.
     std::optional<Candidate> failing_span() const {
         for (const std::size_t length : span_lengths) {
             std::optional<Candidate> worst;
@@ -189,13 +190,14 @@ class StretchTests {
     }
 
   private:
-    // An error of which the data tell less than this has no test: the vague prior would decide it.
+    // An error that the data determine less well than this is not tested, because the vague prior
+    // would decide.
     static constexpr double largest_sigma_m = 20.0;
     static constexpr double largest_sigma_m_s = 20.0;
     static constexpr double largest_sigma_s = 1.0;
     static constexpr double largest_sigma_m_s2 = 5.0;
-    /// Of what is seen where motion is hard anyhow: it comes in several changes, and each explains
-    /// but a part.
+    /// Fraction of the statistic that a manoeuvre must explain near another one. Hard motion
+    /// consists of several changes, and each explains only a part.
     static constexpr double share_of_hard_motion = 0.3;
 
     template <int Size>
@@ -217,7 +219,7 @@ class StretchTests {
                          .degrees_of_freedom = Size});
     }
 
-    /// As large as a craft of the class can make it.
+    /// Considers a manoeuvre, if it is no larger than a craft of the class can make.
     void consider_manoeuvre(std::size_t k, std::vector<Candidate>& found) const {
         if (plan_.manoeuvre_max_m_s2() <= 0.0) return;
         const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
@@ -230,9 +232,9 @@ class StretchTests {
             found.pop_back();
     }
 
-    /// A manoeuvre near an error whose statistic exceeds `support`. Hard motion is never quite the
-    /// one or the other. What is wrong indeed still shows once the manoeuvre is allowed for, while
-    /// a drift that is none takes the whole stretch with it.
+    /// A manoeuvre near an error whose statistic exceeds `support`. Hard motion is never purely one
+    /// or the other. A real error remains visible after the manoeuvre is allowed for, whereas a
+    /// false drift takes the whole stretch with it.
     std::optional<Candidate> motion_instead(const Candidate& error, double support) const {
         if (plan_.manoeuvre_max_m_s2() <= 0.0) return std::nullopt;
         const std::size_t reach = 2 * plan_.burst_epochs_max();
@@ -275,7 +277,7 @@ class StretchTests {
     std::vector<double> factors_;
 };
 
-/// A section of a stretch with its tests, which count epochs from the first taken in.
+/// A section of a stretch with its tests, which count epochs from the first one included.
 template <int Axes>
 struct SectionTests {
     SectionTests(const TestedStretch<Axes>& stretch, const Section& of,
@@ -285,7 +287,7 @@ struct SectionTests {
                .epochs = {stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.taken_first),
                           stretch.epochs.begin() + static_cast<std::ptrdiff_t>(of.taken_end)}},
           tests(part, model, plan) {}
-    SectionTests(const SectionTests&) = delete;  // the tests refer to the part
+    SectionTests(const SectionTests&) = delete;  // the tests refer to `part`
     SectionTests& operator=(const SectionTests&) = delete;
 
     Section section;
@@ -293,7 +295,7 @@ struct SectionTests {
     StretchTests<Axes> tests;
 };
 
-/// The tests of a stretch, one section at a time: the one last looked at is kept.
+/// The tests of a stretch, one section at a time. Only the last one used is kept.
 template <int Axes>
 class SectionLooks {
   public:
@@ -303,7 +305,7 @@ class SectionLooks {
 
     const SectionTests<Axes>& at(const Section& section) {
         if (!tests_ || tests_->section.first != section.first) {
-            tests_.reset();  // before the next take their place in memory
+            tests_.reset();  // frees memory before the next are built
             tests_ = std::make_unique<SectionTests<Axes>>(stretch_, section, model_, plan_);
         }
         return *tests_;
@@ -320,7 +322,7 @@ inline bool answers_for(const Section& section, const Candidate& candidate) {
     return candidate.first >= section.first && candidate.first < section.end;
 }
 
-/// A candidate with its epochs counted from so much further back, or on.
+/// A candidate whose epoch numbers are increased by `on` and decreased by `back`.
 inline Candidate moved(Candidate candidate, std::size_t on, std::size_t back) {
     candidate.first = candidate.first + on - back;
     candidate.last = candidate.last + on - back;

@@ -31,7 +31,7 @@ double TestPlan::critical(int degrees_of_freedom) const {
 std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max) {
     const std::int64_t of_axes = 5 + (burst_epochs_max - 1) + std::ssize(span_lengths);
     constexpr std::int64_t series = 2 + 2;  // horizontal, vertical; baseline across and in length
-    constexpr std::int64_t witnesses = 2 + 3;  // velocities both ways; limits
+    constexpr std::int64_t witnesses = 2 + 3;  // velocities from both sides; three limits
     return series * of_axes + witnesses;
 }
 

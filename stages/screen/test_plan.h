@@ -5,14 +5,14 @@
 
 namespace runcert {
 
-/// The size of every test of a recording and what follows from it.
+/// The size of every test of a recording, and the quantities derived from it.
 class TestPlan {
   public:
-    /// `tests` are all that a recording will see: each has the size family_false_alarm_rate /
-    /// tests, so that all together raise a false alarm with at most the family-wise rate, however
-    /// they depend on one another (Bonferroni).
+    /// `tests` is the number of all tests on a recording. Each has the size
+    /// family_false_alarm_rate / tests, so that all together raise a false alarm with at most the
+    /// family-wise rate, whatever their dependence (Bonferroni).
     ///
-    /// `manoeuvre_max_m_s2`: a larger change of acceleration is no motion of the craft.
+    /// A change of acceleration larger than `manoeuvre_max_m_s2` is not a motion of the craft.
     TestPlan(double family_false_alarm_rate, std::int64_t tests, double power,
              std::int64_t burst_epochs_max, double manoeuvre_max_m_s2 = 0.0);
 
@@ -27,12 +27,12 @@ class TestPlan {
         return plan;
     }
 
-    /// What a statistic of so many degrees of freedom is compared with. Kept once worked out: for
-    /// 1 and 2 degrees from the beginning, so that threads may ask for these of one plan; for
-    /// others each takes a copy of it.
+    /// The critical value of a statistic with `degrees_of_freedom`. Values are cached. Those for 1
+    /// and 2 degrees exist from the start, so that threads may share a plan for them; for others
+    /// each thread needs its own copy.
     double critical(int degrees_of_freedom) const;
 
-    /// The non-centrality that a test of `axes` unknowns finds with the power.
+    /// The non-centrality that a test of `axes` unknowns detects with the power.
     double noncentrality(int axes) const { return noncentrality_[static_cast<std::size_t>(axes)]; }
 
   private:
@@ -45,12 +45,12 @@ class TestPlan {
     std::vector<double> noncentrality_;
 };
 
-/// Lengths of the spans over which the innovations are tested together, epochs.
+/// Numbers of epochs in the spans over which the innovations are tested jointly.
 inline constexpr std::size_t span_lengths[] = {5, 20, 100};
 
-/// How many tests one epoch sees: an outlier, bursts of every length, a step, a ramp, a manoeuvre
-/// and a shift of the stamps, the spans; each for both groups of axes and twice for the other
-/// receiver; velocities and limits.
+/// Number of tests on one epoch: an outlier, bursts of every length, a step, a ramp, a manoeuvre, a
+/// shift of the stamps, and the spans. They count for both groups of axes and twice for the other
+/// receiver. Velocities and limits are added.
 std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max);
 
 }  // namespace runcert

@@ -24,7 +24,7 @@ double step_before(const std::vector<EnuEpoch>& rows, std::size_t row) {
     return seconds_between(rows[row - 1], rows[row]);
 }
 
-/// The steps of a clock that runs on without a fault.
+/// The step pattern of a clock without faults.
 struct Rhythm {
     double nominal_s = 0.0;
     double longest_s = 0.0;  ///< a longer step is a gap
@@ -67,17 +67,18 @@ double set_interval(const Rhythm& rhythm) {
     const double whole =
         std::clamp(std::round(in_hertz ? 1.0 / mean_s : mean_s), 1.0, in_hertz ? 100.0 : 10.0);
     const double offered_s = in_hertz ? 1.0 / whole : whole;
-    // The next one that receivers offer is 1 / whole away: between them nothing is told.
+    // The next interval that receivers offer is 1 / whole away. In between, the set interval is
+    // undetermined.
     const double told = std::min(largest_clock_error, 0.25 / whole);
     return std::abs(mean_s / offered_s - 1.0) <= told ? offered_s : rhythm.nominal_s;
 }
 
-/// Rates that receivers are set to, Hz.
+/// Rates in common use on receivers, Hz.
 constexpr std::array usual_rates_hz{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 12,
                                     15, 16, 18, 20, 25, 30, 40, 50, 60, 100};
 
-/// The nearest interval that receivers are set to: of those rates, also in whole milliseconds from
-/// 100 ms on (333 ms), or whole seconds.
+/// The nearest interval in common use: of those rates, also in whole milliseconds from 100 ms on
+/// (333 ms), or whole seconds.
 double usual_interval(double mean_s) {
     if (mean_s > 1.25) return std::round(mean_s);
     double nearest_s = 1.0;
@@ -91,24 +92,24 @@ double usual_interval(double mean_s) {
     return nearest_s;
 }
 
-/// How far steps in a row lead away from an interval, to one side.
+/// How far consecutive steps lead away from an interval, to one side.
 class Departure {
   public:
-    /// Takes the next step, by how much it exceeds the interval to that side (s).
+    /// Adds the next step, which exceeds the interval to that side by `excess_s` (s).
     void add(double excess_s, double step_s) {
         const double tolerance_s = rate_tolerance * step_s;
         sum_s_ += excess_s - tolerance_s;
         steps_ += excess_s > tolerance_s ? 1 : excess_s < -tolerance_s ? -1 : 0;
         if (sum_s_ <= 0.0) *this = {};
     }
-    /// Nothing where single stamps are off and back in time after a few: that is no rate.
+    /// Zero where single stamps are off and return after a few, which is no rate.
     double found_s() const {
         return steps_ >= steps_of_a_rate || sum_s_ > most_of_stamps_s ? sum_s_ : 0.0;
     }
 
   private:
     static constexpr double rate_tolerance = 1e-4;
-    static constexpr int steps_of_a_rate = 5;  ///< to the one side less those to the other
+    static constexpr int steps_of_a_rate = 5;  ///< steps to one side minus those to the other
     static constexpr double most_of_stamps_s = 0.02;
     double sum_s_ = 0.0;
     int steps_ = 0;
@@ -135,11 +136,11 @@ double largest_departure(const std::vector<EnuEpoch>& rows, const Rhythm& rhythm
 struct Jump {
     std::size_t row = 0;  ///< the later one
     double step_s = 0.0;
-    double advance_s = 0.0;  ///< beyond the latest stamp before; the step where that is negative
-    bool for_good = true;    ///< of a step back: never caught up with
+    double advance_s = 0.0;  ///< beyond the latest earlier stamp, or the step itself if negative
+    bool for_good = true;    ///< for a backward step: never caught up with
 };
 
-/// A stamp before a step back, not caught up with yet.
+/// A stamp before a backward step that has not been caught up with.
 struct Ahead {
     std::size_t row = 0;
     std::size_t jump = 0;
@@ -148,7 +149,7 @@ struct Ahead {
 std::vector<Jump> find_jumps(const std::vector<EnuEpoch>& rows, double longest_s,
                              double session_gap_s) {
     std::vector<Jump> jumps;
-    std::vector<Ahead> ahead;  // the earliest stamp last
+    std::vector<Ahead> ahead;  // in descending order, the earliest stamp last
     for (std::size_t row = 1; row < rows.size(); ++row) {
         const double step_s = step_before(rows, row);
         if (step_s < 0.0) ahead.push_back({row - 1, jumps.size()});
@@ -156,7 +157,7 @@ std::vector<Jump> find_jumps(const std::vector<EnuEpoch>& rows, double longest_s
         std::size_t still_ahead = ahead.size();
         while (still_ahead > 0 && rows[row].time >= rows[ahead[still_ahead - 1].row].time)
             advance_s = seconds_between(rows[ahead[--still_ahead].row], rows[row]);
-        // A session that ends before its clock has caught up was set back for good.
+        // If a session ends before its clock has caught up, the clock was set back for good.
         if (advance_s <= session_gap_s)
             for (std::size_t caught = still_ahead; caught < ahead.size(); ++caught)
                 jumps[ahead[caught].jump].for_good = false;
@@ -176,7 +177,7 @@ struct Sides {
     Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< m, over the step
     Eigen::Vector2d before = Eigen::Vector2d::Zero();        ///< velocity, m/s
     Eigen::Vector2d after = Eigen::Vector2d::Zero();
-    double sigma_m = 0.0;  ///< of displacement less mean velocity times interval, any direction
+    double sigma_m = 0.0;  ///< of displacement minus mean velocity times interval, in any direction
     double sigma_velocity_m_s = 0.0;  ///< of either velocity
 };
 
@@ -196,7 +197,7 @@ std::optional<Sides> sides_of(const std::vector<EnuEpoch>& rows, std::size_t row
     sides.displacement = position(row) - position(row - 1);
     sides.before = (position(row - 1) - position(row - 3)) / two_steps_s;
     sides.after = (position(row + 2) - position(row)) / two_steps_s;
-    // Each velocity takes part with half an interval, so each outer position with a quarter.
+    // Each velocity contributes half an interval, so each outer position contributes a quarter.
     const double inner = variance(row - 1) + variance(row);
     const double outer = variance(row - 3) + variance(row + 2);
     sides.sigma_m = std::sqrt(1.25 * 1.25 * inner + 0.25 * 0.25 * outer);
@@ -206,7 +207,8 @@ std::optional<Sides> sides_of(const std::vector<EnuEpoch>& rows, std::size_t row
     return sides;
 }
 
-/// Whether the craft moved over the step as in one interval, and certainly not as in the step.
+/// Whether the craft moved over the step as in one interval, and certainly not as in the stamped
+/// time.
 bool moved_as_in_one_interval(const Sides& sides, double step_s, double interval_s) {
     const double allowed_m =
         time_coverage * sides.sigma_m + craft_acceleration_m_s2 * interval_s * interval_s / 2.0;
@@ -223,7 +225,7 @@ bool moved_as_in_one_interval(const Sides& sides, double step_s, double interval
     return (sides.displacement - expected).norm() <= allowed_m;
 }
 
-/// By how many whole seconds the clock jumped, where it was the clock.
+/// The clock's jump in whole seconds, if it was the clock that jumped.
 std::optional<double> clock_shift(const std::vector<EnuEpoch>& rows, const Jump& jump,
                                   const Rhythm& rhythm) {
     const double size_s = jump.step_s - rhythm.mean_s;
@@ -237,7 +239,7 @@ std::optional<double> clock_shift(const std::vector<EnuEpoch>& rows, const Jump&
     return whole_s;
 }
 
-/// Whether the step leads to a stamp that is alone out of time, or back from it.
+/// Whether the step leads to a single stamp that is out of time, or back from it.
 bool is_of_one_stamp(const std::vector<EnuEpoch>& rows, std::size_t row, const Rhythm& rhythm) {
     const auto in_time = [&](std::size_t earlier, std::size_t later) {
         const double time_s = seconds_between(rows[earlier], rows[later]);

@@ -21,7 +21,7 @@ using Rows = std::vector<EnuEpoch>;
 /// Rows from first to last, in the order of the recording, whose stamps go forward without a gap.
 struct Block {
     std::size_t first = 0, last = 0;
-    std::int64_t epochs = 0;  ///< those of them that repeat no other
+    std::int64_t epochs = 0;  ///< number of its epochs that repeat no other
     bool kept = false;
 };
 
@@ -39,7 +39,7 @@ class TimeJudgement {
         if (!only_forward()) mark_repeated();
         cut_blocks();
         keep_longest_sequence();
-        // What was kept may have filled the room that another seemed to belong to.
+        // Kept blocks may have filled the room in which another seemed to belong.
         while (keep_what_fits()) {
         }
         leave_out_strays();
@@ -94,8 +94,8 @@ class TimeJudgement {
             epochs_to_.push_back(epochs_to_.back() + block.epochs);
     }
 
-    /// The sequence of blocks, each wholly later than the one before, that holds most epochs: by
-    /// the best that ends at or before each time, in a tree of prefix maxima.
+    /// Keeps the sequence of blocks, each entirely later than the one before, that holds most
+    /// epochs. It uses the best sequence ending at or before each time, in a tree of prefix maxima.
     void keep_longest_sequence() {
         std::vector<std::int64_t> ends;
         for (const Block& block : blocks_)
@@ -135,7 +135,7 @@ class TimeJudgement {
         return later != kept_.begin() && time_ns <= stamp(blocks_[std::prev(later)->second].last);
     }
 
-    /// Makes of a block that overlaps the longest part that does not, where that is most of it.
+    /// Reduces an overlapping block to its longest free part, if that is most of it.
     bool cut_to_free_part(Block& block) const {
         Block best{block.first, block.first}, part = best;
         for (std::size_t row = block.first; row <= block.last; ++row) {
@@ -146,7 +146,7 @@ class TimeJudgement {
             }
             const auto later = kept_.upper_bound(stamp(part.first));
             if (part.epochs > 0 && later != kept_.end() && later->first < stamp(row))
-                part = {row, row};  // another lies in between
+                part = {row, row};  // another block lies in between
             part.last = row;
             ++part.epochs;
             if (part.epochs > best.epochs) best = part;
@@ -157,7 +157,7 @@ class TimeJudgement {
         return true;
     }
 
-    /// The block kept that stands next before another in the recording, or next after it.
+    /// The kept block next to another in the recording, before or after it.
     std::optional<std::size_t> kept_beside(std::size_t b, bool before) const {
         if (!before) {
             const auto next = recorded_.upper_bound(b);
@@ -174,7 +174,7 @@ class TimeJudgement {
         return velocity_between(rows_[from], rows_[from + 1], longest_s_);
     }
 
-    /// Whether the craft goes on from one block to another as in `step_s`.
+    /// Whether the craft's motion continues from one block to another within `step_s`.
     bool leads_to(std::size_t from, std::size_t to, double step_s) const {
         return goes_on({.from = &rows_[blocks_[from].last],
                         .to = &rows_[blocks_[to].first],
@@ -183,8 +183,7 @@ class TimeJudgement {
                        step_s);
     }
 
-    /// Whether a block that is not kept was recorded where it stands, between two that leave room
-    /// for it.
+    /// Whether a block that is not kept was recorded in place, between two that leave room for it.
     bool belongs_between(std::size_t b) const {
         const auto before = kept_beside(b, true), after = kept_beside(b, false);
         if (!before || !after) return false;
@@ -197,7 +196,7 @@ class TimeJudgement {
                leads_to(*after - 1, *after, options_.interval_s);
     }
 
-    /// Whether any block was kept beside the others. The longer first.
+    /// Keeps further blocks that fit, the longer first. Returns whether there were any.
     bool keep_what_fits() {
         std::vector<std::size_t> left;
         for (std::size_t b = 0; b < blocks_.size(); ++b)
@@ -213,7 +212,7 @@ class TimeJudgement {
         return any;
     }
 
-    /// Blocks kept that no other is near in time, in the order of time: from each its session.
+    /// Leaves out kept blocks with no other near in time. Each begins a session, in order of time.
     void leave_out_strays() {
         std::vector<std::vector<std::size_t>> sessions;
         std::int64_t end_ns = 0;
@@ -251,7 +250,8 @@ class TimeJudgement {
                     kept[row] = !is_repeated(row);
         for (std::size_t row = 0; row < rows_.size(); ++row)
             if (!kept[row] && !is_repeated(row)) order_.standing[row] = TimeStanding::out_of_order;
-        // The time of the one kept next to it, at another place: that one alone says when it was.
+        // A row with the time of the kept one next to it, but another position. Only the kept one
+        // tells when it was recorded.
         const EnuEpoch* beside = nullptr;
         const auto compare = [&](std::size_t row) {
             if (kept[row])
@@ -280,7 +280,7 @@ class TimeJudgement {
     }
 
     void put_in_order() {
-        // Each row left out stands behind the one kept that it follows, or that it repeats.
+        // Each row left out comes after the kept row that it follows or repeats.
         std::vector<std::int64_t> place(rows_.size());
         std::int64_t anchor = std::numeric_limits<std::int64_t>::min();
         std::int64_t latest = anchor;
@@ -317,9 +317,10 @@ class TimeJudgement {
     TimeOrderOptions options_;
     double longest_s_;
     std::vector<Block> blocks_;
-    std::vector<std::int64_t> epochs_to_;       ///< of all blocks before each, as they were cut
-    std::map<std::int64_t, std::size_t> kept_;  ///< by the time of the first epoch
-    std::set<std::size_t> recorded_;            ///< the same, in the order of the recording
+    std::vector<std::int64_t> epochs_to_;       ///< of all blocks before each, as originally
+                                                ///< divided
+    std::map<std::int64_t, std::size_t> kept_;  ///< by the time of their first epoch
+    std::set<std::size_t> recorded_;            ///< the same blocks, in the order of the recording
     TimeOrder order_;
 };
 

@@ -25,17 +25,17 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using namespace velocities;
 
-/// Neighbours on either side that a local scale comes from, and over which an outlier may
-/// have bent the smoothed motion.
+/// Neighbours on either side that determine a local scale, and over which an outlier may have bent
+/// the smoothed motion.
 constexpr std::size_t neighbours = 10;
 constexpr std::size_t least_neighbours = 8;
-/// Recorded velocities never err by more (m/s, each axis) than this from epoch to epoch: receivers
-/// of all kinds showed 0.02 to 0.18. What differs by more contradicts the positions, and is not
-/// taken for noise of its own.
+/// Upper limit of the error of recorded velocities from epoch to epoch (m/s, each axis). Receivers
+/// of all types showed 0.02 to 0.18. Larger differences contradict the positions and are not taken
+/// for noise of the velocities.
 constexpr double largest_scale_m_s = 0.5;
 
-/// A recorded velocity less another at one row (m/s), what is known of its variance without the
-/// recorded velocity's part, and the statistic that the test made of it.
+/// A recorded velocity minus another one at a row (m/s), the known variance without the recorded
+/// velocity's part, and the resulting test statistic.
 struct Difference {
     std::size_t row = 0;
     std::int64_t arc = 0;
@@ -45,14 +45,14 @@ struct Difference {
 };
 using Differences = std::vector<Difference>;
 
-/// What the tables say, gathered; `comparisons` and `recorded` are of the same rows.
+/// Data gathered from the tables. `comparisons` and `recorded` belong to the same rows.
 struct Gathered {
     Knots smoothed;
     std::vector<Comparison> comparisons;
     Knots recorded;
 };
 
-/// The recorded velocity at a time in the arc, linearly between epochs.
+/// The recorded velocity at a time in the arc, interpolated linearly between epochs.
 std::optional<Vector2d> recorded_at(const Knots& recorded, std::size_t near, double time_s) {
     const auto before = knot_before(recorded, near, time_s);
     if (!before) return std::nullopt;
@@ -60,10 +60,10 @@ std::optional<Vector2d> recorded_at(const Knots& recorded, std::size_t near, dou
     return a.velocity + (time_s - a.time_s) / (b.time_s - a.time_s) * (b.velocity - a.velocity);
 }
 
-/// The variance that an uncertain delay makes: by what the recorded velocity changes over it. A
-/// delay not told counts as its largest. Where the velocity hardly changes, as it does then, this
-/// costs little; where it does change, the comparison loses its weight by itself. The smoothed
-/// acceleration would not do: an outlier makes it large, and would excuse itself.
+/// The variance caused by an uncertain delay, from the change of the recorded velocity over it. An
+/// undetermined delay counts as the largest. That costs little if the velocity hardly changes, as
+/// is then usual. If it does change, the comparison loses weight by itself. The smoothed
+/// acceleration is unsuitable: an outlier makes it large, and would excuse itself.
 Matrix2d delay_variance(const Knots& recorded, std::size_t k, const Delay& delay) {
     const Knot& knot = recorded[k];
     const auto before = recorded_at(recorded, k, knot.time_s - delay.sigma_s);
@@ -72,7 +72,7 @@ Matrix2d delay_variance(const Knots& recorded, std::size_t k, const Delay& delay
     return change * change.transpose();
 }
 
-/// Recorded less smoothed velocities.
+/// Recorded minus smoothed velocities.
 Differences smoothed_differences(const Gathered& gathered, const Delay& delay) {
     Differences differences;
     for (std::size_t k = 0; k < gathered.recorded.size(); ++k) {
@@ -89,8 +89,8 @@ Differences smoothed_differences(const Gathered& gathered, const Delay& delay) {
     return differences;
 }
 
-/// Mean recorded velocities, of both ends of each step between rows that are compared and each
-/// taken a delay later, less the displacement over the interval. The row is the step's second.
+/// Mean recorded velocities minus displacement over interval, for each step between compared rows.
+/// The mean is over both ends of the step, each taken a delay later. The row is the step's second.
 Differences displacement_differences(const std::vector<ScreenedEpoch>& rows, const Knots& recorded,
                                      const Delay& delay) {
     Differences differences;
@@ -114,9 +114,9 @@ Differences displacement_differences(const std::vector<ScreenedEpoch>& rows, con
     return differences;
 }
 
-/// Scatter around a difference, from the steps between neighbours: a drift of the positions, which
-/// moves many of them by the same, does not hide itself in it. From the upper quartile, because a
-/// window at the beginning of a run is half of epochs that stand still.
+/// Scatter around a difference, from the steps between neighbours. A drift of the positions moves
+/// many of them alike, and so cannot hide in it. It uses the upper quartile, because in a window at
+/// the beginning of a run half of the epochs stand still.
 double local_scale(const Differences& differences, std::size_t k) {
     std::vector<double> squares;
     const std::size_t last = std::min(differences.size() - 1, k + neighbours);
@@ -132,15 +132,18 @@ double local_scale(const Differences& differences, std::size_t k) {
     return scale_of(*quartile, 0.75);
 }
 
-/// Fills the statistics; the scale of all is returned.
+/// Fills in the statistics and returns the overall scale.
 ///
-/// The variance is what is known of the other side (larger near the ends of arcs and after gaps),
-/// plus the recorded velocity's own: the square of the scale less the typical known variance. The
-/// scale is the larger of the whole recording's and the local one, because no recording seen has
-/// one scale. Seen at 1 and 4 Hz: 7 to 8 mm/s standing against 18 to 60 mm/s moving, and tails far
-/// heavier than normal: one difference in a hundred beyond 0.13 m/s where the scale is 0.017 m/s,
-/// up to 0.2 m/s alone and 0.3 m/s within a few scattered epochs. With one scale and without a
-/// second epoch that agrees, 33 good epochs of 2187 would be marked; so none is.
+/// The variance is the known variance of the other side (larger near the ends of arcs and after
+/// gaps), plus the recorded velocity's own: the square of the scale minus the typical known
+/// variance. The scale is the larger of the whole recording's and the local one, because no
+/// recording observed has a single scale.
+///
+/// Observed at 1 and 4 Hz: 7 to 8 mm/s standing against 18 to 60 mm/s moving, with tails far
+/// heavier than normal. One difference in a hundred was beyond 0.13 m/s where the scale is
+/// 0.017 m/s, up to 0.2 m/s alone and 0.3 m/s within a few scattered epochs. With one scale, and
+/// without requiring a second epoch that agrees, 33 good epochs of 2187 would be marked. This way
+/// none is.
 double test_differences(Differences& differences) {
     if (differences.size() < least_comparisons) return 0.0;
     std::vector<double> squares, variances;
@@ -161,8 +164,8 @@ double test_differences(Differences& differences) {
     return scale;
 }
 
-/// Whether differences `k` and `k + 1` are of one arc, both beyond the threshold, and in one
-/// direction (or in opposite ones).
+/// Whether differences `k` and `k + 1` belong to one arc, both exceed the threshold, and point in
+/// the same direction (or in opposite ones).
 bool contradict(const Differences& differences, std::size_t k, double threshold, bool opposite) {
     const Difference &a = differences[k], &b = differences[k + 1];
     if (a.arc != b.arc || !(a.statistic > threshold && b.statistic > threshold)) return false;
@@ -178,7 +181,8 @@ void mark(ScreenedEpoch& row, double statistic, double threshold) {
     row.threshold = threshold;
 }
 
-/// The epochs between two displacements that contradict in opposite directions: their rows.
+/// Marks the epochs between two displacements that contradict in opposite directions. Returns their
+/// rows.
 std::vector<std::size_t> mark_displaced(std::vector<ScreenedEpoch>& rows,
                                         const Differences& displacements, double threshold) {
     std::vector<std::size_t> marked;
@@ -191,7 +195,8 @@ std::vector<std::size_t> mark_displaced(std::vector<ScreenedEpoch>& rows,
     return marked;
 }
 
-/// Both epochs of each two that contradict in one direction, if no outlier bent the motion.
+/// Marks both epochs of each pair that contradicts in the same direction, unless an outlier bent
+/// the motion.
 void mark_drifting(std::vector<ScreenedEpoch>& rows, const Differences& differences,
                    const std::vector<std::size_t>& displaced, double threshold) {
     std::vector<bool> bent(differences.size(), false);
@@ -235,7 +240,7 @@ Directions directions_of(const Motion& motion) {
     return directions;
 }
 
-/// Whether the velocities were computed from the positions beside them.
+/// Whether the velocities were computed from the positions recorded with them.
 VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Directions& directions,
                          double position_resolution_m) {
     std::vector<SpeedBesidePosition> beside;
@@ -267,7 +272,7 @@ bool is_speed_only(const std::vector<ScreenedEpoch>& rows) {
         rows, [](const ScreenedEpoch& row) { return row.recorded_velocity_east_m_s.has_value(); });
 }
 
-/// The velocities as a witness, with the delay alone in their errors; nothing where there are none.
+/// The velocities as a witness, with only the delay in their errors. Empty where there are none.
 template <int Axes>
 std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<ScreenedEpoch>& rows,
                                                          const Directions& directions,
@@ -276,8 +281,8 @@ std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<Scree
                                                          const VelocityCheckOptions& options) {
     auto samples = timed_velocities<Axes>(rows, directions, options.nominal_interval_s, left_out);
     if (samples.size() < least_comparisons) return std::nullopt;
-    // Of a filter that lags, by another amount in every motion; one that is not told lies anywhere
-    // in the range.
+    // Uncertainty of the delay. A filter's lag varies with the motion; an undetermined one may lie
+    // anywhere in the range.
     constexpr double of_motion = 0.25;
     const double sigma_s = delay.delay_s ? std::hypot(delay.sigma_s, of_motion * *delay.delay_s)
                                          : rectangular_uncertainty(options.delay_max_s);
@@ -288,15 +293,15 @@ std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<Scree
     return VelocityWitness<Axes>(std::move(samples), delay_alone, options.jerk_density);
 }
 
-/// `scale_m_s` is that of the differences from the smoothed velocities, each horizontal axis: where
-/// nothing else bounds the errors, they are taken to be all of it, and to last.
+/// `scale_m_s` is that of the differences from the smoothed velocities, on each horizontal axis.
+/// Where nothing else limits the errors, they are assumed to be all of it, and to last.
 template <int Axes>
 std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
                                         const std::vector<ScreenedEpoch>& rows, double scale_m_s) {
     const EstimatedVelocityErrors<Axes> estimated = estimate_velocity_errors<Axes>(
         witness, timed_positions<Axes>(rows), stated_velocity_sigma<Axes>(rows));
     VelocityErrorModel model = estimated.model;
-    // Upwards satellites tell a velocity half as well.
+    // Satellites determine vertical velocity half as well.
     constexpr double upwards = 2.0;
     if (!model.is_known() && scale_m_s > 0.0 && scale_m_s <= largest_scale_m_s)
         model.stated_m_s = Axes == 1 ? upwards * scale_m_s : scale_m_s;
@@ -323,8 +328,8 @@ struct Ratio {
     double standard_uncertainty = 0.0;
 };
 
-/// How many times what the smoothed motion shows the recorded velocities are, along it, where the
-/// craft moves at half the speed of its fastest tenth or more; nothing where too few do.
+/// Ratio of the recorded velocities to the smoothed ones, along the motion, where the craft moves
+/// at half the speed of its fastest tenth or more. Empty where too few rows do.
 std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
     std::vector<double> speeds, ratios;
     for (const Comparison& one : gathered.comparisons)
@@ -344,14 +349,15 @@ std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
     const double ratio = median(ratios);
     for (double& one : ratios)
         one = std::abs(one - ratio);
-    // Of neighbours errors are alike: as many count as there are tens.
+    // Errors of neighbours are alike, so only every tenth counts as independent.
     const double independent = static_cast<double>(ratios.size()) / 10.0;
     return Ratio{.value = ratio,
                  .standard_uncertainty = 1.2533 * median(std::move(ratios)) /
                                          normal_quantile(0.75) / std::sqrt(independent)};
 }
 
-/// Whether the velocities were made from the positions, which their integral then never leaves.
+/// Whether the velocities were made from the positions, in which case their integral never departs
+/// from them.
 bool follow_positions(const std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness) {
     constexpr double of_code_m = 0.1;
     const std::vector<TimedPosition<2>> positions = timed_positions<2>(rows);
@@ -363,7 +369,7 @@ bool follow_positions(const std::vector<ScreenedEpoch>& rows, const VelocityWitn
     return keep_to_positions(estimated.spreads, of_code);
 }
 
-/// Marks what drifts slowly, or stepped, and ends the arc behind it.
+/// Marks slow drifts and steps, and ends the arc after them.
 void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness,
                  const VelocityErrors& errors, double threshold) {
     constexpr double longest_s = 10.0;
@@ -378,7 +384,7 @@ void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& wit
                                {.span_s = spread.span_s,
                                 .spread_m = spread.sd_upper_m,
                                 .lasting_m_s = lasting_m_s,
-                                // They are asked for at the delay, and one sample beyond.
+                                // The witness is used at the delay, and one sample beyond.
                                 .ahead_s = std::max(0.0, witness.errors().delay_s) + beyond_delay_s,
                                 .threshold = threshold});
         contradicted.insert(contradicted.end(), spans.begin(), spans.end());
@@ -443,7 +449,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     const double threshold = chi_squared_upper_quantile(options.test_size, 2);
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
-    // Again: epochs that were marked count no more.
+    // Repeated, because marked epochs no longer count.
     if (const auto witness = undisturbed_witness<2>(rows, directions, delay, left_out, options))
         if (auto errors = errors_of<2>(*witness, rows, comparison.scale_m_s)) {
             if (displaced.empty()) mark_drifts(rows, *witness, *errors, threshold);

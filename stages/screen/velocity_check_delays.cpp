@@ -11,7 +11,7 @@ namespace {
 
 using velocities::SpeedPair;
 
-/// Whether the motion has a speed within a second and a half of a row that is near to one.
+/// Whether the motion has a similar speed within a second and a half of a row.
 bool motion_has(const std::vector<ScreenedEpoch>& rows, const Motion& motion, std::size_t at,
                 double speed_m_s) {
     constexpr double near_s = 1.5;
@@ -56,7 +56,8 @@ std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& row
         if (row.arc && motion[i]) pair.by_positions_m_s = motion[i]->velocity.norm();
         epochs.push_back(row.epoch);
     }
-    // Where less is taken off, one of a second still is no other moment.
+    // However small the delay to be removed, one of up to a second does not count as another
+    // moment.
     const double limit_s = std::max(delay_max_s, 1.0);
     std::vector<VelocityDelay> delays;
     for (const velocities::DelayStretch& one : velocities::delays_along(pairs, limit_s))

@@ -7,21 +7,21 @@
 
 namespace runcert {
 
-/// The delays of the recorded speeds behind those of the smoothed motion, with a course or without,
-/// along the recording (`velocities::delays_along`), and whether they are beyond `delay_max_s`: a
-/// second at least. `motion` has one element for each row.
+/// The delays along the recording of the recorded speeds, with or without a course, relative to the
+/// smoothed motion (`velocities::delays_along`). Each says whether it is beyond `delay_max_s`, or
+/// one second if that is longer. `motion` has one element for each row.
 std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& rows,
                                            const Motion& motion, double delay_max_s);
 
-/// The length of the horizontal recorded velocity, or the recorded speed (m/s).
+/// The magnitude of the horizontal recorded velocity, or the recorded speed (m/s).
 std::optional<double> recorded_length(const RecordedVelocity& row);
 
-/// Part of the rows with a recorded velocity that are chosen; 0 where there are none.
+/// Fraction of the rows with a recorded velocity that are chosen. 0 where there are none.
 double share_of(const std::vector<ScreenedEpoch>& rows, const std::vector<bool>& chosen);
 
-/// Part of the rows with a recorded velocity, where the motion is known, that it contradicts: those
-/// of other moments, those marked for it, and those whose speed is none that the motion has within
-/// a second and a half, by more than velocities of receivers were seen to err.
+/// Fraction of the rows with a recorded velocity and known motion that contradict it. These are
+/// rows of other moments, rows marked for it, and rows whose speed is not found in the motion
+/// within a second and a half, by more than receivers' velocities have been seen to err.
 double contradicted_share(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
                           const std::vector<bool>& of_other_moments);
 

@@ -11,7 +11,7 @@
 namespace runcert {
 namespace {
 
-/// What of the test stands in the row. The size is known as well as its statistic says.
+/// Writes a test's finding into the row. The size is as uncertain as its statistic implies.
 void mark_row(ScreenedEpoch& row, const ScreeningTest& test, const Eigen::Vector2d& difference_m,
               double statistic, double threshold) {
     row.usable = false;
@@ -28,7 +28,7 @@ void mark_row(ScreenedEpoch& row, const ScreeningTest& test, const Eigen::Vector
     row.estimated.correlation_east_north = 0.0;
 }
 
-/// Epochs between two steps that are contradicted in opposite directions.
+/// Marks epochs between two steps that are contradicted in opposite directions.
 std::int64_t mark_displaced(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
                             const std::vector<ContradictedSpan>& steps, const ScreeningTest& test,
                             double threshold) {

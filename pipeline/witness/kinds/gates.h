@@ -56,7 +56,7 @@ class GateWitness final : public Witness<2> {
 
     /// Whether the distances between neighbouring gates match those between the positions there too
     /// closely. That is so where chance would allow it only once in a hundred times, given the
-    /// errors stated for the gates and the smallest errors of positions.
+    /// errors stated for the gates and the least errors of positions.
     bool agrees_too_well() const;
 
   private:

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double nothing_assured = std::numeric_limits<double>::infinity();
 
-/// The largest of consecutive values, from any one to any other, in constant time.
+/// The largest value of any consecutive range, in constant time.
 class RangeMaximum {
   public:
     explicit RangeMaximum(std::vector<double> values) : tables_{std::move(values)} {
@@ -28,7 +28,7 @@ class RangeMaximum {
         }
     }
 
-    /// Of the values first to last, both included.
+    /// The largest of the values first to last, both included.
     double operator()(std::size_t first, std::size_t last) const {
         std::size_t power = 0;
         while ((std::size_t{2} << power) <= last - first + 1)
@@ -41,7 +41,7 @@ class RangeMaximum {
     std::vector<std::vector<double>> tables_;
 };
 
-/// Running sums over rows: `sum(first, last)` is of both and all between.
+/// Running sums over rows. `sum(first, last)` includes both ends.
 class RunningSum {
   public:
     void add(double value) { sums_.push_back(sums_.back() + value); }
@@ -53,7 +53,7 @@ class RunningSum {
     std::vector<double> sums_{0.0};
 };
 
-/// The stated variance of an epoch's position, as the profile counts it.
+/// The stated variance of an epoch's position, in the dimension that the profile counts.
 double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
     const double level = 0.5 * stated_covariance<2>(row).trace();
     const double upright = stated_covariance<1>(row).trace();
@@ -61,7 +61,7 @@ double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
     return dimension == Dimension::vertical ? upright : std::max(level, upright);
 }
 
-/// The largest undetected error of a single epoch, or of a step before it, m.
+/// The largest undetected error of a single epoch, or of a step just before it, m.
 double missed_at(const ScreenedEpoch& row, Dimension dimension) {
     const MinimalDetectableBias& level = row.detectable;
     const double horizontal = std::max(level.outlier_m.value_or(0.0), level.step_m.value_or(0.0));
@@ -71,13 +71,13 @@ double missed_at(const ScreenedEpoch& row, Dimension dimension) {
     return dimension == Dimension::vertical ? vertical : std::max(horizontal, vertical);
 }
 
-/// What of an uncertainty of the reference goes with what; m/s.
+/// The parts of the reference's uncertainty, by how they scale; m/s.
 struct ReferenceFigures {
     double own = 0.0;  ///< of the positions, without time-correlated and undetected errors
     double slow = 0.0;
     double undetected = 0.0;
     FaultPrior fault = {};
-    double others = 0.0;  ///< what is the same everywhere
+    double others = 0.0;  ///< parts that are the same for every window
     double bias_limit = 0.0;
     double stated_m = 0.0;
     double missed_m = 0.0;
@@ -89,7 +89,7 @@ double contribution(const std::vector<BudgetRow>& rows, std::string_view symbol)
     return row == rows.end() ? 0.0 : row->contribution_m_s;
 }
 
-/// A recording's epochs, ready to be asked for any window of it.
+/// A recording's epochs, prepared for queries on any window.
 class Expectation {
   public:
     Expectation(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -143,8 +143,8 @@ class Expectation {
     }
 
   private:
-    /// Whether a witness that contradicts the reference does not cover the window: to go there is
-    /// no way round it.
+    /// Whether a witness that contradicts the reference does not cover the window. Moving there
+    /// must not avoid the contradiction.
     bool is_unheard(const std::vector<WitnessedSpeed>& witnessed) const {
         return std::ranges::any_of(contradicting_, [&](const WitnessedSpeed& wanted) {
             return std::ranges::none_of(witnessed, [&](const WitnessedSpeed& one) {
@@ -166,12 +166,12 @@ class Expectation {
         return {rows[found.first], rows[found.last]};
     }
 
-    /// Root mean square of what the usable epochs of a window state.
+    /// Root mean square of the stated standard deviations of a window's usable epochs.
     double stated_m(std::size_t first, std::size_t last) const {
         return std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
     }
 
-    /// Size of the positions' errors in a window, as `error_bound` has it.
+    /// Size of the positions' errors in a window, as in `error_bound`.
     double error_m(std::size_t first, std::size_t last) const {
         return std::max(scale_ * stated_m(first, last), floor_m_);
     }
@@ -211,7 +211,7 @@ class Expectation {
         const auto [first, last] = rows_of(found);
         const TrajectoryEpoch& from = trajectory_.rows[first];
         const TrajectoryEpoch& to = trajectory_.rows[last];
-        // Between epochs that enclose it: the window itself may begin and end at any instant.
+        // Between the enclosing epochs, because the window itself may begin and end at any instant.
         const double start_s = from.time.seconds();
         const double end_s = to.time.seconds();
         std::vector<WitnessedSpeed> all;

@@ -64,7 +64,7 @@ std::vector<SummedSeries> summed_all(const std::vector<SampleSeries>& series) {
     return sums;
 }
 
-/// Windows beside one that is found, where they do not overlap any that are.
+/// Windows that begin or end where a found one ends or begins, and overlap none of those found.
 WindowSearch free_beside(const std::vector<SummedSeries>& sums, const WindowCriteria& rule,
                          const std::vector<FoundWindow>& found) {
     WindowSearch beside = windows_beside(sums[found.back().series], rule, found.back());
@@ -82,7 +82,7 @@ WindowSearch all_windows(const std::vector<SummedSeries>& sums, const WindowCrit
     return all;
 }
 
-/// The fastest of what is allowed (`left`).
+/// The fastest of the allowed windows (`left`).
 WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums,
                         const WindowCriteria& rule, std::size_t count,
                         const Allowance& allowance = {}) {
@@ -135,7 +135,7 @@ AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const W
     const std::vector<SummedSeries> sums = summed_all(series);
     AllowedWindows windows{.all = all_windows(sums, rule).windows, .best = {}};
     make_allowances(windows.all, allowance);
-    // Without a copy of all where only one is wanted.
+    // Avoids a copy of all where only one is wanted.
     if (count == 1 && !windows.all.empty())
         windows.best = {*std::ranges::min_element(windows.all, preferred)};
     else

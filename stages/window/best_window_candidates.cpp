@@ -15,7 +15,7 @@ void add(const std::optional<FoundWindow>& window, WindowSearch& search) {
 }
 
 WindowSearch time_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
-    constexpr double nanosecond_s = 1e-9;  // the ends are sought below the limit, not up to it
+    constexpr double nanosecond_s = 1e-9;  // the ends are searched below the limit, not up to it
     const auto ends = window_ends(
         series.samples->times, rule.duration_s, rule.duration_tolerance_s,
         rule.exact ? rule.duration_tolerance_s + nanosecond_s : rule.nominal_interval_s);
@@ -31,7 +31,7 @@ std::int64_t duration_ns(const WindowCriteria& rule) {
     return std::llround(rule.duration_s * 1e9);
 }
 
-/// The times (ns) at which a window of the duration begins or ends at a sample, as starts.
+/// The start times (ns) for which a window of this duration begins or ends at a sample.
 std::vector<std::int64_t> starts_at_any_instant(const SummedSeries& series,
                                                 std::int64_t window_ns) {
     const auto& times = series.samples->times;
@@ -73,8 +73,8 @@ WindowSearch path_between_epochs(const SummedSeries& series, const WindowCriteri
     return search;
 }
 
-/// The first sample from `last` on whose straight distance from `first` is enough, on up to twice
-/// as much path.
+/// The first sample from `last` on whose straight distance from `first` suffices, on up to twice as
+/// much path.
 std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t first,
                                       std::size_t last, double enough_m, std::int64_t& steps) {
     const std::vector<double>& path = series.path_m;
@@ -84,7 +84,7 @@ std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t fi
         const double missing_m = enough_m - distance_between(series.samples->positions[first],
                                                              series.samples->positions[last]);
         if (missing_m <= 0.0) return last;
-        // It takes at least that much path to get there.
+        // At least that much path is needed to get there.
         const double next_m = path[last] + missing_m - path_rounding_m;
         const auto after = path.begin() + static_cast<std::ptrdiff_t>(last) + 1;
         last = static_cast<std::size_t>(std::lower_bound(after, path.end(), next_m) - path.begin());
@@ -106,8 +106,8 @@ WindowSearch straight_between_epochs(const SummedSeries& series, const WindowCri
     return search;
 }
 
-/// Direction of travel at each sample, a unit vector: see `direction_reach_m`. At the ends of the
-/// series it is that of one side; zero where the craft turned round on the spot.
+/// Direction of travel at each sample, a unit vector (`direction_reach_m`). At the ends of the
+/// series it is one-sided. Zero where the craft turned round on the spot.
 std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
     const std::vector<double>& path = series.path_m;
     const auto& positions = series.samples->positions;
@@ -150,7 +150,7 @@ WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
     return search;
 }
 
-/// The end of a path of this length, looked for from a sample on; empty beyond the series.
+/// The end of a path of this length, searched from a sample on. Empty if beyond the series.
 std::optional<SeriesInstant> end_of_path(const SummedSeries& series, SeriesInstant start,
                                          double distance_m, std::size_t from) {
     const double path_m = path_at(series, start) + distance_m;
@@ -158,7 +158,7 @@ std::optional<SeriesInstant> end_of_path(const SummedSeries& series, SeriesInsta
     return first_instant_at_path(series, std::min(path_m, series.path_m.back()), from);
 }
 
-/// The start of a path of this length, looked for from a sample on; empty before the series.
+/// The start of a path of this length, searched from a sample on. Empty if before the series.
 std::optional<SeriesInstant> start_of_path(const SummedSeries& series, SeriesInstant end,
                                            double distance_m, std::size_t from) {
     const double path_m = path_at(series, end) - distance_m;

@@ -57,7 +57,7 @@ Measured measure(const SummedSeries& series, SeriesInstant start, SeriesInstant 
         case SpeedDefinition::mean_n_plus_1:
         case SpeedDefinition::mean_n:
             return mean_speed(series, start.after, end.after, time_s, definition);
-        case SpeedDefinition::elapsed_time:  // over a course, which is not searched
+        case SpeedDefinition::elapsed_time:  // over a course, for which there is no search
             break;
     }
     return {length_m, length_m / time_s};
@@ -146,7 +146,8 @@ std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInst
     const SampleSeries& samples = *series.samples;
     const ElapsedTime from{time_of(series, start)};
     const ElapsedTime to{time_of(series, end)};
-    // An end that rounds to a sample is at that sample, whichever side of it the sums put it.
+    // An end that rounds to a sample is at that sample, even if the sums place it on the other
+    // side.
     const bool starts_at_next = start.fraction > 0.0 && from == samples.times[start.after + 1];
     const bool ends_at_sample = end.fraction == 0.0 || to == samples.times[end.after];
     const std::size_t first = start.after + (starts_at_next ? 1 : 0);

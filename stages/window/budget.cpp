@@ -37,14 +37,14 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
 
 namespace {
 
-/// At least one degree of freedom: fewer have no distribution to draw from.
+/// At least one degree of freedom, because fewer have no distribution to draw from.
 std::optional<double> degrees_of(const NoiseParameter& parameter) {
     return parameter.relative_uncertainty
                ? degrees_of_freedom(std::min(*parameter.relative_uncertainty, 0.7))
                : std::nullopt;
 }
 
-/// The largest one that the window's epochs were estimated with.
+/// The largest jerk density used to estimate the window's epochs.
 double largest_jerk_density(const BudgetInput& input) {
     double largest = 0.0;
     for (std::size_t i = input.first_row; i <= input.last_row; ++i) {
@@ -87,8 +87,8 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
         "other jerk densities, and the measured positions at the window's ends without a model"));
 }
 
-/// The step of the time stamps: as the recording states it, else the largest power of ten of a
-/// second that divides them all.
+/// The step of the time stamps. It is as the recording states, otherwise the largest power of ten
+/// of a second that divides all stamps.
 double time_resolution_s(const BudgetInput& input) {
     const auto& facts = input.trajectory.facts;
     if (facts.time_resolution_s) return *facts.time_resolution_s;
@@ -99,8 +99,8 @@ double time_resolution_s(const BudgetInput& input) {
     return static_cast<double>(step_ns) * 1e-9;
 }
 
-/// Whether every stamp of the window is a whole number of nominal intervals from its beginning:
-/// then whatever was cut off by the resolution is the same at both ends.
+/// Whether every stamp of the window is a whole number of nominal intervals from its beginning.
+/// Truncation to the resolution is then the same at both ends.
 bool stamps_are_regular(const BudgetInput& input) {
     const auto& rows = input.trajectory.rows;
     const std::int64_t nominal_ns = std::llround(input.trajectory.facts.nominal_interval_s * 1e9);
@@ -116,7 +116,7 @@ bool stamps_are_regular(const BudgetInput& input) {
 BudgetRow time_row(const BudgetInput& input) {
     const double resolution_s = time_resolution_s(input);
     const bool regular = stamps_are_regular(input);
-    // Both ends are off independently.
+    // The errors of both ends are independent.
     const double half_width_s = regular ? 0.0 : 0.5 * resolution_s * std::numbers::sqrt2;
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
@@ -179,7 +179,8 @@ BudgetRow plane_row(const BudgetInput& input) {
     return row;
 }
 
-/// The height that the attempt states where none was measured: angles make lengths by it.
+/// Row of the height that the attempt states where none was measured. It converts angles to
+/// lengths.
 std::optional<BudgetRow> height_row(const BudgetInput& input) {
     const RecordingFacts& facts = input.trajectory.facts;
     if (facts.vertical_measured || !facts.georeferenced || input.length) return std::nullopt;
@@ -191,9 +192,9 @@ std::optional<BudgetRow> height_row(const BudgetInput& input) {
                     bound_m));
 }
 
-/// The vertical of the ellipsoid, along which heights are measured, against the plumb line.
+/// The deviation of the ellipsoid's normal, along which heights are measured, from the plumb line.
 BudgetRow plumb_row(const BudgetInput& input) {
-    constexpr double deflection_rad = 3e-4;  // a minute of arc, as in high mountains
+    constexpr double deflection_rad = 3e-4;  // one minute of arc, as in high mountains
     const TrajectoryEpoch& first = input.trajectory.rows[input.first_row];
     const TrajectoryEpoch& last = input.trajectory.rows[input.last_row];
     const double moved_m = std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
@@ -203,7 +204,7 @@ BudgetRow plumb_row(const BudgetInput& input) {
         fmt::format("{:.1f} m moved horizontally; one minute of arc allowed for", moved_m));
 }
 
-/// What relates lengths of the local frame to lengths on the ground.
+/// The relation between lengths in the local frame and lengths on the ground.
 BudgetRow frame_row(const BudgetInput& input) {
     if (input.length)
         return bounded_row("m", "local frame against the ground", 0.0, "1", 0.0,

@@ -13,7 +13,7 @@ const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view sym
                          [&](const BudgetRow& row) { return row.symbol == symbol; });
 }
 
-/// How a row's quantity is drawn.
+/// The distribution of a row's quantity.
 class DrawnRow {
   public:
     explicit DrawnRow(const BudgetRow& row)
@@ -23,7 +23,7 @@ class DrawnRow {
           standard_uncertainty_(row.standard_uncertainty),
           sensitivity_(row.sensitivity) {}
 
-    /// One deviation of the quantity.
+    /// Draws one deviation of the quantity.
     double deviation(RandomGenerator& random) const {
         if (none_) return 0.0;
         const double unit = rectangular_ ? draw_rectangular(random, std::numbers::sqrt3)
@@ -44,7 +44,7 @@ class DrawnRow {
 
 MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
                             double speed_m_s) {
-    // Across the direction of travel the positions alone disturb, by as much as along it.
+    // Across the direction of travel only the positions disturb, by as much as along it.
     const double across =
         input.vertical ? 0.0 : input.position_share * input.noise.speed.standard_uncertainty_m_s;
     const double duration_s = input.duration_s;

@@ -22,7 +22,7 @@
 namespace runcert {
 namespace {
 
-/// Mean of a method's speeds over the window; nothing if one is missing.
+/// Mean of a method's speeds over the window. Empty if one is missing.
 std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
                                 EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
     double sum = 0.0;
@@ -34,7 +34,7 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows
     return sum / static_cast<double>(window.last - window.first + 1);
 }
 
-/// The windows that could have been the best, those close to one another together.
+/// The windows that could have been the best, with close ones grouped together.
 template <int Axes>
 std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
                                              const WindowChoice& choice, double least_m_s) {
@@ -63,8 +63,8 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
     return clusters;
 }
 
-/// The four definitions of a window between two states, with what they lack. Of heights alone they
-/// are vertical.
+/// The speed of a window between two states by all four definitions, corrected by what they lack.
+/// With heights alone they are vertical.
 template <int Axes>
 SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair window,
                                 double duration_s, double lacking_m_s) {
@@ -76,7 +76,7 @@ SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair win
             .mean_n_m_s = with(mean_speed(smoothed, first + 1, last))};
 }
 
-/// The same estimates of a speed that is larger by so much.
+/// The same estimates with every speed raised by `by_m_s`.
 OtherEstimates raised(OtherEstimates estimates, double by_m_s) {
     estimates.stiffer_m_s += by_m_s;
     estimates.softer_m_s += by_m_s;
@@ -126,8 +126,8 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     return selection;
 }
 
-/// What a vertical speed of coordinate "up" lacks against one of ellipsoidal heights, m/s: the
-/// Earth falls away from the plane as the craft moves over it. Zero for a horizontal one.
+/// Correction (m/s) from a vertical speed of coordinate "up" to one of ellipsoidal heights, because
+/// the Earth falls away from the plane as the craft moves over it. Zero for a horizontal speed.
 template <int Axes>
 double lacking_for_curvature(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
     if constexpr (Axes == 2) return 0.0;
@@ -143,7 +143,7 @@ double lacking_for_curvature(const AxesEstimate<Axes>& estimate, const FoundWind
     return upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
 }
 
-/// The bound on time-correlated errors, those along the window's direction allowed for.
+/// The bound on time-correlated errors, with the error's size along the window's direction.
 template <int Axes>
 ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                     const EstimatedWindow<Axes>& at, const WindowStretch<Axes>& stretch) {
@@ -182,7 +182,7 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
             .fault = fault};
 }
 
-/// What positions say of the window.
+/// The window's figures by positions.
 template <int Axes>
 PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWindow<Axes>& at,
                                  const PositionNoise& noise, const WindowFault& fault,
@@ -203,8 +203,8 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
     return figures;
 }
 
-/// Of the bias of the choice, as a witness of share `share` leaves it: it says where between its
-/// limits the bias is, as far as it counts.
+/// The remaining bias of the choice beside a witness of share `share`. As far as it counts, the
+/// witness shows where the bias lies between its limits.
 double bias_beside(const SelectionBias& selection, double share, double difference_m_s) {
     if (selection.treatment != SelectionTreatment::subtracted) return 0.0;
     if (share <= 0.0) return selection.bias_m_s;
@@ -213,8 +213,8 @@ double bias_beside(const SelectionBias& selection, double share, double differen
                                                                    selection.bounded_bias_m_s);
 }
 
-/// Standard uncertainty by what moves positions and witnesses alike: frame, clock, height, course,
-/// antenna.
+/// Standard uncertainty from effects common to positions and witnesses: frame, clock, height,
+/// course, antenna.
 double common_uncertainty(const std::vector<BudgetRow>& rows) {
     double square = 0.0;
     for (const BudgetRow& row : rows)
@@ -223,17 +223,17 @@ double common_uncertainty(const std::vector<BudgetRow>& rows) {
     return std::sqrt(square);
 }
 
-/// The budget of a window's speed beside its witnesses, and what is left to take off.
+/// The budget of a window's speed combined with its witnesses, and the remaining bias to subtract.
 struct HeardBudget {
     std::vector<WitnessedSpeed> witnesses;
     std::vector<BudgetRow> rows;
     SpeedEvidence evidence;
-    double position_share = 1.0;  ///< by how much the positions count
+    double position_share = 1.0;  ///< factor on the positions
     double bias_m_s = 0.0;        ///< of the choice, which is one of the positions' errors
 };
 
-/// What the witnesses leave of the positions' uncertainty (`rows`, `terms`) and of the bias of the
-/// choice, as far as they agree.
+/// Reduces the positions' uncertainty (`rows`, `terms`) and the bias of the choice by the
+/// witnesses, as far as they agree.
 HeardBudget hear(const PositionTerms& terms, double correlated_m_s, const SelectionBias& selection,
                  std::vector<WitnessedSpeed> witnesses, std::vector<BudgetRow> rows) {
     HeardBudget heard{.witnesses = std::move(witnesses), .rows = std::move(rows), .evidence = {}};
@@ -247,7 +247,7 @@ HeardBudget hear(const PositionTerms& terms, double correlated_m_s, const Select
     return heard;
 }
 
-/// The same with the fault of the positions so many times as likely: standard uncertainty, m/s.
+/// Standard uncertainty, m/s, if the fault of the positions were `times` as likely.
 double uncertainty_with_fault(double times, const WindowFault& fault, PositionTerms terms,
                               double correlated_m_s, const SelectionBias& selection,
                               const std::vector<WitnessedSpeed>& witnesses,
@@ -259,7 +259,7 @@ double uncertainty_with_fault(double times, const WindowFault& fault, PositionTe
         .standard_uncertainty;
 }
 
-/// What witnesses say of a window whose budget by positions alone is given.
+/// Evaluates the witnesses of a window, given its budget by positions alone.
 template <int Axes>
 HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFigures<Axes>& figures,
                            const PositionNoise& noise, const WindowFault& fault,
@@ -290,7 +290,7 @@ HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFig
     return heard;
 }
 
-/// The speed, less the bias of the choice, its budget, and what follows from it.
+/// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
 template <int Axes>
 void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                const EstimatedWindow<Axes>& at, const PositionNoise& noise,
@@ -331,7 +331,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
 
-/// Position and time of the window.
+/// Sets position and time of the window.
 template <int Axes>
 void set_place(const AxesEstimate<Axes>& estimate, const FoundWindow& found,
                CertifiableWindow& window) {
@@ -402,7 +402,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const auto [part, smoothed] = checked_estimate(estimate, found);
     const ArcWithInstants<Axes> at = with_instants(part.arc, part.times, found.start, found.end);
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
-    // Once more where the window begins or ends between epochs, with these instants among them.
+    // A window that begins or ends between epochs is smoothed again with these instants included.
     const bool between_epochs = at.arc.epochs.size() != part.arc.epochs.size();
     const SmoothedArc<Axes> between =
         between_epochs ? smooth<Axes>(at.arc.epochs, estimate.model) : SmoothedArc<Axes>{};

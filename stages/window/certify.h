@@ -11,7 +11,7 @@
 
 namespace runcert {
 
-/// What windows are certified from, for horizontal speeds (Axes 2) or vertical ones (1).
+/// The data from which windows are certified, for horizontal speeds (Axes 2) or vertical ones (1).
 template <int Axes>
 struct AxesEstimate {
     const ScreenedTable& screened;
@@ -19,42 +19,44 @@ struct AxesEstimate {
     const WindowConfig& config;
     const NoiseSummary& noise;
     EstimationModel model;              ///< of the trajectory
-    std::vector<WeightedModel> models;  ///< that the recording allows
+    std::vector<WeightedModel> models;  ///< models that the recording supports
     std::vector<Arc<Axes>> arcs;
-    std::vector<ArcRows> rows;                    ///< of each arc, in the trajectory
+    std::vector<ArcRows> rows;                    ///< each arc's rows in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
-    double unexplained_m_s = 0.0;  ///< as `unexplained_by_velocities_m_s` has it
+    double unexplained_m_s = 0.0;  ///< as from `unexplained_by_velocities_m_s`
 };
 
-/// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
-/// noise it was estimated with. Heights must have been measured for Axes 1.
+/// Gathers these data. Heights must have been measured for Axes 1. Failure where the trajectory
+/// does not have the arcs of the screened epochs, or does not state the noise with which it was
+/// estimated.
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config, const WitnessRecords& beside);
 
-/// A window that was found, among those that it was chosen from.
+/// A window that was found, and the windows from which it was chosen.
 struct WindowChoice {
     const Profile& profile;
     const FoundWindow& found;
-    const std::vector<FoundWindow>& all;  ///< that it is the best of, and itself
+    const std::vector<FoundWindow>& all;  ///< all the windows that it was chosen from, itself
+                                          ///< included
     SpeedQuantity quantity;
-    double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, of a course
+    double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, for a course
 };
 
-/// The quantity that a profile's windows are certified by. Of a course the caller adds its length
-/// and lines.
+/// The quantity by which a profile's windows are certified. For a course, the caller adds its
+/// length and lines.
 SpeedQuantity quantity_of(const Profile& profile);
 
-/// The measured speed of a window with all sources of uncertainty; a vertical one is of heights
-/// above the ellipsoid. What witnesses say of it stands beside it, and where they agree the budget
-/// holds what they leave (`condition_on`). Failure where the trajectory is not the estimate from
-/// these screened epochs.
+/// The measured speed of a window with all sources of uncertainty. A vertical speed is of
+/// ellipsoidal heights. Speeds by witnesses are given beside it. Where they agree, the budget
+/// contains the uncertainty that they leave (`condition_on`). Failure where the trajectory is not
+/// the estimate from these screened epochs.
 template <int Axes>
 CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);
 
-/// The speed in space of a window, from what both say of it by displacement: the two are at right
-/// angles, and their errors are taken as fully correlated, because nothing is known of that.
+/// The speed in space of a window, from its horizontal and vertical displacement. The two are at
+/// right angles. Their errors are taken as fully correlated, because their correlation is unknown.
 CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical);
 
 }  // namespace runcert

@@ -18,7 +18,7 @@
 namespace runcert {
 namespace {
 
-/// The four definitions from the smoothed trajectory.
+/// The speed by all four definitions, from the smoothed trajectory.
 SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows& arc,
                                 const Profile& profile, const FoundWindow& found) {
     const Eigen::Vector3d axes = axes_of_speed(profile.dimension);
@@ -49,8 +49,8 @@ SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows
             .mean_n_m_s = later_m_s / steps};
 }
 
-/// The mean of what a window's epochs state of their speeds, and whose word it is: that of one
-/// error, if all err alike.
+/// The mean of the standard deviations stated for a window's speeds, as for one error if all err
+/// alike, and who states them.
 StatedSpeedAccuracy stated_accuracy(const VelocityEstimate& estimate, const Profile& profile,
                                     const FoundWindow& found) {
     StatedSpeedAccuracy stated{.claimed = estimate.config.velocity_accuracy_claimed};
@@ -73,7 +73,7 @@ double duration_of(const FoundWindow& found) {
     return found.end.seconds() - found.start.seconds();
 }
 
-/// So many errors of samples are averaged in a window.
+/// Number of samples' errors that are averaged in a window.
 double samples_of(const FoundWindow& found) {
     return static_cast<double>(found.last - found.first);
 }
@@ -83,9 +83,9 @@ SpeedNoise noise_of(const VelocityEstimate& estimate, const FoundWindow& found) 
                        duration_of(found), samples_of(found));
 }
 
-/// What the positions say of the window, so that velocities are never certified that the positions
-/// beside them do not show. The uncertainty of the velocities is no more than receivers of all
-/// kinds were seen to err by.
+/// The window by its positions as a witness, so that no velocities are certified that the positions
+/// do not confirm. The uncertainty assumed for the velocities is at most what receivers of all
+/// types have been seen to err by.
 WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, double error_m_s) {
     constexpr double largest_of_velocities_m_s = 0.5;
     WitnessedSpeed witnessed;
@@ -127,7 +127,7 @@ std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
     return noise.over_ten ? said + "; " + shown() : said;
 }
 
-/// Rows of what the recorded speeds themselves err by.
+/// Adds the rows of the recorded speeds' own errors.
 void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
                     const StatedSpeedAccuracy& stated, const FoundWindow& found,
                     std::vector<BudgetRow>& rows) {
@@ -169,8 +169,9 @@ double resolution_m_s(const std::vector<ComparedSpeed>& compared) {
     return velocities::speed_resolution_m_s(speeds);
 }
 
-/// Rows of time and rounding. That a window begins a moment later changes a mean of recorded speeds
-/// by what these differ by at both ends, and only where positions say where it begins.
+/// Adds the rows of time and rounding. If a window begins slightly later, the mean of recorded
+/// speeds changes by the difference of the speeds at both ends. This matters only where positions
+/// determine where it begins.
 void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
                     const FoundWindow& found, std::vector<BudgetRow>& rows) {
     const ArcRows& arc = estimate.rows[found.series];
@@ -220,7 +221,7 @@ MeanOf mean_of(SpeedDefinition definition) {
     return definition == SpeedDefinition::mean_n ? MeanOf::samples_after_first : MeanOf::path;
 }
 
-/// Takes the bias of the choice off the speed, and adds its row.
+/// Subtracts the bias of the choice from the speed, and adds its row.
 void set_choice(const VelocityEstimate& estimate, const Profile& profile, const FoundWindow& found,
                 const std::vector<FoundWindow>& all, const SpeedErrors& errors,
                 CertifiableWindow& window) {

@@ -7,35 +7,35 @@
 
 namespace runcert {
 
-/// What the windows of recorded speeds are certified from.
+/// The data from which windows of recorded speeds are certified.
 struct VelocityEstimate {
     const ScreenedTable& screened;
     const TrajectoryTable& trajectory;
     const std::vector<ArcRows>& rows;  ///< of each arc
     const WindowConfig& config;
-    std::vector<ComparedSpeed> compared;  ///< of the rule's dimension
+    std::vector<ComparedSpeed> compared;  ///< in the rule's dimension
 };
 
-/// The speed of a window from the velocities that the recording states. Their errors come from the
-/// recording (`speed_errors`), the bias of the choice from draws of what of these may differ
-/// between windows (`speed_choice_bias`). `all` are the windows that it was chosen from.
+/// The speed of a window from the recorded velocities. Their errors come from the recording
+/// (`speed_errors`). The bias of the choice comes from draws of those errors that may differ
+/// between windows (`speed_choice_bias`). `all` are the windows from which it was chosen.
 ///
 /// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, t
-/// time stamps and l delay, which count where positions decide the ends, k clock rate, r resolution
-/// of the speeds, d undetected error, f choice of the fastest. The smoothed positions stand beside
+/// time stamps and l delay (both only where positions decide the ends), k clock rate, r resolution
+/// of the speeds, d undetected error, f choice of the fastest window. The smoothed positions serve
 /// as a witness.
 ///
-/// Failure where an epoch inside states no accuracy of its velocity.
+/// Failure where an epoch inside states no standard deviation of its velocity.
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
                                         const FoundWindow& found,
                                         const std::vector<FoundWindow>& all);
 
-/// What other windows are expected to be certified with, by one that is: infinite where an epoch
-/// inside states no accuracy.
+/// Predicts the uncertainty of other windows from a certified one. Infinite where an epoch inside
+/// states no standard deviation.
 Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
                              const FoundWindow& reference);
 
-/// Whether every epoch of the window states how accurate its velocity is.
+/// Whether every epoch of the window states the standard deviation of its velocity.
 bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
                               const Profile& profile, const FoundWindow& found);
 

@@ -22,7 +22,7 @@ bool is_rejected(const ScreenedEpoch& row) {
     return !row.usable && row.hypothesis.has_value();
 }
 
-/// How often such positions err unseen, beside those of the best kind.
+/// How often such positions have undetected errors, relative to those of the best fix type.
 double times_as_likely(const ScreenedTable& screened, EpochPair rows) {
     constexpr double of_other_kinds = 25.0, of_disturbed = 5.0, near_s = 60.0;
     for (std::size_t i = rows.first; i <= rows.last; ++i)
@@ -36,8 +36,8 @@ double times_as_likely(const ScreenedTable& screened, EpochPair rows) {
     return disturbed ? of_disturbed : 1.0;
 }
 
-/// By how much positions of a kind may be off that nothing finds: a wrong fix by 3 m; by code by a
-/// tenth of a chip, where reflections hide its edge.
+/// Largest undetected error of positions by their fix type: 3 m for an incorrect fix; for code a
+/// tenth of a chip, where reflections obscure its edge.
 double largest_error_m(const ScreenedTable& screened, EpochPair rows) {
     constexpr double by_phases_m = 3.0, by_code_m = 30.0;
     for (std::size_t i = rows.first; i <= rows.last; ++i) {
@@ -49,7 +49,7 @@ double largest_error_m(const ScreenedTable& screened, EpochPair rows) {
     return by_phases_m;
 }
 
-/// What the rivals of a window add to the probability that it errs, in parts of that.
+/// Increase of a window's fault probability by its rivals, in units of that probability.
 double by_rivals(const FoundWindow& found, const std::vector<FoundWindow>& all,
                  double largest_m_s) {
     if (largest_m_s <= 0.0) return 0.0;
@@ -73,14 +73,14 @@ double by_rivals(const FoundWindow& found, const std::vector<FoundWindow>& all,
     return sum;
 }
 
-/// The recorded velocity of a row towards east, or upwards; of a speed alone, that.
+/// A row's recorded velocity towards east, or upwards. A speed alone is taken as it is.
 OptionalReal recorded_along(const ScreenedEpoch& row, TestedAxes axes) {
     if (axes == TestedAxes::vertical) return row.recorded_velocity_up_m_s;
     return row.recorded_velocity_east_m_s ? row.recorded_velocity_east_m_s : row.recorded_speed_m_s;
 }
 
-/// What the white noise of recorded velocities, as their third differences have it, adds to the
-/// variance of a displacement in a second (m^2/s).
+/// Contribution of the white noise of recorded velocities, from their third differences, to the
+/// variance of a displacement per second (m^2/s).
 double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
     std::vector<double> third;
     const auto& rows = screened.rows;
@@ -93,8 +93,8 @@ double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
     return std::pow(robust_sd(std::move(third), 20.0), 2) * screened.facts.nominal_interval_s;
 }
 
-/// The variance (m^2) of a displacement between positions at twice what is stated at both ends:
-/// nearly all that they could explain.
+/// The variance (m^2) of a displacement between positions, with twice the stated errors at both
+/// ends: nearly all that positions could explain.
 double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes) {
     std::vector<double> sigmas;
     for (const ScreenedEpoch& row : screened.rows) {
@@ -106,7 +106,7 @@ double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes)
 
 using Covariance = Eigen::MatrixXd;
 
-/// Of the speeds by positions, first, and by the witnesses.
+/// Joint covariance of the speeds by positions (first) and by the witnesses.
 Covariance covariance_of(const PositionTerms& positions, std::span<const WitnessTerm> witnesses) {
     const double slow_m_s = positions.slow_m_s;
     const Eigen::Index size = 1 + std::ssize(witnesses);
@@ -117,7 +117,7 @@ Covariance covariance_of(const PositionTerms& positions, std::span<const Witness
         const WitnessTerm& one = witnesses[static_cast<std::size_t>(i) - 1];
         const double shared_m_s = one.shares_slow ? slow_m_s : one.shared_m_s;
         covariance(i, i) = one.own_m_s * one.own_m_s + shared_m_s * shared_m_s;
-        // No more than the smaller of both is common.
+        // At most the smaller of the two is common.
         covariance(0, i) = covariance(i, 0) = shared_m_s * std::min(shared_m_s, slow_m_s);
         for (Eigen::Index j = 1; j < i; ++j)
             if (one.shares_slow || witnesses[static_cast<std::size_t>(j) - 1].shares_slow)
@@ -127,7 +127,7 @@ Covariance covariance_of(const PositionTerms& positions, std::span<const Witness
 }
 
 /// The witnesses as if another receiver's time-correlated error had nothing in common with the
-/// positions' own: so their difference shows both.
+/// positions' own, so that their difference shows both.
 std::vector<WitnessTerm> as_independent(const PositionTerms& positions,
                                         std::span<const WitnessTerm> witnesses) {
     std::vector<WitnessTerm> terms(witnesses.begin(), witnesses.end());
@@ -137,8 +137,8 @@ std::vector<WitnessTerm> as_independent(const PositionTerms& positions,
     return terms;
 }
 
-/// Weights of the least variance that are not negative: what would have a negative one is left out,
-/// the most negative first.
+/// The non-negative weights of least variance. Speeds that would have a negative weight are
+/// dropped, the most negative first.
 Eigen::VectorXd weights_of(const Covariance& covariance) {
     std::vector<Eigen::Index> kept(static_cast<std::size_t>(covariance.rows()));
     std::iota(kept.begin(), kept.end(), Eigen::Index{0});
@@ -167,18 +167,20 @@ double WindowFault::standard_uncertainty_m_s(double times) const {
 }
 
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
-    // What lasts of the errors of good receivers, whatever they state.
+    // Lasting error of good receivers, whatever they state.
     const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.07;
     constexpr double longest_span_s = 10.0;
     const auto& all = screened.basis.velocity_errors;
     const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
     if (errors == all.end()) return 0.0;
-    // Twice: a short recording has few spans that do not overlap.
+    // Doubled, because a short recording has few spans that do not overlap.
     const double white_m2_s = 2.0 * white_of_velocities(screened, axes);
     const double positions_m2 = explained_by_positions_m2(screened, axes);
     double lasting_m_s = errors->shown_m_s;
     for (const VelocitySpread& spread : errors->spreads) {
-        if (spread.span_s > longest_span_s) continue;  // which a part of the recording may not fill
+        if (spread.span_s > longest_span_s)
+            continue;  // a longer span may not fill part of the
+                       // recording
         const double beyond_m2 =
             spread.sd_m * spread.sd_m - positions_m2 - white_m2_s * spread.span_s;
         lasting_m_s = std::min(lasting_m_s, std::sqrt(std::max(0.0, beyond_m2)) / spread.span_s);
@@ -201,13 +203,15 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
         std::min(fault.prior.largest_m_s,
                  (by_path ? 2.0 : 1.0) * largest_error_m(screened, rows) / duration_s);
     if (unexplained_m_s > 0.0) {
-        // One of the two errs, and nobody can tell which: the positions as likely as not, and so
-        // that twice the standard uncertainty holds what the two axes show together.
+        // Either the positions or the velocities err, and which is unknown. The positions are
+        // assumed to be at fault with even odds. Twice the standard uncertainty then covers what
+        // the two axes show together.
         fault.is_shown = true;
         fault.prior.probability = 0.5;
         fault.prior.largest_m_s = std::max(fault.prior.largest_m_s, 2.0 * unexplained_m_s);
     }
-    // That of one of so many: in proportion to them where it is small.
+    // The probability for one window among its rivals, proportional to their number where it is
+    // small.
     fault.chosen_probability = 1.0 - std::pow(1.0 - fault.prior.probability,
                                               1.0 + by_rivals(found, all, fault.prior.largest_m_s));
     return fault;
@@ -237,7 +241,8 @@ WitnessMean mean_of_witnesses(const PositionTerms& positions,
         const double weight = weights(static_cast<Eigen::Index>(i));
         mean.difference_m_s += weight * witnesses[i].difference_m_s;
         if (weight == 0.0) continue;
-        // The mean takes half of the square of an error off that may be common, and all of it.
+        // Treated as independent, an error that may be common keeps only half its variance in the
+        // mean. The other half is added here.
         if (witnesses[i].shares_slow)
             mean.besides_m_s += weight * positions.slow_m_s / std::numbers::sqrt2;
         mean.fault.probability += witnesses[i].fault.probability;

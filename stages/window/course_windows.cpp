@@ -93,8 +93,8 @@ double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
     return a.x() * b.y() - a.y() * b.x();
 }
 
-/// How far beyond the line through the gate a position is, times the gate's length (m^2); negative
-/// before it.
+/// Signed distance of a position beyond the line through the gate, times the gate's length (m^2).
+/// Negative before the line.
 double beyond(const SurveyedLine& gate, const Eigen::Vector2d& position) {
     return cross(gate.right - gate.left, position - gate.left);
 }
@@ -105,8 +105,8 @@ bool between_ends(const SurveyedLine& gate, const Eigen::Vector2d& position) {
     return along_m2 >= 0.0 && along_m2 <= across.squaredNorm();
 }
 
-/// The crossing of the line within the step after a sample, on its way from `before` to `after`
-/// the line; at the sample itself where `before` is 0.
+/// The crossing within the step after a sample, given the signed distances `before` and `after` of
+/// its two ends. It is at the sample itself where `before` is 0.
 Crossing crossing_in(const SampleSeries& series, std::size_t sample, double before, double after) {
     Crossing crossing;
     crossing.after = sample;
@@ -124,7 +124,7 @@ Crossing crossing_in(const SampleSeries& series, std::size_t sample, double befo
 
 void add_crossings(const SampleSeries& series, std::size_t index, const SurveyedLine& gate,
                    std::vector<Crossing>& found) {
-    std::optional<std::size_t> off_line;  // the last sample on either side
+    std::optional<std::size_t> off_line;  // the last sample that is not on the line
     double side_before = 0.0;
     for (std::size_t k = 0; k < series.times.size(); ++k) {
         const double side = beyond(gate, series.positions[k].head<2>());

@@ -11,50 +11,55 @@
 
 namespace runcert {
 
-/// A surveyed line across the course, from its left end to its right end for one who looks along
-/// the course (east, north; m).
+/// A surveyed line across the course, from its left to its right end when looking along the course
+/// (east, north; m).
 struct SurveyedLine {
     Eigen::Vector2d left, right;
 };
 
-/// Where a track goes from one side of a gate to the other, between its ends.
+/// A track's transition from one side of a gate to the other, between the gate's ends.
 struct Crossing {
     std::size_t series = 0;
-    std::size_t after = 0;  ///< the last sample not after it
+    std::size_t after = 0;  ///< the last sample at or before it
     ElapsedTime time;       ///< rounded to the nanosecond
-    double fraction = 0.0;  ///< of the step after that sample, in [0, 1]; 0: at the sample
-    bool forward = false;   ///< along the course
+    double fraction = 0.0;  ///< of the step after that sample, in [0, 1]; 0 at the sample
+    bool forward = false;   ///< in the direction of the course
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< east, north (m)
 };
 
 /// All crossings of a gate in order of time, by the first two axes of the positions, which are
-/// interpolated linearly between samples. Linear in the samples.
+/// interpolated linearly between samples. The cost is linear in the samples.
 ///
-/// A track crosses at a sample that lies on the line, the first of them where several do, if the
-/// samples before and after these lie on different sides. So one that touches and goes back does
-/// not cross, nor does one that is first seen, or last, on the line. Obstacles and bounds of the
-/// series are not asked. Failure where the ends of the gate are the same.
+/// A track crosses at a sample on the line, the first if there are several, if the samples before
+/// and after them lie on different sides. A track that touches the line and goes back does not
+/// cross. Nor does one that is first or last seen on the line. Obstacles and bounds of the series
+/// are ignored. Failure where the ends of the gate coincide.
 std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const SurveyedLine& gate);
 
-/// From the start line to the finish line in the course's direction.
+/// A passage from the start line to the finish line in the course's direction.
 struct Passage {
     Crossing start, finish;
     std::string refusal;  ///< empty where it is unambiguous, otherwise sentences
 };
 
-/// The passages in order of time: a forward crossing of the start line that, of all crossings of
-/// both lines in the same series, is directly followed by a forward crossing of the finish line.
+/// The passages in order of time. A passage is a forward crossing of the start line directly
+/// followed, among all crossings of both lines in the same series, by a forward crossing of the
+/// finish line.
 ///
-/// Where the start line was crossed forward before, with no crossing of the finish line between,
-/// or the finish line is crossed forward again with none of the start line between, nobody can
-/// tell which crossing counts: the passage is refused, with the times (s) of all of them. What is
-/// crossed on the way back from the finish line to before the start line does not count. Where
-/// both lines are crossed at once the finish comes first, so that one gate can be both, for laps
-/// (to and fro over such a gate is then no refusal, since it is crossed as the other line, too).
+/// It is ambiguous which crossing counts if the start line was crossed forward before with no
+/// crossing of the finish line in between. The same holds if the finish line is crossed forward
+/// again with no crossing of the start line in between. The passage is then refused, with the times
+/// (s) of all of them. Crossings on the way back from the finish line to before the start line do
+/// not count.
+///
+/// Where both lines are crossed at once the finish comes first, so that one gate can be both, for
+/// laps. Going to and fro over such a gate is then no reason for refusal, because the other line is
+/// crossed too.
 std::vector<Passage> passages(const std::vector<SampleSeries>& series, const SurveyedLine& start,
                               const SurveyedLine& finish);
 
-/// Why there is no passage, as one sentence without a full stop; empty where there is one.
+/// The reason why there is no passage, as one sentence without a full stop. Empty where there is
+/// one.
 std::string why_no_passage(const std::vector<SampleSeries>& series, const SurveyedLine& start,
                            const SurveyedLine& finish);
 
@@ -65,20 +70,19 @@ struct SurveyedCourse {
     double length_standard_uncertainty_m = 0.0;
 };
 
-/// The course in the frame with that origin (none: the recording's engineering CRS). Failure where
-/// its points are in geodetic coordinates and the recording is not, or the reverse, where a line's
-/// ends are the same, or where the lines' middles are not as far apart as the stated length, to 2 %
-/// and 1 m.
+/// The course in the frame with that origin, or in the recording's engineering CRS without one.
+/// Failure where its points have geodetic coordinates and the recording does not, or the reverse.
+/// Failure also where a line's ends coincide, or the distance between the lines' middles differs
+/// from the stated length by more than 1 m plus 2 %.
 SurveyedCourse surveyed_course(const Course& course, const std::optional<FrameOrigin>& origin);
 
-/// The passages over the course as windows, fastest first, those that nobody can be sure of left
-/// out. Speed is the stated length over the time between the crossings, with straight lines
-/// between epochs.
+/// The unambiguous passages over the course as windows, fastest first. Speed is the stated length
+/// over the time between the crossings, with straight lines between epochs.
 std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
                                         const SurveyedCourse& gates);
 
-/// Why there is none: the track does not cross a line, or crosses it so often that nobody can tell
-/// which crossing counts. Empty where there is a passage that is unambiguous.
+/// The reason why there is no window: the track does not cross a line, or crosses it so often that
+/// it is ambiguous which crossing counts. Empty where there is an unambiguous passage.
 std::string why_no_course_window(const std::vector<SampleSeries>& series,
                                  const SurveyedCourse& gates);
 

@@ -14,25 +14,25 @@
 namespace runcert {
 namespace {
 
-/// Rows of one reason, and the first.
+/// The number of rows with one reason, and the first of them.
 struct Refused {
     Reason reason = Reason::none;
     std::int64_t count = 0;
     const ScreenedEpoch* first = nullptr;
 };
 
-/// Breaks inside a window, by what they mean for it.
+/// Breaks inside a window, by type.
 struct Breaks {
-    std::int64_t steps = 0;    ///< positions, or their times, do not go on as they were
-    std::int64_t bridged = 0;  ///< such a step whose offset the estimate takes out
-    std::int64_t gaps = 0;     ///< the recording is not joined there
+    std::int64_t steps = 0;    ///< positions, or their times, do not continue
+    std::int64_t bridged = 0;  ///< a step whose offset the estimate removes
+    std::int64_t gaps = 0;     ///< the recording is not joined across them
     const ScreenedEpoch* first_step = nullptr;
 };
 
-/// Rows of a window, and the clock's jumps among them.
+/// Rows of a window, and the clock jumps among them.
 struct WindowRows {
     std::vector<const ScreenedEpoch*> rows;
-    std::vector<std::size_t> jumps;  ///< places among these
+    std::vector<std::size_t> jumps;  ///< indices into `rows`
 };
 
 void add_break(const ScreenedEpoch& row, Breaks& breaks) {
@@ -54,7 +54,7 @@ void add_break(const ScreenedEpoch& row, Breaks& breaks) {
     }
 }
 
-/// The longest step of time in a window, and the row it leads to.
+/// The longest time step in a window, and the row at its end.
 struct LongestStep {
     double length_s = 0.0;
     const ScreenedEpoch* after = nullptr;
@@ -72,7 +72,8 @@ LongestStep longest_step(const std::vector<const ScreenedEpoch*>& rows) {
     return longest;
 }
 
-/// Why a gap forbids the window: it is longer than what is bridged, or the rule asks for more.
+/// Why a gap rules the window out: it is longer than what is bridged, or the rule requires shorter
+/// steps.
 std::string gap_refusal(const ScreenedTable& screened, const LongestStep& step,
                         const Profile& profile, const WindowConfig& config) {
     const double bridged_s =
@@ -88,7 +89,7 @@ std::string gap_refusal(const ScreenedTable& screened, const LongestStep& step,
     return {};
 }
 
-/// Why recorded speeds inside are of another moment.
+/// Why recorded speeds inside belong to another moment.
 std::string late_refusal(const ScreenedTable& screened, const WindowRows& window) {
     const auto& velocity = screened.basis.velocity;
     if (!velocity) return {};
@@ -128,7 +129,7 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
                                 phrase_of(one.reason), one.count == 1 ? "" : "the first ",
                                 instant(*one.first)));
     };
-    // What made most of it first.
+    // The most frequent reasons come first.
     std::ranges::stable_sort(reasons, std::greater<>(), &Refused::count);
     add_reasons(false);
     if (breaks.steps > 0)
@@ -155,18 +156,19 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
             refusals.push_back(std::move(gap));
     if (refusals.empty() && breaks.gaps > 0)
         refusals.emplace_back("a passage from one part of the recording to another");
-    // Epochs out of time are as if they were missing: they say why there is a gap.
+    // Epochs out of time count as missing: they explain why there is a gap.
     if (!refusals.empty()) add_reasons(true);
     return refusals;
 }
 
-/// Expanded uncertainty (k = 2, m/s) of a window's speed by what its ends state of themselves.
+/// Expanded uncertainty (k = 2, m/s) of a window's speed, from the standard deviations stated at
+/// its ends.
 double stated_uncertainty(const ScreenedTable& screened,
                           const std::vector<std::vector<std::size_t>>& rows, const Profile& profile,
                           const FoundWindow& found) {
     const auto variance = [&](std::size_t k) {
         const ScreenedEpoch& row = screened.rows[rows[found.series][k]];
-        // What is absurd says nothing of how far off the speed may be.
+        // An absurd standard deviation says nothing about the error of the speed.
         if (row.reason == Reason::accuracy_absurd) return 0.0;
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
@@ -184,7 +186,7 @@ double stated_uncertainty(const ScreenedTable& screened,
     return 2.0 * std::sqrt(variance(found.first) + variance(found.last));
 }
 
-/// The windows of the recording as it is, those that show most first.
+/// The windows of the unscreened recording, those that show most first.
 std::vector<FoundWindow> windows_as_recorded(const std::vector<SampleSeries>& series,
                                              const Profile& profile, const WindowCriteria& rule,
                                              const std::optional<SurveyedCourse>& gates,
@@ -199,10 +201,10 @@ std::vector<FoundWindow> windows_as_recorded(const std::vector<SampleSeries>& se
     return windows;
 }
 
-/// By what the epochs are put in order: their times, or how they were recorded.
+/// How epochs are ordered: by time, or as recorded.
 enum class Order { time, recording };
 
-/// The windows that show most by one source of speeds, and the series that they are in.
+/// The windows that show most by one source of speeds, and the series they lie in.
 struct Shown {
     IndicatedSeries series;
     std::vector<FoundWindow> windows;
@@ -222,8 +224,7 @@ Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource sourc
     if (shown.series.series.empty()) return shown;
     WindowCriteria rule =
         window_criteria(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
-    // Positions as recorded have no speeds to take the mean of; of speeds, their path is what there
-    // is.
+    // Unsmoothed positions have no speeds to average. For recorded speeds, the path is available.
     if (source == SpeedSource::position && rule.definition != SpeedDefinition::path_length)
         rule.definition = SpeedDefinition::displacement;
     const Allowance stated = [&](const FoundWindow& window) {
@@ -233,8 +234,8 @@ Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource sourc
     return shown;
 }
 
-/// Whether the recorded velocities may show more than the positions: over a time, by a rule that
-/// takes positions.
+/// Whether the recorded velocities may show more than the positions: over a time, under a rule that
+/// uses positions.
 bool velocities_may_show_more(const ScreenedTable& screened, const Profile& profile) {
     return profile.speed_source == SpeedSource::position &&
            profile.window_kind == WindowKind::time &&
@@ -261,7 +262,8 @@ Shown most_shown(const ScreenedTable& screened, const Profile& profile, const Wi
     return most;
 }
 
-/// The rows from the first to the last of a window, in its order, those that show nothing too.
+/// The rows from the first to the last of a window, in its order, including those that show
+/// nothing.
 WindowRows rows_of(const ScreenedTable& screened, const Shown& shown, std::size_t first,
                    std::size_t last) {
     WindowRows window;

@@ -20,14 +20,14 @@ std::size_t insert_instant(Arc<Axes>& arc, std::vector<ElapsedTime>& times, Elap
     ArcEpoch<Axes> epoch;
     epoch.time_s = instant.seconds();
     epoch.jerk_factor = arc.epochs[index].jerk_factor;
-    // A bridged step stays where the positions jump: before the measured epoch.
+    // A bridged step stays where the positions jump, just before the measured epoch.
     arc.epochs.insert(arc.epochs.begin() + static_cast<std::ptrdiff_t>(index), epoch);
     arc.rows.insert(arc.rows.begin() + static_cast<std::ptrdiff_t>(index), arc.rows[index - 1]);
     times.insert(at, instant);
     return index;
 }
 
-/// By how much later (s) the smoothed track is on the gate's line.
+/// How much later (s) the smoothed track reaches the gate's line.
 double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const SurveyedLine& gate) {
     const Eigen::Vector2d normal = along_course(gate);
     const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
@@ -65,7 +65,7 @@ CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTim
     CrossingTimes crossings = straight;
     for (int step = 0; step < 3; ++step) {
         const ArcWithInstants<2> both = with_instants(arc, times, crossings.start, crossings.end);
-        // The trajectory holds the epochs alone; where the line was crossed lies between two.
+        // The trajectory holds only epochs, and the line is crossed between two of them.
         const SmoothedArc<2> smoothed = smooth<2>(both.arc.epochs, model);
         const auto move = [&](ElapsedTime& instant, std::size_t k, const SurveyedLine& gate) {
             instant.nanoseconds += std::llround(1e9 * lateness_s(smoothed, k, gate));

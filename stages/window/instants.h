@@ -7,25 +7,26 @@
 
 namespace runcert {
 
-/// An arc with epochs, without a measurement, at the two ends of a window: the smoothed states
-/// there are those of the instants. Where an end is at an epoch already, that is taken.
+/// An arc with epochs, without a measurement, added at the two ends of a window, so that it has
+/// smoothed states at these instants. An end at an existing epoch uses that epoch.
 template <int Axes>
 struct ArcWithInstants {
     Arc<Axes> arc;     ///< an added epoch has the row of the epoch before it
     EpochPair window;  ///< indices of the two instants
 };
 
-/// `times` are those of the arc's epochs, whole nanoseconds. The instants must lie in the arc.
+/// Adds the instants to an arc, within which they must lie. `times` are those of the arc's epochs,
+/// in whole nanoseconds.
 template <int Axes>
 ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
                                     ElapsedTime start, ElapsedTime end);
 
-/// The unit normal of a gate, in the direction of the course (east, north).
+/// The unit normal of a gate in the direction of the course (east, north).
 Eigen::Vector2d along_course(const SurveyedLine& gate);
 
-/// The instants at which the smoothed track crosses the two gates, from those that straight lines
-/// between its epochs give (three steps of Newton's method). Failure where the track there runs
-/// along a gate.
+/// The instants at which the smoothed track crosses the two gates, starting from those of straight
+/// lines between its epochs (three Newton iterations). Failure where the track runs along a gate
+/// there.
 struct CrossingTimes {
     ElapsedTime start, end;
 };

@@ -15,7 +15,7 @@ using namespace runcert;
 
 namespace {
 
-/// What the window of a receiver is found from.
+/// The inputs for the windows of one receiver.
 struct ReceiverTables {
     ScreenedTable screened;
     TrajectoryTable trajectory;
@@ -45,7 +45,7 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
 WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     WitnessRecords all{.phases = tables[own].phases,
                        .first_of_phases = tables[own].first_of_phases};
-    // What was handed in is of the first receiver's craft and on its time.
+    // Series handed in belong to the first receiver's craft and use its time.
     if (own == 0)
         all.handed_in = {run.attempt(),
                          all_handed_in_series(run, tables[own].trajectory.facts.first_epoch)};
@@ -72,7 +72,7 @@ int main(int argc, char** argv) {
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                window_config(attempt, receiver), attempt.course,
                                                beside(run, tables, i));
-                // Each file rests on what was read of all receivers.
+                // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));
                 for (const std::string& note : windows.witness_notes)

@@ -17,7 +17,7 @@ struct RunWindow {
     Eigen::Vector2d direction;  ///< of the displacement
 };
 
-/// The fastest window in each run that holds one.
+/// The fastest window of each run that contains one.
 std::vector<RunWindow> fastest_of_runs(const TrajectoryTable& trajectory,
                                        const std::vector<ArcRows>& arcs,
                                        const std::vector<FoundWindow>& all,

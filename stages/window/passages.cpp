@@ -8,7 +8,7 @@
 namespace runcert {
 namespace {
 
-enum class Line { finish, start };  // in the order in which they count where crossed at once
+enum class Line { finish, start };  // in the order in which they count if crossed at once
 
 struct LineCrossing {
     Line line = Line::start;
@@ -37,7 +37,8 @@ bool is_passage(const LineCrossing& a, const LineCrossing& b) {
            b.line == Line::finish && b.crossing.forward;
 }
 
-/// Crossings of one line with none of the other between, from a forward one to a forward one.
+/// Reduces crossings of one line, with none of the other in between, to those from the first
+/// forward crossing to the last.
 std::vector<Crossing> trimmed(std::vector<Crossing> group) {
     const auto forward = [](const Crossing& one) { return one.forward; };
     group.erase(group.begin(), std::find_if(group.begin(), group.end(), forward));
@@ -45,7 +46,7 @@ std::vector<Crossing> trimmed(std::vector<Crossing> group) {
     return group;
 }
 
-/// The crossings of the start line that may begin the passage whose start is the `k`-th crossing.
+/// The crossings of the start line that may begin the passage whose start is crossing `k`.
 std::vector<Crossing> starts_of(const LineCrossings& all, std::size_t k) {
     std::size_t first = k;
     while (first > 0 && all[first - 1].line == Line::start &&
@@ -57,7 +58,7 @@ std::vector<Crossing> starts_of(const LineCrossings& all, std::size_t k) {
     return trimmed(std::move(group));
 }
 
-/// The crossings of the finish line that may end the passage whose finish is the `k`-th crossing.
+/// The crossings of the finish line that may end the passage whose finish is crossing `k`.
 std::vector<Crossing> finishes_of(const LineCrossings& all, std::size_t k) {
     std::vector<Crossing> group;
     for (std::size_t i = k; i < all.size() && all[i].line == Line::finish &&
@@ -111,16 +112,16 @@ std::string only_against(std::string_view line, std::size_t count) {
         line, count_of(count));
 }
 
-/// What follows the first forward crossing of the start line: crossings of the finish line.
+/// Crossings of the finish line after the first forward crossing of the start line.
 struct FinishesAfter {
-    std::size_t forward = 0;          ///< in a series with such a crossing before
+    std::size_t forward = 0;          ///< in a series with such a crossing before it
     std::size_t backward = 0;         ///< likewise
-    std::size_t in_later_series = 0;  ///< with such a crossing in an earlier series only
+    std::size_t in_later_series = 0;  ///< with such a crossing only in an earlier series
 };
 
 FinishesAfter finishes_after_start(const LineCrossings& all) {
     FinishesAfter after;
-    const LineCrossing* start = nullptr;  // the last forward one
+    const LineCrossing* start = nullptr;  // the last forward crossing
     for (const LineCrossing& one : all) {
         if (one.line == Line::start) {
             if (one.crossing.forward) start = &one;

@@ -12,7 +12,7 @@
 namespace runcert {
 namespace {
 
-/// From the measured position at one end of the window to that at the other.
+/// Displacement from the measured position at one end of the window to that at the other.
 template <int Axes>
 PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs,
                                           EpochPair window) {
@@ -43,8 +43,8 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
             bound.floor_fix = row.fix;
         }
     }
-    // A scale below one is that of errors which differ from epoch to epoch: the smooth ones it
-    // cannot see.
+    // A scale below one comes from errors that differ from epoch to epoch. It does not see smooth
+    // ones.
     bound.stated_m = std::max(1.0, noise.white_scale) * std::sqrt(sum / static_cast<double>(count));
     if (noise.correlated_error_detected)
         bound.fitted_m = along * noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
@@ -173,7 +173,7 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
 
 namespace {
 
-/// The speed by a stiffer or softer model of the motion: smoothed anew with it.
+/// The speed after smoothing again with a stiffer or softer model of the motion.
 template <int Axes>
 double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
                   std::span<const ArcEpoch<Axes>> epochs, double density_factor) {
@@ -183,7 +183,7 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
         .speed_m_s;
 }
 
-/// Whether the window begins and ends at measured epochs without a bridged step between.
+/// Whether the window begins and ends at measured epochs with no bridged step in between.
 template <int Axes>
 bool has_chord(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
     const auto [first, last] = at.window;
@@ -205,7 +205,7 @@ OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuant
                          .softer_m_s = speed_with(at, quantity, at.epochs, factor),
                          .whole_m_s = speed_with<Axes>(at, quantity, of_whole, 1.0)};
     const double speed_m_s = noise.speed.speed_m_s;
-    if (quantity.of_samples) {  // no model is in the speed
+    if (quantity.of_samples) {  // the speed depends on no model
         other.stiffer_m_s = other.softer_m_s = speed_m_s;
         return other;
     }

@@ -12,7 +12,7 @@
 namespace runcert {
 namespace {
 
-/// The model of screening's tests of these axes; null where there is none.
+/// The model of screening's tests on these axes. Null where there is none.
 template <int Axes>
 const ScreeningModel* tested_model(const ScreenedTable& screened) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
@@ -20,7 +20,7 @@ const ScreeningModel* tested_model(const ScreenedTable& screened) {
     return found == screened.basis.models.end() ? nullptr : &*found;
 }
 
-/// The stretch's epochs with the covariances and the motion that screening tested with.
+/// The stretch's epochs with the covariances and the motion model of screening's tests.
 template <int Axes>
 std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const Arc<Axes>& arc,
                                           const WindowStretch<Axes>& stretch) {
@@ -40,18 +40,18 @@ std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const A
     return epochs;
 }
 
-/// Keeps, for one hypothesis, the error that moves the speed most.
+/// Keeps the error that moves the speed most, for one hypothesis.
 class Worst {
   public:
     Worst(Hypothesis hypothesis, std::string unit)
         : error_{.hypothesis = hypothesis, .unit = std::move(unit)} {}
 
-    /// `effect` is what an error of one unit in each direction moves the speed by.
+    /// `effect` is the change of the speed for a unit error in each direction.
     template <int Size>
     void consider(const ScoreTest<Size>& test, double noncentrality,
                   const Eigen::Matrix<double, Size, 1>& effect, std::size_t first,
                   std::size_t last) {
-        // Below this the error moves the speed by less than 1 um/s for each metre.
+        // Below this the error moves the speed by less than 1 um/s per metre.
         constexpr double nothing = 1e-6;
         if (effect.norm() < nothing) return;
         const Eigen::Matrix<double, Size, 1> worst = test.covariance() * effect;
@@ -103,7 +103,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     Worst step(Hypothesis::step, "m");
     Worst ramp(Hypothesis::ramp, "m / s");
     Worst time_shift(Hypothesis::time_shift, "s");
-    // What a constant error, and one that grows, of all measurements from an epoch on does.
+    // Effects of a constant error, and of one that grows, of all measurements from an epoch on.
     std::vector<Position> constant(epochs.size() + 1, Position::Zero());
     Position growing = Position::Zero();
     double late = 0.0;
@@ -133,8 +133,8 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     std::vector<UndetectedError> errors;
     for (const Worst* worst : {&outlier, &burst, &step, &ramp, &time_shift})
         errors.push_back(worst->result(screened, arc, stretch));
-    // By the digits written: a step before the last epoch is an outlier of it, and which of the two
-    // comes first must not hang on the processor's last bits.
+    // Compares at written precision. A step before the last epoch is equivalent to an outlier of
+    // it, and the order of the two must not depend on the processor's last bits.
     const auto written = [](const UndetectedError& error) {
         constexpr double per_m_s = 1e6;
         return std::llround(error.speed_m_s * per_m_s);

@@ -11,10 +11,9 @@
 namespace runcert {
 namespace {
 
-/// What the craft itself moves (m) between two neighbouring rows: dt (v + v') / 2 -
-/// dt^2 (a' - a) / 12, the mean of persistent acceleration under velocity and acceleration at both
-/// ends. (Over one epoch an acceleration that dies away moves the craft no differently by anything
-/// that counts in a search.)
+/// The craft's own motion (m) between two neighbouring rows: dt (v + v') / 2 - dt^2 (a' - a) / 12.
+/// It is the mean for persistent acceleration, given velocity and acceleration at both ends. (Over
+/// one epoch, decaying acceleration makes no difference that matters in a search.)
 Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& to) {
     const double dt_s = to.time.seconds() - from.time.seconds();
     const auto velocity = [](const TrajectoryEpoch& row) {
@@ -30,7 +29,7 @@ Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& 
            dt_s * dt_s / 12.0 * (acceleration(to) - acceleration(from));
 }
 
-/// The axes of a position that the profile counts, the others zero.
+/// The position on the axes that the profile counts, zero on the others.
 Eigen::Vector3d counted(const Eigen::Vector3d& position, ElapsedTime time, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
     switch (profile.dimension) {
@@ -50,7 +49,8 @@ double smoothed_speed(const TrajectoryEpoch& row, const Profile& profile) {
     return profile.dimension == Dimension::vertical ? std::abs(up) : std::hypot(*row.speed_m_s, up);
 }
 
-/// Adds the sample's place on the path that recorded speeds make, each pair's mean over its time.
+/// Extends the path of recorded speeds to the sample, using the mean speed of each pair over its
+/// time.
 void add_recorded(SampleSeries& series, ElapsedTime time, double speed_m_s) {
     const double before_m = series.path_m.empty() ? 0.0 : series.path_m.back();
     const double step_m = series.times.empty()
@@ -88,8 +88,8 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
     return series;
 }
 
-/// For each row of the table, how many up to it no window may hold. Every row counts, also one
-/// that belongs to no arc; but one out of time is as if it were missing: the gap counts.
+/// For each row of the table, the number of obstacles up to it. Every row counts, also one that
+/// belongs to no arc. A row out of time, however, counts as missing, and the gap counts.
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
@@ -112,12 +112,12 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
     return obstacles;
 }
 
-/// How a row shows a speed: beside those before and after it; beside those alone that are as far
-/// away, without a fix or worthless by their own accuracy as it is; or not at all.
+/// How a row shows a speed. It does so with its neighbours, or only with others of its kind (as far
+/// away, without a fix, or with standard deviations as absurd), or not at all.
 enum class Showing { with_all, apart, nothing };
 
-/// A single position that those before and after it contradict shows nothing: they show what there
-/// was to show.
+/// A single position that its neighbours contradict shows nothing, because they already show the
+/// motion.
 Showing showing_of(const std::vector<ScreenedEpoch>& rows, std::size_t i, const Profile& profile) {
     const ScreenedEpoch& row = rows[i];
     if (profile.speed_source == SpeedSource::velocity)
@@ -134,7 +134,7 @@ Showing showing_of(const std::vector<ScreenedEpoch>& rows, std::size_t i, const 
     return single ? Showing::nothing : Showing::with_all;
 }
 
-/// Adds a row that shows something, at a time, where another series begins to one of its own.
+/// Adds a row that shows a speed, at a time. Where another series begins, it starts a new one.
 void add_indicated(const ScreenedTable& screened, const Profile& profile, std::size_t row,
                    ElapsedTime time, bool begins, IndicatedSeries& indicated) {
     if (begins) {
@@ -146,7 +146,7 @@ void add_indicated(const ScreenedTable& screened, const Profile& profile, std::s
     if (profile.speed_source == SpeedSource::velocity)
         add_recorded(series, time, recorded_speed(epoch, profile.dimension)->speed_m_s);
     series.times.push_back(time);
-    // A velocity needs no position: it has that of the row before.
+    // A velocity needs no position, and takes that of the previous row.
     const Eigen::Vector3d before = series.positions.empty()
                                        ? Eigen::Vector3d(Eigen::Vector3d::Zero())
                                        : series.positions.back();
@@ -158,8 +158,8 @@ void add_indicated(const ScreenedTable& screened, const Profile& profile, std::s
     indicated.rows.back().push_back(row);
 }
 
-/// Whether the craft went to another place between two rows, and nothing of that was recorded, or
-/// not in heights: these are above the plane of their place.
+/// Whether two rows lie in different places and cannot be joined: the way between them was not
+/// recorded, or heights are needed, which refer to the plane of their place.
 bool parts_between(const ScreenedTable& screened, const Profile& profile, std::size_t from,
                    std::size_t to, double regular_s) {
     const ScreenedEpoch &before = screened.rows[from], &after = screened.rows[to];
@@ -168,8 +168,8 @@ bool parts_between(const ScreenedTable& screened, const Profile& profile, std::s
            (seconds_between(before, after) > regular_s || profile.dimension == Dimension::space);
 }
 
-/// Adds what shows something only beside its like: for as long as these go on from one to the
-/// next, as positions that were guessed or held do not.
+/// Adds rows that show a speed only with others of their kind, for as long as these continue
+/// steadily. Guessed or held positions do not.
 void add_apart(const ScreenedTable& screened, const Profile& profile, double regular_s,
                IndicatedSeries& indicated) {
     std::vector<std::size_t> rows;
@@ -181,7 +181,7 @@ void add_apart(const ScreenedTable& screened, const Profile& profile, double reg
         rows.push_back(i);
         EnuEpoch& epoch = epochs.emplace_back(row);
         epoch.fix = FixType::unknown;
-        // By what is absurd anything would go on.
+        // With an absurd standard deviation any step would pass as steady.
         if (row.reason == Reason::accuracy_absurd) static_cast<StatedAccuracy&>(epoch) = {};
     }
     std::optional<Eigen::Vector3d> velocity;
@@ -250,7 +250,7 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
         if (sigma) variance(axis) = *sigma * *sigma;
     };
     if (level && !components) {
-        // Its length is all that counts here.
+        // Only the magnitude of the velocity counts here.
         take(0, velocity.recorded_speed_m_s, velocity.sigma_recorded_speed_m_s);
     } else if (level) {
         take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);

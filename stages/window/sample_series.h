@@ -10,55 +10,57 @@
 
 namespace runcert {
 
-/// The search that a profile asks for. A course is not searched for: see crossings.h.
+/// The search criteria of a profile. Courses are handled separately (course_windows.h).
 WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
                                double nominal_interval_s);
 
-/// The longest step of time (s) that a window of the profile may hold beside what screening joins:
-/// by the rule's rate of epochs, where a clause asks for one; and regular steps where the speed is
-/// a mean of the epochs' speeds, which gaps would weight wrongly. Empty where there is no such
-/// limit.
+/// The longest time step (s) allowed in a window of the profile, in addition to screening's limit.
+/// It follows from the rule's rate of epochs, where a clause requires one. Regular steps are also
+/// needed where the speed is a mean of the epochs' speeds, which gaps would weight unevenly. Empty
+/// where there is no such limit.
 std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s);
 
-/// The horizontal speed of a velocity, its vertical speed, or its speed in space; the standard
-/// uncertainty of it, first order, empty where one is missing.
+/// The horizontal speed, vertical speed or speed in space of a velocity, with its first-order
+/// standard uncertainty. The latter is empty where a standard deviation is missing.
 struct RecordedSpeed {
     double speed_m_s = 0.0;
     std::optional<double> standard_uncertainty_m_s;
 };
 
-/// What an epoch's recorded velocity says of the speed, or its recorded speed where it has no
-/// course; empty where one is missing.
+/// The speed from an epoch's recorded velocity, or its recorded speed where it has no course. Empty
+/// where a needed value is missing.
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension);
 
-/// The arcs of a trajectory as the profile counts them, in order: positions without the offsets of
-/// bridged steps, and speeds, of the smoothed trajectory; or, where the profile takes recorded
-/// velocities, speeds as recorded, the path that they make, and positions of the same moments.
-/// Heights of a vertical speed are above the ellipsoid. Speeds of other moments
-/// (`velocities_of_other_moments`), unusable epochs, missing values, and bridged steps where the
-/// profile does not allow them, are obstacles.
+/// The arcs of a trajectory as series of the quantities that the profile counts, in order.
+///
+/// From the smoothed trajectory they are positions without the offsets of bridged steps, and
+/// speeds. Where the profile uses recorded velocities, they are the recorded speeds, the path
+/// integrated from them, and positions at the same moments. Vertical speeds use ellipsoidal
+/// heights. Obstacles are speeds of other moments (`velocities_of_other_moments`), unusable epochs,
+/// missing values, and bridged steps where the profile does not allow them.
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
                                              const Profile& profile);
 
 /// The recording as it is, without obstacles: rows with the values that the profile counts. Single
-/// positions that those around them contradict show nothing, nor do epochs that repeat another.
+/// positions that their neighbours contradict are ignored, as are epochs that repeat another.
 struct IndicatedSeries {
     std::vector<SampleSeries> series;
-    std::vector<std::vector<std::size_t>> rows;  ///< that each series is made of
-    std::vector<std::size_t> jumps;              ///< rows that the clock jumps before, by pace
+    std::vector<std::vector<std::size_t>> rows;  ///< rows behind each series
+    std::vector<std::size_t> jumps;              ///< rows that a clock jump precedes, when ordered
+                                                 ///< by pace
 };
 
-/// In the order of time, one series of what is not out of time; and a series for each run of far
-/// positions, of those that the receiver calls no fix, and of those whose accuracy is absurd, as
-/// long as they go on from one to the next. None where nothing shows anything.
+/// Series in order of time: one of all rows that are in time, plus one for each run of far
+/// positions, of positions without a fix, and of those with absurd standard deviations, for as long
+/// as these continue steadily. Empty where no row shows anything.
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile,
                                  double gap_factor);
 
-/// In the order of the recording, the epochs out of time among them, as if the clock had not
-/// jumped: one interval in place of each step of the stamps where the positions go on as in one
-/// (`clock_jumped`; from and to an epoch out of time `goes_on`). None where the clock does not
+/// Series in the order of the recording, epochs out of time included, with clock jumps removed. A
+/// step of the stamps counts as one interval where the positions continue as in one
+/// (`clock_jumped`; from and to an epoch out of time `goes_on`). Empty where the clock does not
 /// jump.
 IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& profile,
                                   double gap_factor);

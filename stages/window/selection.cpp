@@ -14,9 +14,8 @@ namespace {
 /// The fastest window over all clusters.
 struct Draw {
     FastestWindow fastest;
-    // Noise moves the chosen window's error about its value without noise: the difference is known
-    // to vanish in the mean, and taking it off makes the mean settle with fewer draws. Zero in all
-    // clusters but one.
+    // Change of the chosen window's error caused by noise. Its mean is known to be zero, so
+    // subtracting it makes the mean converge with fewer draws. It is zero in all clusters but one.
     double chosen_noise_m_s = 0.0;
 
     void take(const FastestWindow& one, double chosen_error_without_noise_m_s) {
@@ -40,7 +39,7 @@ struct Sample {
 
 using Samples = std::array<Sample, selection_lanes>;
 
-/// So many samples from the numbers drawn for them: sample by sample, cluster by cluster.
+/// The samples for the numbers drawn, which are ordered by sample, then cluster.
 template <int Axes>
 Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
                      const std::vector<double>& numbers,
@@ -59,8 +58,8 @@ Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
     return samples;
 }
 
-/// The correlation times of as many samples from `first` on of so many: spread evenly, by their
-/// logarithm, over the range.
+/// Correlation times of the samples from `first` on, out of `samples`, spread evenly in the
+/// logarithm over the range.
 std::array<double, selection_lanes> correlation_times(const SelectionModels& models,
                                                       std::int64_t first, std::int64_t samples) {
     std::array<double, selection_lanes> tau_s;
@@ -72,8 +71,8 @@ std::array<double, selection_lanes> correlation_times(const SelectionModels& mod
     return tau_s;
 }
 
-/// Of each sample, in order. The random numbers are drawn in that order too, and all else is done
-/// by several threads.
+/// All samples, in order. The random numbers are drawn in that order too; everything else runs on
+/// several threads.
 template <int Axes>
 std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clusters,
                                   const SelectionModels& models, DrawnErrors errors,
@@ -94,7 +93,7 @@ std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clu
     });
 }
 
-/// What the samples say of the bias.
+/// The bias estimated from the samples.
 struct DrawnBias {
     double bias_m_s = 0.0;
     double uncertainty_m_s = 0.0;
@@ -142,7 +141,7 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
         bias_from(draw_samples(parts, models, DrawnErrors::fitted, samples, seed), samples);
     const DrawnBias bounded =
         bias_from(draw_samples(parts, models, DrawnErrors::bounded, samples, seed), samples);
-    // No choice of the fastest makes the speed too low.
+    // Choosing the fastest never makes the speed too low.
     result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);
     result.bounded_bias_m_s = std::max(result.fitted_bias_m_s, bounded.bias_m_s);
     result.bias_m_s = 0.5 * (result.fitted_bias_m_s + result.bounded_bias_m_s);

@@ -9,70 +9,72 @@
 
 namespace runcert {
 
-/// A window this many standard uncertainties slower than the best could not have been it.
+/// A window slower than the best by this many standard uncertainties could not have been the best.
 inline constexpr double selection_width = 4.0;
 
-/// A speed less the bias (both m/s) of choosing it as the fastest, and not below 0: a craft that
-/// stands has no speed to take a bias off.
+/// A speed minus the bias (both m/s) of choosing it as the fastest, but at least 0: a standstill
+/// has no speed to reduce.
 double less_bias(double speed_m_s, double bias_m_s);
 
-/// Windows of one arc (Axes 2: east and north; 1: heights alone) that could have been the best,
-/// close enough to one another to be estimated together.
+/// Windows of one arc (Axes 2: east and north; 1: heights alone) that could have been the best, and
+/// are close enough to one another to be estimated together.
 template <int Axes>
 struct WindowCluster {
     const Arc<Axes>* arc = nullptr;
-    /// Indices of the first and last epoch into the epochs of `arc`.
-    std::vector<EpochPair> windows;  ///< in the order of their beginning
-    /// What is taken off the speed of each before they are compared, m/s; empty: nothing.
+    /// Indices into the epochs of `arc` of each window's first and last epoch.
+    std::vector<EpochPair> windows;  ///< in order of their beginning
+    /// Reductions of the windows' speeds before they are compared, m/s. Empty: none.
     std::vector<double> allowances_m_s;
-    /// Which of them is the chosen window; empty where it is in another cluster.
+    /// Index of the chosen window, empty where it is in another cluster.
     std::optional<std::size_t> chosen = std::nullopt;
 };
 
-/// What a selection rests on, and how windows were compared.
+/// The models behind a selection, and how windows were compared.
 struct SelectionModels {
-    EstimationModel estimated;  ///< of the trajectory that the windows were compared on
+    EstimationModel estimated;  ///< of the trajectory on which the windows were compared
     bool by_path = false;       ///< compared by path length over time, not by displacement
     double along =
-        1.0;  ///< the fitted time-correlated error along the windows, over that of all axes
-    /// The time-correlated error that the certificate allows for: of this size, m, or of that with
-    /// which it wanders as fast as the fitted one, with any correlation time from the one to the
-    /// other, s.
+        1.0;  ///< size of the fitted time-correlated error along the windows, over that of all axes
+    /// The time-correlated error that the certificate allows for, with any correlation time from
+    /// `tau_min_s` to `tau_max_s` (s). Its size (m) is this, or that with which it wanders as fast
+    /// as the fitted one.
     double bound_m = 0.0;
     double tau_min_s = 0.5;
     double tau_max_s = 10.0;
 };
 
-/// The errors that a draw is made with.
+/// The errors used in a draw.
 enum class DrawnErrors {
-    fitted,  ///< as the noise model has them
-    bounded  ///< with the time-correlated error at its bound, the correlation times spread over
+    fitted,  ///< as in the noise model
+    bounded  ///< with the time-correlated error at its bound, and correlation times spread over
              ///< their range
 };
 
-/// What choosing the fastest of these windows, or the one of the highest assured speed where
-/// allowances are made, adds to the speed stated for it (m/s).
+/// The bias (m/s) of the stated speed that results from choosing the fastest of these windows, or
+/// the one of the highest assured speed where allowances are made.
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
-/// errors point forward. How much that adds is found by doing it again: the motion through each
-/// cluster, and five seconds before and after it, is estimated again with a jerk density fitted to
-/// that stretch alone, errors are drawn onto it (all windows of a draw share them: their joint
-/// distribution), each draw is smoothed and searched as the recording was, and the speed stated for
-/// its fastest window is compared with that window's true one; what smoothing itself does to the
-/// window is so part of the answer. The motion so estimated still holds some noise, which makes the
-/// answer too small; the same is done from motions estimated from drawn recordings, and the
-/// difference put on (a bootstrap, calibrated by a second one: [ET93] 18).
+/// errors point forward. The bias is found by simulating the choice. The motion through each
+/// cluster, and five seconds before and after it, is re-estimated with a jerk density fitted to
+/// that stretch alone. Errors are drawn onto it. All windows of a draw share them, as their joint
+/// distribution requires. Each draw is smoothed and searched as the recording was. The speed stated
+/// for its fastest window is compared with that window's true speed. The effect of smoothing on the
+/// window is thus included.
 ///
-/// A time-correlated error of the positions looks like motion, so that the recording does not say
-/// how much of it chose the window. The bias lies between that of the errors as fitted and that
-/// with the time-correlated error at its bound: both are found, and the middle is the answer, with
+/// The estimated motion still contains some noise, which makes the result too small. The same is
+/// done from motions estimated from drawn recordings, and the difference is added (a bootstrap,
+/// calibrated by a second one: [ET93] 18).
+///
+/// A time-correlated error of the positions resembles motion, so that the recording does not show
+/// how much it influenced the choice. The bias lies between that for the errors as fitted and that
+/// with the time-correlated error at its bound. Both are computed. The middle is the result, with
 /// half their difference as its limits.
 ///
-/// `stated_m_s` is the speed of the chosen window, which one of the clusters has, as estimated.
-/// `samples` is the number of draws for each of the two kinds of errors, at least 2. The same
-/// `seed` gives the same answer, whatever the number of threads. Neither bias is below 0, and the
-/// bounded one not below the fitted one. `bias_uncertainty_m_s` is the larger standard uncertainty
-/// of their means, from the finite number of draws. `treatment` is left to the caller.
+/// `stated_m_s` is the estimated speed of the chosen window, which is in one of the clusters.
+/// `samples` is the number of draws for each of the two types of errors, at least 2. The same
+/// `seed` gives the same result, whatever the number of threads. Neither bias is below 0, and the
+/// bounded one is not below the fitted one. `bias_uncertainty_m_s` is the larger standard
+/// uncertainty of their means, from the finite number of draws. The caller sets `treatment`.
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,

@@ -50,7 +50,7 @@ MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
     return stretch;
 }
 
-/// The model with the jerk density that is most likely on this stretch alone.
+/// The model with the most likely jerk density for this stretch alone.
 template <int Axes>
 EstimationModel local_model(const MeasuredStretch<Axes>& stretch, const EstimationModel& model) {
     const std::span<const ArcEpoch<Axes>> arc(stretch.epochs);
@@ -67,7 +67,7 @@ EstimationModel local_model(const MeasuredStretch<Axes>& stretch, const Estimati
     return models[static_cast<std::size_t>(best)];
 }
 
-/// A track of all draws, and the same added in each.
+/// The drawn tracks, each with the same track added.
 template <int Axes, class Lanes>
 Lanes sum(const std::vector<PositionVector<Axes>>& same, const Lanes& drawn) {
     Lanes result(drawn.size());
@@ -88,7 +88,7 @@ Lanes sum(const Lanes& one, const Lanes& other) {
 
 }  // namespace
 
-/// The speeds of a cluster's windows along tracks without offsets, as LinearSmoother makes them,
+/// The speeds of a cluster's windows along tracks without offsets, as LinearSmoother gives them,
 /// also across bridged steps.
 template <int Axes>
 class SelectionCluster<Axes>::Speeds {
@@ -108,7 +108,7 @@ class SelectionCluster<Axes>::Speeds {
         return (path_m_[last] - path_m_[first]) / duration_s;
     }
 
-    /// The window of the highest assured speed of each draw, the first of equals, and that speed.
+    /// For each draw, the window of the highest assured speed, the first if equal, and that speed.
     struct Fastest {
         Lane assured_m_s;
         std::array<std::size_t, selection_lanes> window{};
@@ -142,8 +142,8 @@ class SelectionCluster<Axes>::Speeds {
     std::vector<Lane> path_m_;
 };
 
-/// The time-correlated error of several draws, epoch by epoch: steady Gauss-Markov processes, or
-/// the fitted one.
+/// The time-correlated error of several draws, epoch by epoch: stationary Gauss-Markov processes,
+/// or the fitted one.
 template <int Axes>
 class SelectionCluster<Axes>::SlowError {
   public:
@@ -166,7 +166,7 @@ class SelectionCluster<Axes>::SlowError {
         decay_.setZero();
     }
 
-    /// To the epoch, from the one before.
+    /// Propagates to an epoch from the previous one.
     void carry_to(std::size_t k) {
         if (k == 0) return;
         const double dt_s = epochs_[k].time_s - epochs_[k - 1].time_s;
@@ -190,7 +190,7 @@ class SelectionCluster<Axes>::SlowError {
 
 namespace {
 
-/// The noise that is drawn: its time-correlated error as large as it is along the windows.
+/// The noise model for drawing, with the time-correlated error's size along the windows.
 EstimationModel drawn_model(const SelectionModels& models) {
     EstimationModel model = models.estimated;
     model.error.process_density *= models.along;
@@ -226,7 +226,7 @@ SelectionCluster<Axes>::smoothed(const Positions& motion) const {
     return {motion, estimator_(motion)};
 }
 
-/// The time-correlated error and, onto it, the white.
+/// The sum of time-correlated error and white noise.
 template <int Axes>
 typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
     std::array<const double*, selection_lanes> numbers,
@@ -272,7 +272,7 @@ std::array<FastestWindow, selection_lanes> SelectionCluster<Axes>::search(
     return result;
 }
 
-/// The errors of the speed stated for the chosen window; zero where it is not here.
+/// The errors of the speed stated for the chosen window. Zero if it is not in this cluster.
 template <int Axes>
 typename SelectionCluster<Axes>::Lane SelectionCluster<Axes>::chosen_errors(
     const Smoothed<Lanes>& drawn) const {

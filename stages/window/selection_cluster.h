@@ -11,29 +11,30 @@
 
 namespace runcert {
 
-/// How many drawn recordings are smoothed and searched side by side.
+/// Number of drawn recordings that are smoothed and searched side by side.
 inline constexpr std::size_t selection_lanes = 4;
 
-/// The fastest window of a drawn recording, its speed in the search, and the error of the speed
-/// stated for it.
+/// The fastest window of a drawn recording, its speed in the search, and the error of its stated
+/// speed.
 struct FastestWindow {
-    double searched_m_s = -std::numeric_limits<double>::infinity();  ///< less its allowance
+    double searched_m_s = -std::numeric_limits<double>::infinity();  ///< minus its allowance
     double error_m_s = 0.0;
-    double chosen_error_m_s = 0.0;  ///< of the window chosen in the recording, if it is here
+    double chosen_error_m_s = 0.0;  ///< of the window chosen in the recording, if it is in this
+                                    ///< cluster
 };
 
-/// What one draw says of a cluster.
+/// The result of one draw for a cluster.
 struct ClusterDraw {
     FastestWindow once;   ///< errors drawn onto the estimated motion
     FastestWindow again;  ///< the same errors on a motion estimated from a drawn recording
-    /// The errors of the speed stated for the chosen window when positions have none.
+    /// The errors of the speed stated for the chosen window if positions have no errors.
     double chosen_without_noise_once_m_s = 0.0;
     double chosen_without_noise_again_m_s = 0.0;
-    double fastest_true_m_s = 0.0;  ///< of the motion estimated from a drawn recording
+    double fastest_true_m_s = 0.0;  ///< with the motion estimated from a drawn recording
 };
 
-/// The measured epochs of a cluster. A bridged step before one without a measurement stands before
-/// the next that has one.
+/// The measured epochs of a cluster. A bridged step before an epoch without a measurement moves to
+/// the next one that has a measurement.
 template <int Axes>
 struct MeasuredStretch {
     std::vector<ArcEpoch<Axes>> epochs;
@@ -44,8 +45,8 @@ struct MeasuredStretch {
 
 /// One cluster: draws errors, smooths and searches.
 ///
-/// All of it but the search is linear: what noise does is smoothed by itself, and added to the
-/// motion and to what its smoothing gives, which are the same in all draws.
+/// Everything except the search is linear. The noise is smoothed separately and added to the motion
+/// and its smoothed version, which are the same in all draws.
 template <int Axes>
 class SelectionCluster {
   public:
@@ -53,11 +54,12 @@ class SelectionCluster {
 
     std::size_t windows() const { return stretch_.windows.size(); }
 
-    /// How many standard normal numbers a draw takes.
+    /// Number of standard normal numbers needed for a draw.
     std::size_t normals() const { return 4 * axes * stretch_.epochs.size(); }
 
-    /// What so many draws at a time say; `numbers[l]` are the `normals()` of draw l, and `tau_s[l]`
-    /// is the correlation time of its time-correlated error, where that is not the fitted one.
+    /// Evaluates `selection_lanes` draws at a time. `numbers[l]` are the `normals()` of draw l.
+    /// `tau_s[l]` is the correlation time of its time-correlated error, where that is not the
+    /// fitted one.
     std::array<ClusterDraw, selection_lanes> draw(
         const std::array<const double*, selection_lanes>& numbers,
         const std::optional<std::array<double, selection_lanes>>& tau_s) const;
@@ -68,7 +70,7 @@ class SelectionCluster {
     using Lanes = std::vector<LanePositions<Axes, static_cast<int>(selection_lanes)>>;
     using Lane = runcert::Lane<static_cast<int>(selection_lanes)>;
 
-    /// A motion, and what the smoother makes of it.
+    /// A motion, and the smoother's estimate of it.
     template <class Track>
     struct Smoothed {
         Track motion;
@@ -92,7 +94,7 @@ class SelectionCluster {
     LinearSmoother<Axes> estimator_;
     LinearSmoother<Axes> local_;
     Smoothed<Positions> motion_;     ///< as estimated
-    Smoothed<Positions> re_motion_;  ///< as estimated from it without errors
+    Smoothed<Positions> re_motion_;  ///< as estimated from that without errors
 };
 
 }  // namespace runcert

@@ -13,18 +13,19 @@
 namespace runcert {
 namespace {
 
-/// White noise, motion, its model, time stamps and resolution: what positions have and no witness
-/// does. (Their time-correlated error another receiver may have, too.)
+/// White noise, motion, its model, time stamps and resolution: errors of positions that no witness
+/// has. (Another receiver may also have their time-correlated error.)
 constexpr std::string_view rows_of_position = "wjotr";
 
 bool is_of(const BudgetRow& row, std::string_view symbols) {
     return row.symbol.size() == 1 && symbols.find(row.symbol.front()) != std::string_view::npos;
 }
 
-/// What a witness says, as `weigh` takes it.
+/// A witness's terms, as `weigh` takes them.
 WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
     const bool receiver = one.kind == WitnessKind::receiver;
-    // Another receiver's own bound is as large as that of the positions, and in its uncertainty.
+    // Another receiver's own bound is as large as that of the positions, and is part of its
+    // uncertainty.
     const double own_square = one.standard_uncertainty_m_s * one.standard_uncertainty_m_s -
                               (receiver ? correlated_m_s * correlated_m_s : 0.0);
     return {.difference_m_s = one.difference_m_s,
@@ -35,7 +36,8 @@ WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
                       .largest_m_s = one.fault_m_s.value_or(0.0)}};
 }
 
-/// What these say together; `evidence` gets what they may share with the positions beside that.
+/// The joint evidence of these terms. `evidence` receives what they may share with the positions in
+/// addition.
 WitnessEvidence evidence_of(const PositionTerms& positions, const std::vector<WitnessTerm>& terms,
                             SpeedEvidence& evidence) {
     const WitnessMean mean = mean_of_witnesses(positions, terms);
@@ -61,7 +63,7 @@ HeardTogether hear_together(const PositionTerms& positions, double correlated_m_
             if (origin_of(one.kind).front() == to_text(InputOrigin::observed))
                 observed.push_back(terms.back());
         }
-    // One alone is judged by itself.
+    // A single witness is judged on its own.
     if (terms.size() > 1) evidence.disagreement = disagreement(positions, terms);
     if (terms.empty() || evidence.disagreement > 1.0 ||
         std::ranges::any_of(witnesses, &contradicts))

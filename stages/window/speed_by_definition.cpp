@@ -43,8 +43,8 @@ double speed_at(const SmoothedArc<Axes>& smoothed, std::size_t k) {
     return smoothed.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
 }
 
-/// By how much an error of the path, over the duration, counts in the speed over a given length:
-/// that length is reached so much later or earlier, at the speed of the end.
+/// Factor from an error of the path, over the duration, to the speed over a given length. The
+/// length is reached earlier or later, at the speed of the end.
 template <int Axes>
 double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair window,
                               double path_m_s) {
@@ -59,8 +59,8 @@ double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair windo
                   "This is a fault of the program; please report it");
 }
 
-/// Of the length over the elapsed time: a position error along a line's normal moves the instant of
-/// its crossing by that error over the speed along the normal.
+/// Gradients of the length over the elapsed time. A position error along a line's normal shifts the
+/// instant of its crossing by that error over the speed along the normal.
 Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair window,
                                     double duration_s, const SpeedQuantity& quantity) {
     const auto velocity = [&](std::size_t k) -> Eigen::Vector2d {

@@ -16,13 +16,13 @@ namespace runcert {
 
 namespace {
 
-/// Where the trajectory is not the part smoothed.
+/// Where the trajectory differs from the smoothed part.
 struct TrajectoryDifference {
     std::int64_t epoch = 0;
     double difference_m = 0.0;
 };
 
-/// The first of the window's ends where the two differ.
+/// The first of the window's ends at which the two differ.
 template <int Axes>
 std::optional<TrajectoryDifference> difference_from(const TrajectoryTable& trajectory,
                                                     const ArcPart<Axes>& part,
@@ -54,7 +54,8 @@ CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const Fou
         CheckedPart<Axes> checked{
             .part = part_around(arc, estimate.times[found.series], window, margin_s),
             .smoothed = {}};
-        // Again, as the trajectory does not hold what the errors of two epochs have in common.
+        // Smoothed again, because the trajectory does not hold the correlation of the errors of two
+        // epochs.
         checked.smoothed = smooth<Axes>(checked.part.arc.epochs, estimate.model);
         const auto different = difference_from(estimate.trajectory, checked.part, checked.smoothed);
         if (!different) return checked;
@@ -93,8 +94,8 @@ template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>
 
 namespace {
 
-/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
-/// is that of the screened solution.
+/// Displacement (m) of the robust batch. It has only positions, so that the motion over a bridged
+/// step is that of the screened solution.
 std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
                                                    const ArcPart<2>& part,
                                                    const SmoothedArc<2>& smoothed) {

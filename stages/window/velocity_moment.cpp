@@ -8,13 +8,13 @@
 namespace runcert {
 namespace {
 
-/// A place between two samples, and the velocity there.
+/// A position on the track between samples, and the velocity there.
 struct TrackPoint {
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
-/// Between two points `step_s` apart, the part `s` after the first, by the cubic through both.
+/// The point at the fraction `s` between two points `step_s` apart, on the cubic through both.
 TrackPoint between(const TrackPoint& a, const TrackPoint& b, double step_s, double s) {
     const double r = 1.0 - s;
     TrackPoint at;
@@ -25,7 +25,7 @@ TrackPoint between(const TrackPoint& a, const TrackPoint& b, double step_s, doub
     return at;
 }
 
-/// By Simpson's rule.
+/// Length of the path between two points, by Simpson's rule.
 double path_between(const TrackPoint& a, const TrackPoint& b, double step_s) {
     return step_s / 6.0 *
            (a.velocity.norm() + 4.0 * between(a, b, step_s, 0.5).velocity.norm() +
@@ -50,7 +50,7 @@ class SmoothedTrack {
                 *at.velocity_east_m_s, *at.velocity_north_m_s, at.velocity_up_m_s.value_or(0.0)))};
     }
 
-    /// Before the first sample and after the last one, that one.
+    /// The track at a time. Before the first sample and after the last one, it is that sample.
     TrackPoint at(double time_s) const {
         const std::size_t k = sample_before(time_s);
         if (k + 1 == arc_.rows.size()) return sample(k);
@@ -94,7 +94,7 @@ class SmoothedTrack {
     Eigen::Vector3d axes_;
 };
 
-/// Of a sample's position, and of its velocity, along the worst of the axes that count.
+/// Standard deviations of a sample's position and velocity, along the worst of the axes that count.
 struct SampleSigmas {
     double position_m = 0.0, velocity_m_s = 0.0;
 };

@@ -17,8 +17,8 @@ constexpr std::size_t fewest_steps = 30;
 constexpr std::size_t fewest_spans = 5;
 constexpr double rounding_s = 1e-6;
 
-/// Of the samples between two times, absolute values: the steps of recorded less smoothed speed,
-/// and the third differences of recorded speeds.
+/// Absolute differences of the samples between two times: steps of recorded minus smoothed speed,
+/// and third differences of recorded speeds.
 struct SpeedDifferences {
     std::vector<double> from_smoothed, third;
 };
@@ -40,7 +40,7 @@ SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, do
     return differences;
 }
 
-/// The mean recorded speed of a span, and by how much the smoothed path makes less.
+/// The mean recorded speed of a span, and how much lower the smoothed path makes it.
 struct SpanOfSpeeds {
     double mean_m_s = 0.0;
     double difference_m_s = 0.0;
@@ -72,7 +72,7 @@ double square(double value) {
     return value * value;
 }
 
-/// What remains of a whole when a part is taken off, both standard deviations.
+/// The remainder after removing a part from a whole, all as standard deviations.
 double rest_of(double whole, double part) {
     return std::sqrt(std::max(0.0, square(whole) - square(part)));
 }

@@ -10,98 +10,99 @@
 #include "schemas/trajectory/trajectory.h"
 #include "witness/certifiable.h"
 
-// How much recorded speeds err, as the recording shows it beside its positions.
+// Errors of recorded speeds, from comparison with the positions of the recording.
 
 namespace runcert {
 
-/// Errors that last are not taken to be smaller (m/s), whatever a comparison shows.
+/// Least lasting error assumed (m/s), whatever a comparison shows.
 inline constexpr double least_slow_error_m_s = 0.05;
 
-/// A recorded speed beside the smoothed track of the same moment.
+/// A recorded speed and the smoothed track at the same moment.
 struct ComparedSpeed {
     double time_s = 0.0;
     double recorded_m_s = 0.0;
     double smoothed_m_s = 0.0;
-    double recorded_m = 0.0;   ///< way by recorded speeds, from any beginning
-    double smoothed_m = 0.0;   ///< way along the smoothed track
-    std::int64_t stretch = 0;  ///< those of different ones are not compared
+    double recorded_m = 0.0;   ///< distance by integrating recorded speeds, from an arbitrary start
+    double smoothed_m = 0.0;   ///< distance along the smoothed track
+    std::int64_t stretch = 0;  ///< samples of different stretches are not compared
 };
 
-/// Those of all usable epochs whose speed is of their own moment, in order of time. A stretch ends
-/// with its arc, at a bridged step, at an epoch that is left out and at a step longer than a second
-/// and than one and a half intervals.
+/// The compared speeds of all usable epochs whose speed belongs to their own moment, in order of
+/// time. A stretch ends with its arc, at a bridged step, at an epoch that is left out, and at a
+/// step longer than a second and than one and a half intervals.
 std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
                                            const TrajectoryTable& trajectory,
                                            const std::vector<ArcRows>& arcs, Dimension dimension);
 
-/// A standard deviation (m/s) that so many independent differences show.
+/// A standard deviation (m/s) and the number of independent differences behind it.
 struct SpeedSpread {
     double sd_m_s = 0.0;
     double independent = 0.0;
 };
 
-/// The white noise of a recorded speed: the smaller of what the steps, between neighbours, of
-/// recorded less smoothed speed show and what third differences of the recorded speeds do, both
-/// robustly. The first hold the positions' noise, the others what the craft did. Of the samples
-/// within 30 s of `from_s` to `to_s`; of all where fewer than 30 differences lie there, and nothing
-/// where these are too few, too.
+/// The white noise of a recorded speed. It is the smaller of two robust estimates: from the
+/// differences between neighbours of recorded minus smoothed speed, and from third differences of
+/// the recorded speeds. The first contain the positions' noise, the second the craft's motion.
+/// Samples are those within 30 s of `from_s` to `to_s`, or all where fewer than 30 differences lie
+/// there. Empty where these are also too few.
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s);
 
-/// Root mean square of what the mean recorded speed over `span_s` differs by from the smoothed
-/// path over time, of spans that do not overlap and during which the craft moved at half the speed
-/// of its fastest tenth or more. Nothing where these are fewer than five.
+/// Root mean square difference between the mean recorded speed over `span_s` and the smoothed path
+/// over time. Spans do not overlap, and the craft must move at half the speed of its fastest tenth
+/// or more. Empty for fewer than five spans.
 std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s);
 
-/// What a recording shows of its speeds' errors, for windows of one length.
+/// The errors of a recording's speeds, for windows of one length.
 struct SpeedNoise {
     std::optional<SpeedSpread> white;
-    std::optional<SpeedSpread> over_window;  ///< windows shorter than ten seconds alone
-    std::optional<SpeedSpread> over_ten;     ///< over 10 s
-    /// The positions follow the velocities, or these the positions: the two have errors in common.
+    std::optional<SpeedSpread> over_window;  ///< only for windows shorter than ten seconds
+    std::optional<SpeedSpread> over_ten;     ///< over spans of 10 s
+    /// The positions follow the velocities, or the reverse, so that they have errors in common.
     bool in_common = false;
 };
 
-/// Where a window has `samples` of them over `duration_s` within which white noise may average.
-/// In common: screening says so, or over as long as the window (10 s at most) the two keep to one
-/// another better than the white noise lets them, by more than chance makes.
+/// The speed noise for a window from `start_s` over `duration_s`, with `samples` over which white
+/// noise may average. Errors are in common where screening says so. They are also in common where,
+/// over spans as long as the window (10 s at most), the two agree better than the white noise
+/// allows, beyond chance.
 SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTable& screened,
                        double start_s, double duration_s, double samples);
 
-/// What is stated of a recorded speed's accuracy (standard uncertainty, m/s): by the receiver, or
-/// by the attempt, whose word never makes a speed surer than the recording shows it.
+/// The stated standard uncertainty of a recorded speed (m/s), by the receiver or by the attempt. A
+/// statement of the attempt never makes a speed more certain than the recording shows.
 struct StatedSpeedAccuracy {
     double sigma_m_s = 0.0;
     bool claimed = false;
-    double scatter_m_s = 0.0;  ///< from the smoothed motion, as screening saw it
+    double scatter_m_s = 0.0;  ///< from the smoothed motion, as found by screening
 };
 
-/// What decides the lasting error of a speed.
+/// What determines the lasting error of a speed.
 enum class SlowError { floor, shown, stated };
 
 /// Standard uncertainties of a window's mean recorded speed, m/s.
 struct SpeedErrors {
     double white_m_s = 0.0;         ///< of one sample
-    double mean_white_m_s = 0.0;    ///< of the mean
-    double brief_m_s = 0.0;         ///< of the mean, by errors shorter than ten seconds
-    double slow_m_s = 0.0;          ///< taken as one error throughout the window
-    double slow_between_m_s = 0.0;  ///< what of it may differ between windows
+    double mean_white_m_s = 0.0;    ///< of the mean, from white noise
+    double brief_m_s = 0.0;         ///< of the mean, from errors shorter than ten seconds
+    double slow_m_s = 0.0;          ///< assumed to be one error throughout the window
+    double slow_between_m_s = 0.0;  ///< the part that may differ between windows
     SlowError slow = SlowError::stated;
 
     double combined() const;
 };
 
-/// For a window of `samples` over `duration_s`. With sigma the white noise, D_T and D_10 the
-/// spreads over the window and over 10 s:
+/// The errors for a window of `samples` over `duration_s`. With sigma the white noise, and D_T and
+/// D_10 the spreads over the window and over 10 s:
 ///
 ///     slow = min(stated, max(0.05 m/s, D_10))
-///     white^2 + brief^2 = max(sigma^2 / samples, D_T^2 - D_10^2) below 10 s, else sigma^2 /
-///     samples
+///     white^2 + brief^2 = max(sigma^2 / samples, D_T^2 - D_10^2) below 10 s,
+///                         else sigma^2 / samples
 ///
-/// and all together never more than a receiver states, beside its white noise. Where nothing is
-/// shown, or both have their errors in common, what is stated counts whole. An attempt's own
-/// statement then counts no less than the scatter and 0.05 m/s, and else not at all: only where the
-/// white noise contradicts it, that does not average.
+/// Together they never exceed the standard uncertainty that a receiver states, apart from its white
+/// noise. Where nothing is shown, or errors are in common, the stated value counts in full. An
+/// attempt's own statement then counts as at least the scatter and 0.05 m/s. Otherwise it is not
+/// used, except where the white noise contradicts it, which then does not average.
 SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& stated,
                          double duration_s, double samples);
 

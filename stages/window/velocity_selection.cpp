@@ -12,18 +12,18 @@
 namespace runcert {
 namespace {
 
-/// As long as the filters of receivers remember.
+/// The memory of receivers' filters.
 constexpr double brief_tau_s = 0.5;
 constexpr double slow_tau_min_s = 5.0;
 constexpr double slow_tau_max_s = 60.0;
 
-/// A window by its samples' places among all that are drawn.
+/// A window, by the indices of its samples among all that are drawn.
 struct Candidate {
     std::size_t first = 0, last = 0;
     double assured_m_s = 0.0;
 };
 
-/// The samples of all candidates in order of time, and these.
+/// All candidates, and their samples in order of time.
 struct Search {
     std::vector<double> time_s;
     std::vector<Candidate> candidates;
@@ -48,7 +48,7 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
     for (const FoundWindow& window : near) {
         if (window.series != series) next = 0;
         series = window.series;
-        // What is before `next` of the series is there; the last of it stands last.
+        // Samples of the series before `next` are already present, the last of them at the end.
         for (std::size_t k = std::max(next, window.first); k <= window.last; ++k)
             search.time_s.push_back(times[series][k].seconds());
         next = std::max(next, window.last + 1);
@@ -61,7 +61,7 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
     return search;
 }
 
-/// Samples of a first-order Gauss-Markov process.
+/// Adds samples of a first-order Gauss-Markov process.
 void add_gauss_markov(const std::vector<double>& time_s, double sigma, double tau_s,
                       const double* normals, std::vector<double>& errors) {
     double value = 0.0;
@@ -72,7 +72,7 @@ void add_gauss_markov(const std::vector<double>& time_s, double sigma, double ta
     }
 }
 
-/// Errors of each candidate's speed.
+/// The error of each candidate's speed.
 std::vector<double> window_errors(const Search& search, MeanOf mean_of,
                                   const std::vector<double>& errors) {
     std::vector<double> sums(errors.size() + 1, 0.0);
@@ -92,8 +92,8 @@ std::vector<double> window_errors(const Search& search, MeanOf mean_of,
     return of_windows;
 }
 
-/// What errors add to the speed of the window that is the fastest with them, beyond what they add
-/// to the chosen one: in the mean the same, and it settles with fewer draws.
+/// How much more errors add to the speed of the window that is the fastest with them than to the
+/// chosen one. The mean is the same as without that comparison, and converges with fewer draws.
 double gained(const Search& search, const std::vector<double>& before,
               const std::vector<double>& errors) {
     std::size_t best = search.chosen;

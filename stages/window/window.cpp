@@ -24,7 +24,7 @@
 namespace runcert {
 namespace {
 
-/// What the profiles of one receiver are searched and certified from.
+/// The data from which the profiles of one receiver are searched and certified.
 class Certifier {
   public:
     Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -50,7 +50,7 @@ class Certifier {
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
 
-    /// What other windows are expected to be certified with, by one that is.
+    /// Predicts the uncertainty of other windows from a certified one.
     Allowance allowance(const Profile& profile, const Reference& reference) const {
         if (profile.speed_source == SpeedSource::velocity)
             return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
@@ -60,7 +60,8 @@ class Certifier {
     }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
-    /// What was estimated of the witnesses of horizontal motion, and what they do not say.
+    /// Notes on the parameters estimated for witnesses of horizontal motion, and on what they do
+    /// not cover.
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
                                            const WitnessRecords& beside) const {
@@ -112,7 +113,8 @@ class Certifier {
     }
 
   private:
-    /// The crossings by the smoothed track in place of those by straight lines between epochs.
+    /// Certifies a course with the crossings of the smoothed track, in place of those of straight
+    /// lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
                                      std::vector<FoundWindow> all,
                                      const SurveyedCourse& gates) const {
@@ -173,14 +175,14 @@ bool overlap(const FoundWindow& one, const FoundWindow& other) {
     return one.start < other.end && other.start < one.end;
 }
 
-/// The windows that a profile may choose from, and those that it chooses.
+/// The windows from which a profile may choose, and those that it chooses.
 struct Choice {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> chosen;
     std::string missing;
 };
 
-/// What a profile's windows are chosen among.
+/// The data in which a profile's windows are searched.
 struct Candidates {
     const ScreenedTable& screened;
     const TrajectoryTable& trajectory;
@@ -204,7 +206,7 @@ Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& t
             .series = certifiable_series(screened, trajectory, rows, profile)};
 }
 
-/// Those over a course, the highest assured speeds chosen.
+/// The passages over a course, choosing the highest assured speeds.
 Choice choose_passages(const Candidates& among, const Allowance& allowance) {
     const auto wanted = static_cast<std::size_t>(among.profile.windows);
     Choice choice;
@@ -218,7 +220,7 @@ Choice choose_passages(const Candidates& among, const Allowance& allowance) {
     return choice;
 }
 
-/// The fastest windows; with an allowance, those of the highest assured speeds.
+/// The fastest windows or, with an allowance, those with the highest assured speeds.
 Choice choose(const Candidates& among, const Allowance& allowance = {}) {
     const Profile& profile = among.profile;
     Choice choice;
@@ -247,7 +249,8 @@ Choice choose(const Candidates& among, const Allowance& allowance = {}) {
     return choice;
 }
 
-/// What of the recording as a whole leaves no window under the rule; empty where nothing does.
+/// A reason, in the recording as a whole, why no window under the rule is possible. Empty where
+/// there is none.
 std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
     if (profile.speed_source == SpeedSource::velocity &&
         std::ranges::none_of(screened.rows, [&](const ScreenedEpoch& row) {
@@ -281,7 +284,7 @@ FurtherWindow beside(const CertifiableWindow& window) {
             .witnesses = window.witnesses};
 }
 
-/// Each of a choice, certified among those that do not overlap one chosen before it.
+/// Each chosen window, certified among those that do not overlap a previously chosen one.
 std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, const Profile& profile,
                                                  Choice choice,
                                                  const std::optional<SurveyedCourse>& gates) {
@@ -293,8 +296,8 @@ std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, con
     return certified;
 }
 
-/// Whether every witness that contradicts the first windows was heard of each of the others: a
-/// window that it does not cover is no way round it.
+/// Whether every witness that contradicts the first windows covers each of the others. A window
+/// that it does not cover must not avoid the contradiction.
 bool hear_the_contradicting(const std::vector<CertifiableWindow>& others,
                             const std::vector<CertifiableWindow>& first) {
     const auto covers = [&](const WitnessedSpeed& contradicting) {
@@ -316,7 +319,7 @@ bool contradicted(const std::vector<CertifiableWindow>& windows) {
     });
 }
 
-/// Mean over windows of the speed that each proves: less its expanded uncertainty.
+/// Mean over windows of the speed that each proves: its speed minus its expanded uncertainty.
 double proven_m_s(const std::vector<CertifiableWindow>& windows, const Profile& profile) {
     double sum = 0.0;
     for (const CertifiableWindow& window : windows)
@@ -331,9 +334,9 @@ double mean_assured_m_s(const std::vector<FoundWindow>& windows, const Allowance
     return sum / static_cast<double>(windows.size());
 }
 
-/// The windows of the highest assured speeds, where they can be expected to prove more than the
-/// fastest by more than a tenth of what is stated with these: expectations are no closer. None
-/// otherwise.
+/// The windows with the highest assured speeds, if a witness contradicts the fastest, or if they
+/// are expected to prove more than the fastest by over a tenth of the fastest's stated uncertainty,
+/// the accuracy of such predictions. Empty otherwise.
 Choice better_proof(const Candidates& among, const Choice& fastest,
                     const std::vector<CertifiableWindow>& certified, const Allowance& allowance) {
     constexpr double worth_it = 0.1;
@@ -347,8 +350,8 @@ Choice better_proof(const Candidates& among, const Choice& fastest,
     return gained_m_s > worth_it * stated_m_s ? proof : Choice{};
 }
 
-/// The fastest windows are not always the best proof: certifies those too that promise the highest
-/// speed that can be claimed, and takes what proves more. The fastest then stands beside.
+/// The fastest windows are not always the best proof. This also certifies those that promise the
+/// highest claimable speed, and takes whichever proves more. The fastest is then given beside it.
 void certify_best(const Certifier& certifier, const Candidates& among, const Choice& fastest,
                   ProfileWindows& entry) {
     if (fastest.chosen.empty()) return;
@@ -357,8 +360,8 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
         certified_windows(certifier, profile, fastest, among.gates);
     const Allowance expected =
         certifier.allowance(profile, {.window = windows.front(), .found = fastest.chosen.front()});
-    // What lies beside a window that a witness contradicts, and overlaps it, holds a part of what
-    // is wrong: nothing is claimed of it.
+    // A window that overlaps one contradicted by a witness contains part of the fault, and no speed
+    // is claimed for it.
     std::vector<FoundWindow> wrong;
     for (std::size_t i = 0; i < windows.size(); ++i)
         if (contradicted({windows[i]})) wrong.push_back(fastest.chosen[i]);
@@ -416,8 +419,8 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
     return entry;
 }
 
-/// Profiles are certified beside one another; which of several failures is told must not depend on
-/// which comes first.
+/// Profiles are certified in parallel. Which of several failures is reported must not depend on
+/// timing.
 struct ProfileOrFailure {
     std::optional<ProfileWindows> windows;
     std::exception_ptr failure;

@@ -13,34 +13,35 @@
 
 namespace runcert {
 
-/// The figures of the window search; `parameters.window` in `schemas/attempt/v1.yaml`, and what
-/// the attempt says of the receiver.
+/// The parameters of the window search (`parameters.window` in `schemas/attempt/v1.yaml`), and the
+/// attempt's statements about the receiver.
 struct WindowConfig : WindowParameters {
-    bool fault_probability_given = false;  ///< by the attempt, and not by default
-    double gap_max_s = 2.0;                ///< a longer gap ended the arc, in screening
-    double gap_factor = 1.5;               ///< or one of more intervals, where that is longer
+    bool fault_probability_given = false;  ///< by the attempt, not by default
+    double gap_max_s = 2.0;                ///< a longer gap ended the arc in screening
+    double gap_factor = 1.5;               ///< or one of more intervals, if that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
-    bool velocity_accuracy_claimed = false;  ///< by the attempt, where the recording states none
+    bool velocity_accuracy_claimed = false;  ///< by the attempt, because the recording states none
 };
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 
-/// For each profile the best certifiable windows of the smoothed trajectory, their measured speeds
+/// For each profile, the best certifiable windows of the smoothed trajectory, their measured speeds
 /// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
-/// A certifiable window lies in one arc, holds no unusable epoch, spans no bridged step unless the
-/// profile allows repaired ones, has no step of time longer than the rule's rate allows, and is as
-/// long as the rule says. Windows are compared on the trajectory, or on the recorded velocities
-/// where the profile takes these: the fastest, and those of the highest speed that can be claimed,
-/// where these prove more. The speed of the best is then stated as estimated with the position
-/// error bounded by the profile's rule
-/// (`error_bound`), with the budget's combined uncertainty; the speed with the fitted noise, and
-/// that of the robust batch, stand beside it.
+/// A certifiable window lies in one arc, contains no unusable epoch, and spans no bridged step
+/// unless the profile allows repaired ones. It has no time step longer than the rule's rate allows,
+/// and is as long as the rule says. Windows are compared on the trajectory, or on the recorded
+/// velocities where the profile uses these. The fastest are taken, or those with the highest speed
+/// that can be claimed where these prove more.
 ///
-/// `course` is what the attempt says of it; `beside`, what else witnesses the positions. Failure
-/// where a profile needs it and there is none, or where the trajectory is not the estimate from
-/// these screened epochs.
+/// The speed of the best is the estimate with the position error bounded by the profile's rule
+/// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by
+/// the robust batch are given beside it.
+///
+/// `course` comes from the attempt; `beside` are other witnesses of the positions. Failure where a
+/// profile needs a course and there is none, or where the trajectory is not the estimate from these
+/// screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
                      const std::optional<Course>& course = std::nullopt,
@@ -48,10 +49,10 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
 
 struct SurveyedCourse;
 
-/// The window of the recording as it is, offsets of bridged steps included, that shows most by its
-/// positions or its recorded velocities and what these state of themselves, certifiable or not,
-/// with a sentence for each reason why it cannot be certified. A bridged step is one where such
-/// steps are refused.
+/// The window that shows most in the unscreened recording, certifiable or not, offsets of bridged
+/// steps included. It is judged by its positions or its recorded velocities and their stated
+/// standard deviations. A sentence gives each reason why it cannot be certified. A bridged step is
+/// such a reason where the profile refuses them.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
                                                  const std::optional<SurveyedCourse>& gates);

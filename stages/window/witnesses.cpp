@@ -20,7 +20,7 @@
 namespace runcert {
 namespace {
 
-/// Displacements differ so by chance once in a thousand.
+/// Displacements differ by this much by chance once in a thousand.
 constexpr double by_chance = 1e-3;
 
 }  // namespace
@@ -194,7 +194,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     if (!path_m) return std::nullopt;
     const double duration_s = positions.end_s - positions.start_s;
     const double length_m = positions.displacement_m.norm();
-    // Of a craft that hardly moved any direction is as good.
+    // For a craft that hardly moved, any direction will do.
     const PositionVector<Axes> along =
         length_m > 0.0 ? PositionVector<Axes>(positions.displacement_m / length_m)
                        : PositionVector<Axes>::Unit(0);
@@ -237,7 +237,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     witnessed.fault_probability = fault.probability;
     witnessed.fault_m_s = fault.largest_m_s;
     witnessed.fault_posterior = compared.positions_at_fault() + compared.witness_at_fault();
-    // What a test of size 0.05 finds with 80 %.
+    // What a test of size 0.05 detects with probability 80 %.
     constexpr double found_in_units = 2.84;
     witnessed.undetected_m_s =
         std::min(positions.fault.largest_m_s,

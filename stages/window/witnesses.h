@@ -23,7 +23,7 @@ struct OtherReceiver {
     const TrajectoryTable* trajectory = nullptr;
 };
 
-/// What was recorded beside a receiver's positions and their velocities.
+/// Data recorded in addition to a receiver's positions and velocities.
 struct WitnessRecords {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};  ///< their first epoch
@@ -31,33 +31,35 @@ struct WitnessRecords {
     HandedIn handed_in = {};
 };
 
-/// What of a series was left out, and what was handed in and became no witness, a sentence each.
+/// A sentence for each part of a series that was left out, and for each series that gave no
+/// witness.
 std::vector<std::string> unheard(const WitnessRecords& beside, const HeardWitnesses<2>& witnesses);
 
-/// Why a witness says nothing of a window, from the trajectory's first instant to its last.
+/// The reason why a witness says nothing about a window: it covers another time than the
+/// trajectory, or has a gap in the window.
 template <int Axes>
 std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTable& trajectory,
                          const std::string& profile);
 
-/// Every witness of the positions that there is: the recorded velocities, where anything bounds
-/// their errors; the carrier phases; what was handed in; the other receivers.
+/// All witnesses of the positions: the recorded velocities, if anything limits their errors; the
+/// carrier phases; series handed in; the other receivers.
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const WitnessRecords& beside, double jerk_density);
 
-/// Why a witness that agrees with a window confirms nothing of it; empty where it does.
+/// The reason why a witness that agrees with a window does not confirm it. Empty where it does.
 std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
                               const std::string& profile);
 
-/// Whether a witness's path is what corresponds to the speed of a definition, not its displacement.
+/// Whether a definition's speed corresponds to a witness's path, rather than its displacement.
 bool counts_path(SpeedDefinition definition);
 
-/// By how much a witness that contradicts a window shows another motion than the positions all over
-/// the recording, and by how many seconds a clock may be off; empty where it does not, and of
-/// phases, of which screening says so.
+/// How far a contradicting witness shows another motion than the positions over the whole
+/// recording, and by how many seconds a clock may be off. Empty where it does not, and for phases,
+/// about which screening reports.
 std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened);
 
-/// What positions say of a window, to be compared with a witness.
+/// A window's figures by positions, for comparison with a witness.
 template <int Axes>
 struct PositionFigures {
     double start_s = 0.0;
@@ -65,24 +67,26 @@ struct PositionFigures {
     bool by_path = false;
     double speed_m_s = 0.0;  ///< by displacement, or by path
     SpeedVector<Axes> displacement_m = SpeedVector<Axes>::Zero();
-    /// Of the speed, of what a witness does not share, without undetected errors.
+    /// Of the speed, for errors that a witness does not share, without undetected errors.
     double standard_uncertainty_m_s = 0.0;
-    /// Of the speed, by the bound on time-correlated errors: part of the first.
+    /// Of the speed, from the bound on time-correlated errors: part of the former.
     double correlated_m_s = 0.0;
-    FaultPrior fault = {};  ///< of the speed, by what nothing found
+    FaultPrior fault = {};  ///< undetected error of the speed
 };
 
-/// The difference of the displacements by positions and by a witness over the largest that chance
-/// makes once in a thousand: above 1 they contradict one another.
+/// The difference of the displacements by positions and by a witness, divided by the largest that
+/// occurs by chance once in a thousand. Above 1 they contradict each other.
 template <int Axes>
 double displacement_ratio(const WitnessedMotion<Axes>& moved,
                           const PositionFigures<Axes>& positions);
 
-/// The speed of a window by a witness beside that by positions; nothing where the witness does not
-/// cover the window. The two contradict one another where an error of either is more probable than
-/// none (`SpeedMixture`), or where the displacements differ by what chance does once in a thousand.
-/// Another receiver's time-correlated error is taken to be bounded as the positions' own is; the
-/// test allows for both, as if they had nothing in common. `share` is left 0.
+/// The speed of a window by a witness, compared with that by positions. Empty where the witness
+/// does not cover the window.
+///
+/// The two contradict each other where an error of either is more probable than none
+/// (`SpeedMixture`), or where the displacements differ by more than chance allows once in a
+/// thousand. Another receiver's time-correlated error is assumed to have the same bound as the
+/// positions' own. The test allows for both, as if they had nothing in common. `share` stays 0.
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);

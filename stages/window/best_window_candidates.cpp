@@ -1,9 +1,10 @@
+#include "stages/window/best_window_sums.h"
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 #include "core/angle.h"
-#include "stages/window/best_window_sums.h"
 #include "witness/certifiable.h"
 
 namespace runcert {

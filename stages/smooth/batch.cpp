@@ -11,7 +11,7 @@
 namespace runcert {
 namespace {
 
-/// Epochs [first, last) of an arc, and those of them [take_from, take_to) whose states are taken.
+/// Epochs [first, last) of an arc, and the epochs [take_from, take_to) whose states are used.
 struct Stretch {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -24,9 +24,9 @@ struct Stretch {
     }
 };
 
-/// Where a stretch begins after the one begun at `first`: at a measured epoch, the wanted one or
-/// further back; where that would be `first` itself, further on. The end of the arc where there is
-/// none.
+/// Where the next stretch begins after the one that begins at `first`: the wanted epoch or the
+/// nearest measured one before it. Where that would be `first` itself, it is the next measured one
+/// after. The end of the arc where there is none.
 template <int Axes>
 std::size_t next_beginning(std::span<const ArcEpoch<Axes>> arc, std::size_t first,
                            std::size_t wanted) {
@@ -37,8 +37,8 @@ std::size_t next_beginning(std::span<const ArcEpoch<Axes>> arc, std::size_t firs
     return wanted;
 }
 
-/// The stretches of an arc. One that would leave no measured epoch for the next to begin at (a gap
-/// as long as itself) is made longer.
+/// The stretches of an arc. A stretch is extended if it would leave the next one no measured epoch
+/// to begin at, because of a gap as long as itself.
 template <int Axes>
 std::vector<Stretch> cut(std::span<const ArcEpoch<Axes>> arc, const BatchOptions& options) {
     assert(!arc.empty() && arc.front().measurement);
@@ -60,7 +60,7 @@ std::vector<Stretch> cut(std::span<const ArcEpoch<Axes>> arc, const BatchOptions
     return stretches;
 }
 
-/// Copies the states taken from a stretch's solution to those of the arc.
+/// Copies the states used from a stretch's solution to those of the arc.
 template <int Axes>
 void take(const Stretch& stretch, const std::vector<StateVector<Axes>>& solved,
           std::vector<StateVector<Axes>>& states) {
@@ -68,9 +68,9 @@ void take(const Stretch& stretch, const std::vector<StateVector<Axes>>& solved,
         states[k] = solved[k - stretch.first];
 }
 
-/// A path through measured positions at least a while apart, straight from one to the next, and
-/// straight on after the last; begun anew after a bridged step. Far enough from the solution for
-/// the agreement with the smoother to be a check, near enough to lose no digits that count.
+/// A path through measured positions at least a while apart, straight from one to the next and
+/// beyond the last, restarted after a bridged step. It is far enough from the solution to make the
+/// agreement with the smoother a real check, and close enough to lose no relevant digits.
 template <int Axes>
 std::vector<StateVector<Axes>> straight_between_measurements(
     std::span<const ArcEpoch<Axes>> stretch) {
@@ -106,8 +106,8 @@ template <int Axes>
 std::vector<StateVector<Axes>> solve_stretch(std::span<const ArcEpoch<Axes>> stretch,
                                              const EstimationModel& model) {
     BatchProblem<Axes> problem(stretch, model, straight_between_measurements<Axes>(stretch));
-    // Linear: one step, and one more for the digits that the normal equations of the first lost.
-    // Whether that was enough is for the comparison with the smoother to say.
+    // The problem is linear: one step, and a second to recover the digits lost by the normal
+    // equations of the first. The comparison with the smoother decides whether that was enough.
     const Convergence end = problem.solve(2, 0.0);
     if (!end.usable)
         throw Failure(problem.where(),
@@ -135,7 +135,7 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
             }
             return std::nullopt;
         });
-    // That of the first stretch, whichever was found first.
+    // Reports that of the first stretch, whichever occurred first.
     for (const std::optional<Failure>& failure : failures)
         if (failure) throw *failure;
     return solution;
@@ -143,7 +143,7 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
 
 namespace {
 
-/// How the robust problem of a stretch ended.
+/// The outcome of a stretch's robust problem.
 template <int Axes>
 struct RobustEnd {
     bool converged = false;
@@ -151,7 +151,8 @@ struct RobustEnd {
     std::vector<StateVector<Axes>> states;
 };
 
-/// Along the chain. Most need some ten steps; hardly any noise with many outliers, a hundred.
+/// Solves along the chain. Most problems need about ten steps; one with hardly any noise and many
+/// outliers needs a hundred.
 template <int Axes>
 RobustEnd<Axes> solve_robust_stretch(std::span<const ArcEpoch<Axes>> stretch,
                                      const EstimationModel& model, double scale,

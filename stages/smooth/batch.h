@@ -9,20 +9,20 @@
 
 namespace runcert {
 
-/// At most so many epochs are solved at once.
+/// Largest number of epochs solved at once.
 inline constexpr std::size_t batch_epochs_at_once = 60'000;
 
-/// A robust solution takes some tens of iterations.
+/// Largest number of iterations of a robust solution, which usually takes some tens.
 inline constexpr int robust_iterations_allowed = 500;
 
-/// How a long arc is cut. Neighbouring stretches have `overlap` epochs in common, more where no
-/// measured epoch lies there to begin with; 0 < 2 * overlap <= epochs_at_once. A state taken lies
-/// overlap / 2 epochs or more from a cut.
+/// How a long arc is divided. Neighbouring stretches share `overlap` epochs, or more where no
+/// measured epoch is available to begin at; 0 < 2 * overlap <= epochs_at_once. Each state comes
+/// from a stretch in which it lies at least overlap / 2 epochs from a cut.
 ///
-/// What a cut does to a state dies away with the larger of the motion's memory (a second or two)
-/// and the correlation time of the Gauss-Markov error. Position differences from the uncut
-/// solution at 20 Hz, stated standard deviation 5 mm, the largest of jerk densities from 0.05 to 20
-/// m s^-2.5 with persistent and Singer (3 s) acceleration:
+/// The effect of a cut on a state decays with the larger of the motion's memory (a second or two)
+/// and the correlation time of the Gauss-Markov error. The table gives position differences from
+/// the uncut solution at 20 Hz with a stated standard deviation of 5 mm. They are the largest over
+/// jerk densities from 0.05 to 20 m s^-2.5, with persistent and Singer (3 s) acceleration:
 ///
 /// | epochs from the cut  | 100   | 500   | 1000  | 1500  | 2000  | 2500  |
 /// |----------------------|-------|-------|-------|-------|-------|-------|
@@ -39,19 +39,20 @@ struct BatchOptions {
 template <int Axes>
 struct BatchSolution {
     std::vector<StateVector<Axes>> states;  ///< one for each epoch
-    std::int64_t stretches = 1;             ///< how many the arc was cut into
+    std::int64_t stretches = 1;             ///< number of stretches of the arc
 };
 
-/// The smoother's problem as one batch least squares, solved by Ceres (sparse normal equations on
-/// one thread): the whitened residuals of prior, measurements and process noise of one arc. The
-/// offset of a bridged step is an unknown beside the states, with a weak prior of its own. The
-/// problem is linear; the solver iterates only to refine, from a path through measured positions.
+/// The smoother's problem as one batch least-squares problem, solved by Ceres (sparse normal
+/// equations on one thread). It consists of the whitened residuals of prior, measurements and
+/// process noise of one arc. The offset of a bridged step is an unknown in addition to the states,
+/// with its own weak prior. The problem is linear. The solver iterates only to refine, starting
+/// from a path through measured positions.
 ///
-/// Longer arcs are solved in overlapping stretches, each begun with the vague prior at a measured
-/// epoch; each state is taken from the stretch in which it lies farthest from a cut.
+/// Longer arcs are solved in overlapping stretches, each starting with the vague prior at a
+/// measured epoch. Each state is taken from the stretch in which it lies farthest from a cut.
 ///
-/// Times must increase strictly; the first epoch must have a measurement. Throws Failure where
-/// Ceres reports no convergence.
+/// Times must increase strictly, and the first epoch must have a measurement. Failure where Ceres
+/// reports no convergence.
 template <int Axes>
 BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
                                 const BatchOptions& options = {});
@@ -59,18 +60,19 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
 template <int Axes>
 struct RobustSolution {
     std::vector<StateVector<Axes>> states;  ///< one for each epoch
-    /// The Cauchy weight 1 / (1 + r'r / scale^2) of each epoch's whitened residual r at the
-    /// solution, in (0, 1]; empty where the epoch has no measurement.
+    /// The Cauchy weight 1 / (1 + r'r / scale^2), in (0, 1], of each epoch's whitened residual r at
+    /// the solution. Empty where the epoch has no measurement.
     std::vector<std::optional<double>> weights;
     std::int64_t stretches = 1;
-    std::int64_t iterations = 0;  ///< of all stretches together
-    bool converged = true;        ///< if not, states and weights are empty
+    std::int64_t iterations = 0;  ///< total over all stretches
+    bool converged = true;        ///< otherwise states and weights are empty
 };
 
-/// The same problem with a Cauchy loss on each measurement's whitened residual r (all axes of an
-/// epoch as one block): scale^2 ln(1 + r'r / scale^2) in place of r'r, `scale` in standard
-/// deviations. Not linear: iterated along the chain of states (RobustChain) from `start` (one state
-/// for each epoch, such as the solution of the screened arc) until nothing is left to gain.
+/// The batch problem with a Cauchy loss on each measurement's whitened residual r (all axes of an
+/// epoch as one block): scale^2 ln(1 + r'r / scale^2) instead of r'r, with `scale` in standard
+/// deviations. It is not linear. It is iterated along the chain of states (RobustChain) from
+/// `start` until no improvement is left. `start` has one state for each epoch, such as the solution
+/// of the screened arc.
 ///
 /// Not converged where that takes more than `robust_iterations_allowed`.
 template <int Axes>

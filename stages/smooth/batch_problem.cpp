@@ -17,7 +17,7 @@ namespace {
 template <int Size>
 using CostVector = Eigen::Matrix<double, Size, 1>;
 
-/// Memory of Ceres seen as a matrix.
+/// Ceres memory viewed as a matrix.
 template <class Matrix>
 Eigen::Map<Matrix> view(double* memory) {
     return Eigen::Map<Matrix>(memory);
@@ -27,13 +27,13 @@ Eigen::Map<const Matrix> view(const double* memory) {
     return Eigen::Map<const Matrix>(memory);
 }
 
-/// Residual `offset + sum of jacobians[i] * unknowns[i]`, one for each of `Columns`.
+/// Residual `offset + sum of jacobians[i] * unknowns[i]`, with one block for each of `Columns`.
 template <int Rows, int... Columns>
 class LinearCost final : public ceres::SizedCostFunction<Rows, Columns...> {
   public:
     static constexpr std::size_t blocks = sizeof...(Columns);
 
-    /// The Jacobians are row by row, and must outlive the cost.
+    /// The Jacobians are in row order, and must outlive the cost.
     LinearCost(const CostVector<Rows>& offset, const std::array<const double*, blocks>& jacobians)
         : offset_(offset), jacobians_(jacobians) {}
 
@@ -67,8 +67,9 @@ class LinearCost final : public ceres::SizedCostFunction<Rows, Columns...> {
     std::array<const double*, blocks> jacobians_;
 };
 
-/// Residual of a measurement, which sees position and error of each axis: `offset - whitener *
-/// (position + error)`, these the first and last unknowns of each axis times their units.
+/// Residual of a measurement, which observes position and error of each axis:
+/// `offset - whitener * (position + error)`. The two are the first and last unknowns of each axis
+/// times their units.
 template <int Axes>
 class MeasurementCost final : public ceres::CostFunction {
   public:
@@ -105,7 +106,7 @@ class MeasurementCost final : public ceres::CostFunction {
 
 ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
-    // Each block is added once, and none is shared: Ceres need keep no books of them.
+    // Each block is added once and not shared, so Ceres need not keep track of them.
     options.disable_all_safety_checks = true;
     options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -115,20 +116,20 @@ ceres::Problem::Options problem_options() {
 ceres::Solver::Options solver_options(int iterations, double function_tolerance) {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    // Eigen's factorisation needs no BLAS, whose rounding differs from one machine to the next.
+    // Eigen's factorisation needs no BLAS, whose rounding varies between machines.
     options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
-    // No damping to begin with: undamped steps solve the linear problem, and cannot raise a Cauchy
-    // cost (they are those of iterated reweighting).
+    // No initial damping. Undamped steps solve the linear problem, and cannot raise a Cauchy cost,
+    // because they are those of iterative reweighting.
     options.initial_trust_region_radius = 1e32;
     options.max_trust_region_radius = 1e32;
     options.min_lm_diagonal = 1e-32;
     options.max_num_iterations = iterations;
     options.function_tolerance = function_tolerance;
-    options.gradient_tolerance = 1e-12;  // for unknowns in their units; above rounding
+    options.gradient_tolerance = 1e-12;  // for scaled unknowns; above rounding
     options.parameter_tolerance = 0.0;
-    // The unknowns are in their units already.
+    // The unknowns are already scaled.
     options.jacobi_scaling = false;
     return options;
 }
@@ -212,8 +213,8 @@ void BatchProblem<Axes>::add_measurement(std::size_t k) {
         loss_.get(), unknowns.data(), Axes);
 }
 
-/// The offsets that the stretch determines, with their prior. A step that no measurement follows
-/// has none: its expected size is zero, and it changes no state.
+/// Adds the offsets that the stretch determines, with their prior. A step with no later measurement
+/// has none: its expected offset is zero, and it changes no state.
 template <int Axes>
 void BatchProblem<Axes>::add_offsets() {
     std::vector<std::size_t> open;

@@ -7,15 +7,16 @@
 
 namespace runcert {
 
-/// One length of step of a chain of states, across a bridged step or not: the transition F of all
-/// axes, its noise Q, and the whitener W of that noise, W' W = inverse(Q), by their structure.
+/// One kind of step in a chain of states, with or without a bridged step: the transition F of all
+/// axes, its noise Q, and the whitener W of that noise, W' W = inverse(Q). Its operations use the
+/// structure of the matrices.
 template <int Axes>
 class ChainStep {
   public:
     using State = StateVector<Axes>;
 
-    /// Across a bridged step the position may move by its offset, of which the prior says next to
-    /// nothing: the offset need be no unknown beside the states.
+    /// At a bridged step the position may move by its offset, whose prior is vague. The offset then
+    /// need not be an unknown in addition to the states.
     ChainStep(const EstimationModel& model, const StepKind& kind, bool bridged) {
         AxisStep step = axis_step(model, kind);
         if (bridged) step.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
@@ -38,7 +39,7 @@ class ChainStep {
         return before;
     }
 
-    /// P in place to F P F' + Q.
+    /// Replaces P by F P F' + Q.
     void predict(StateMatrix<Axes>& covariance) const {
         kernel::carry_covariance<Axes>(numbers_, covariance.data());
         kernel::mirror<state_size<Axes>>(covariance.data());

@@ -17,14 +17,14 @@ constexpr std::size_t span_values = 100;  // scalar innovations in a span
 struct InnovationStatistics {
     std::int64_t values = 0;
     double squares = 0.0;
-    double lagged = 0.0;  ///< of products of neighbours, axis by axis
+    double lagged = 0.0;  ///< sum of products of neighbours, axis by axis
     std::int64_t spans = 0;
     std::int64_t spans_outside = 0;
 
     double autocorrelation() const { return squares > 0.0 ? lagged / squares : 0.0; }
 };
 
-/// Closes spans of innovations and counts those whose sum of squares is outside its limits.
+/// Divides innovations into spans, and counts those whose sum of squares is outside its limits.
 class SpanTest {
   public:
     explicit SpanTest(std::size_t length)
@@ -77,8 +77,8 @@ InnovationStatistics innovation_statistics(const std::vector<Arc<Axes>>& arcs,
     return statistics;
 }
 
-/// The most spans outside that chance allows, at the level of the test: a binomial count, by its
-/// normal approximation with continuity correction.
+/// Largest number of outlying spans that chance allows at the level of the test: a binomial count,
+/// by its normal approximation with continuity correction.
 std::int64_t spans_allowed(std::int64_t spans) {
     const auto n = static_cast<double>(spans);
     return static_cast<std::int64_t>(std::floor(

@@ -12,13 +12,13 @@ namespace runcert {
 template <int Axes>
 double innovation_autocorrelation(const std::vector<Arc<Axes>>& arcs, const EstimationModel& model);
 
-/// Whether the filter behaves as `model` says: the normalised innovations' size, over the whole
-/// recording and over spans of it, and their autocorrelation. (The smoother is given more freedom
-/// than was fitted, so that the model to test is the fitted one.)
+/// Whether the filter behaves as `model` predicts: the size of the normalised innovations, over the
+/// whole recording and over spans of it, and their autocorrelation. Pass the fitted model, because
+/// the smoother allows more motion than was fitted.
 template <int Axes>
 FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs, const EstimationModel& model);
 
-/// Adds what the covariances of the smoothed states say.
+/// Adds the numerical figures of the smoothed covariances.
 template <int Axes>
 void add_numerics(const std::vector<SmoothedMeans<Axes>>& smoothed, FilterHealth& health);
 

@@ -85,7 +85,7 @@ void take_over(const NoiseFit& fit, NoiseSummary& noise) {
         noise.posterior.push_back(share(one));
 }
 
-/// Noise as stated, times the a posteriori variance factor where that exceeds 1.
+/// Sets the noise as stated, times the a posteriori variance factor if that exceeds 1.
 template <int Axes>
 void scale_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
     const auto spans = spans_of(arcs);
@@ -98,8 +98,7 @@ void scale_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
     noise.jerk_density.value = kept(noise.jerk_density.value * applied);
 }
 
-/// The jerk density along the recording in units of that of the whole, for the noise to be fitted
-/// with.
+/// Sets the jerk density along the recording, in units of that of the whole, for fitting the noise.
 template <int Axes>
 void follow_motion(std::vector<Arc<Axes>>& arcs) {
     const LocalMotion motion = local_motion<Axes>(spans_of(arcs));

@@ -12,28 +12,29 @@
 namespace runcert {
 namespace {
 
-constexpr double newton_below = 1e-4;  // of the cost: what a reweighted step still gains
+constexpr double newton_below = 1e-4;  // fraction of the cost that a reweighted step still gains
 constexpr double rounding_of_cost = 1e-13;
-/// What the linear part of the cost falls by is the squared length of the step in standard
-/// deviations of the estimate, all states taken together: no state moves by more than its root.
+/// The decrease of the linear part of the cost is the squared length of the step in standard
+/// deviations of the estimate, over all states. No state moves by more than its square root.
 constexpr double square_of_a_last_step = 1e-12;
-/// Where rounding hides what a step gains, or the steps allowed are used up, a tenth of a standard
-/// deviation may be left, of all states together.
+/// Where rounding hides the gain, or the allowed iterations are used up, a tenth of a standard
+/// deviation may remain, over all states.
 constexpr double square_left_at_last = 1e-2;
 constexpr int halvings = 4;  // of a Newton step that is too long, before a reweighted one
-/// A step that is short by so much is lengthened, to no more than so many times.
+/// A step that is short by this factor is lengthened, at most by `longest`.
 constexpr double lengthened_from = 1.5;
 constexpr double longest = 100.0;
-/// Of the cost: what a step falls by, for rounding to leave digits of what it is short by.
+/// Decrease, relative to the cost, above which rounding still allows an estimate of how short a
+/// step is.
 constexpr double length_told_from = 1e-12;
-/// Newton's curvature of a far measurement is negative. Where little else is known of the state it
-/// would be left with less than this part of its information: there the step is a reweighted one.
+/// Newton's curvature of a distant measurement is negative. Where this would leave a poorly known
+/// state with less than this fraction of its information, the step is a reweighted one.
 constexpr double least_information = 0.05;
 
-/// A prediction is vague where the measurement says so many times more of the position.
+/// A prediction is vague if the measurement has this many times its information on the position.
 constexpr double vague_before = 1e3;
 
-/// What a measurement sees of a state, and what it says to one.
+/// The combination of a state's components that a measurement observes.
 template <int Axes>
 PositionVector<Axes> seen(const StateVector<Axes>& state) {
     return state.template head<Axes>() + state.template tail<Axes>();
@@ -44,17 +45,17 @@ void add_seen(const PositionVector<Axes>& said, StateVector<Axes>& state) {
     state.template tail<Axes>() += said;
 }
 
-/// What a measurement of information M changes where the position seen is known with covariance K
-/// before it.
+/// The effect of a measurement of information M on an observed position with prior covariance K.
 template <int Axes>
 struct Gain {
     PositionMatrix<Axes> joint;  ///< inverse(inverse(M) + K)
     double trace = 0.0;          ///< of M K
-    double least = 0.0;  ///< of C = I + L' M L, K = L L', the least square on its factor's diagonal
+    double least = 0.0;  ///< smallest squared diagonal of the factor of C = I + L' M L, with
+                         ///< K = L L'
 };
 
-/// In closed form, with nothing subtracted where M is positive definite: M need have no inverse,
-/// and may be large where little is known. Of 2 x 2 matrices,
+/// The closed form subtracts nothing where M is positive definite. M need have no inverse, and K
+/// may be large where little is known. For 2 x 2 matrices,
 /// inverse(inverse(M) + K) = (M + det(M) adj(K)) / det(C), det(C) = 1 + tr(M K) + det(M) det(K).
 template <int Axes>
 Gain<Axes> gain_of(const PositionMatrix<Axes>& information, double determinant,
@@ -86,7 +87,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
     assert(start.size() == stretch.size() && stretch.front().measurement);
     const StateEstimate<Axes> prior =
         KalmanFilter<Axes>(model).prior(stretch.front().measurement->position);
-    prior_variance_ = prior.covariance.diagonal();  // all of the covariance: it is diagonal
+    prior_variance_ = prior.covariance.diagonal();  // the whole covariance, which is diagonal
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         Link& link = links_[k];
         if (k > 0) {
@@ -133,27 +134,26 @@ void RobustChain<Axes>::set_gradients() {
     }
 }
 
-/// What the measurement adds to the information on the position seen: by its weight w alone, or
-/// with what changing the state changes of the weight, w I - 2 (w / scale)^2 r r' in whitened
-/// terms.
+/// The measurement's contribution to the information on the observed position. It uses its weight w
+/// alone, or includes the change of the weight with the state: w I - 2 (w / scale)^2 r r' in
+/// whitened terms.
 template <int Axes>
 typename RobustChain<Axes>::Information RobustChain<Axes>::information_of(
     const Link& link, Curvature curvature) const {
     const double square = link.missed.squaredNorm() / scale_squared_;
     const double weight = 1.0 / (1.0 + square);
     PositionSquare white = weight * PositionSquare::Identity();
-    double along = weight;  // the missed
+    double along = weight;  // along the residual
     if (curvature == Curvature::newton) {
         white -= (2.0 * weight * weight / scale_squared_) * link.missed * link.missed.transpose();
         along = weight * weight * (1.0 - square);
     }
-    const double of_whitener = link.whitener.diagonal().prod();  // it is triangular
+    const double of_whitener = link.whitener.diagonal().prod();  // the whitener is triangular
     return {.matrix = link.whitener.transpose() * white * link.whitener,
             .determinant = along * (Axes == 1 ? 1.0 : weight) * of_whitener * of_whitener};
 }
 
-/// From the first epoch to the last: each state's change and covariance given all that comes
-/// before it and at it.
+/// Forward pass: each state's change and covariance given all measurements up to and including it.
 template <int Axes>
 void RobustChain<Axes>::pass_along(Curvature curvature) {
     StateMatrix<Axes> covariance = prior_variance_.asDiagonal();
@@ -188,10 +188,10 @@ void RobustChain<Axes>::pass_along(Curvature curvature) {
     }
 }
 
-/// What the measurements of epoch k and after say to the state predicted there, whose covariance
-/// times it is the change they make. That is what comes after, and what is said at k itself; where
-/// the prediction was vague the latter all but cancels the former, and the change they made says
-/// it.
+/// The pull of the measurements from epoch k on, on the state predicted there. The predicted
+/// covariance times the pull is the change that they cause. It is the sum of the later pull and
+/// that at k itself. Where the prediction was vague the two nearly cancel, and the pull follows
+/// from the change itself.
 template <int Axes>
 StateVector<Axes> RobustChain<Axes>::pull_on_prediction(std::size_t k, const State& after) const {
     const Link& link = links_[k];
@@ -209,11 +209,12 @@ StateVector<Axes> RobustChain<Axes>::pull_on_prediction(std::size_t k, const Sta
     return pull;
 }
 
-/// From the last epoch to the first: each state's change given all; how much half the cost's linear
-/// part falls by these changes, which is twice what is gained where the quadratic problem is right.
+/// Backward pass: each state's change given all measurements. Returns the decrease of half the
+/// cost's linear part through these changes, which is twice the gain where the quadratic problem is
+/// exact.
 template <int Axes>
 double RobustChain<Axes>::pass_back() {
-    State pull = State::Zero();  // of all that comes after
+    State pull = State::Zero();  // of all later measurements
     double falls = 0.0;
     for (std::size_t k = links_.size(); k-- > 0;) {
         Link& link = links_[k];
@@ -279,8 +280,8 @@ void RobustChain<Axes>::take_changes() {
     }
 }
 
-/// The cost after the changes, which a Newton step that would raise it is shortened for: its
-/// direction lowers the cost, but not from wherever it begins by its whole length.
+/// The cost after the changes. A Newton step that would raise it is shortened: its direction lowers
+/// the cost, but its whole length need not.
 template <int Axes>
 double RobustChain<Axes>::cost_after_shortened(Curvature curvature, double allowed) {
     double then = cost_after();
@@ -292,12 +293,14 @@ double RobustChain<Axes>::cost_after_shortened(Curvature curvature, double allow
     return then;
 }
 
-/// The cost after the changes, `then`, or after longer ones. Where Newton's curvature cannot be
-/// taken, the one that is makes steps too short, and those to come as short again: by hundreds, a
-/// twentieth of the way each. Along the step the cost is quadratic, with the slope of half of it
-/// `falls` at its beginning and with what was gained by its whole length: what it lowers most is
-/// falls / (2 falls - gained). A lengthened step disturbs what was right already, so that a whole
-/// one comes between two of them.
+/// The cost after the changes, `then`, or after longer ones. Where Newton's curvature is unusable,
+/// the substitute makes steps too short, and the following ones as well: hundreds of them, a
+/// twentieth of the way each.
+///
+/// Along the step the cost is quadratic. The slope of half of it at the beginning is `falls`, and
+/// the whole step gained a known amount. The best length is falls / (2 falls - gained). A
+/// lengthened step disturbs states that were already right, so that a whole step follows each
+/// lengthened one.
 template <int Axes>
 double RobustChain<Axes>::cost_after_lengthened(double stands, double then, double falls) {
     if (lengthened_) {
@@ -323,7 +326,7 @@ double RobustChain<Axes>::cost_after_lengthened(double stands, double then, doub
 template <int Axes>
 bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
     Curvature curvature = Curvature::reweighted;
-    bool newton_refused = false;  // where the iteration stands
+    bool newton_refused = false;  // at the current states
     double left = std::numeric_limits<double>::infinity();
     double stands = cost();
     while (iterations_ < iterations_allowed) {
@@ -337,7 +340,8 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
         left = falls;
         const bool near = falls <= square_of_a_last_step;
         if (then > allowed) {
-            // A reweighted step cannot raise the cost: where it does, rounding hides what is left.
+            // A reweighted step cannot raise the cost. Where it seems to, rounding hides the
+            // remainder.
             if (curvature == Curvature::reweighted) return falls <= square_left_at_last;
             newton_refused = true;
             curvature = Curvature::reweighted;
@@ -351,7 +355,7 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
                                                                   : Curvature::reweighted;
         stands = then;
     }
-    // Every step has lowered the cost: what is still left is the question, not how many there were.
+    // Every step has lowered the cost. What counts is how much is left, not how many steps it took.
     return left <= square_left_at_last;
 }
 

@@ -17,19 +17,19 @@
 namespace runcert {
 namespace {
 
-/// Batch and smoother agree to this part of the smoothed standard deviation, or to the absolute
-/// figures, below which rounding of coordinates may decide.
+/// Batch and smoother must agree to this fraction of the smoothed standard deviation, or to the
+/// absolute limits, below which rounding of coordinates may dominate.
 constexpr double agreement_of_sigma = 1e-4;
 constexpr double agreement_position_m = 1e-6;
 constexpr double agreement_velocity_m_s = 1e-5;
 
-/// How the batch is cut at first, and what part of the agreement asked for must then be reached.
+/// The first division of the batch, and the fraction of the required agreement that it must reach.
 constexpr BatchOptions short_stretches{.epochs_at_once = 12'000, .overlap = 2'000};
 constexpr double near_the_smoother = 0.1;
-constexpr double memories_from_a_cut = 15.0;  // exp(-15) of millimetres is rounding
+constexpr double memories_from_a_cut = 15.0;  // exp(-15) of millimetres is below rounding
 
-/// How many offsets of bridged steps the measurements of an arc tell: of steps without a
-/// measurement between them only the sum.
+/// Number of offsets of bridged steps that the measurements of an arc determine. Of steps without a
+/// measurement between them, only the sum is determined.
 std::int64_t offsets_told(const Arc<2>& arc) {
     std::int64_t told = 0;
     bool open = false;
@@ -47,7 +47,7 @@ struct AgreementLimits {
     double velocity_m_s = agreement_velocity_m_s;
 };
 
-/// How near the two must be at a row that is smoothed: along the best known axis.
+/// Required agreement at a smoothed row, along its best known axis.
 template <int Axes>
 AgreementLimits limits_at(const TrajectoryEpoch& row) {
     const auto limit = [](double floor, double sigma) {
@@ -62,9 +62,9 @@ AgreementLimits limits_at(const TrajectoryEpoch& row) {
                       std::min(*row.sigma_velocity_east_m_s, *row.sigma_velocity_north_m_s))};
 }
 
-/// How well batch and smoother agree.
+/// The agreement of batch and smoother.
 struct Agreement {
-    std::int64_t stretches = 0;  ///< of the batch
+    std::int64_t stretches = 0;  ///< number of stretches of the batch
     double largest_position_difference_m = 0.0;
     double largest_velocity_difference_m_s = 0.0;
 
@@ -115,9 +115,9 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothe
     return agreement;
 }
 
-/// Whether what a cut of short stretches does to states has died away where they are taken from:
-/// it does with the motion's memory, which is about the time in which the uncertain velocity would
-/// move the position by its own uncertainty, and with the error's correlation time.
+/// Whether the effect of a cut of short stretches has decayed where states are used. It decays with
+/// the motion's memory and with the error's correlation time. The motion's memory is about the time
+/// in which the uncertain velocity moves the position by its own uncertainty.
 template <int Axes>
 bool forgets_soon(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                   const EstimationModel& model) {
@@ -130,9 +130,9 @@ bool forgets_soon(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
            0.5 * static_cast<double>(short_stretches.overlap) * interval_s;
 }
 
-/// The batch in short stretches, which take less memory and can be solved beside one another;
-/// where that is not near the smoother, because the states of this arc remember longer, in longer
-/// ones, and at last as a whole, so that no difference is the cuts'.
+/// The batch in short stretches, which need less memory and can be solved in parallel. If that is
+/// not close to the smoother, because the states of this arc have a longer memory, it uses longer
+/// ones. At last it solves the arc as a whole, so that no difference comes from cuts.
 template <int Axes>
 BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                                        const EstimationModel& model,
@@ -150,7 +150,7 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans
     return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
 }
 
-/// The batch with a robust loss over the epochs that the innovation test kept and rejected.
+/// Solves the batch with a robust loss over the epochs that the innovation test kept and rejected.
 void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const EstimationModel& model,
                 const SmoothConfig& config, TrajectoryTable& table) {
     const RobustSolution<2> robust =
@@ -173,7 +173,7 @@ struct AxesResult {
     Agreement agreement;
 };
 
-/// Solves every arc as a batch, and compares.
+/// Solves every arc as a batch, and compares it with the smoothed one.
 template <int Axes>
 Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& model,
                          std::vector<TrajectoryEpoch>& rows) {
@@ -190,9 +190,9 @@ Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& 
     return agreement;
 }
 
-/// Learns the noise, smooths every arc with it and compares with the batch; beside that does what
-/// else is to be done with the arcs and what they are smoothed to, `also(result, model)`, which may
-/// write other columns of the table.
+/// Estimates the noise, smooths every arc with it and compares it with the batch. Meanwhile it
+/// calls `also(result, model)` for other uses of the smoothed arcs, which may write other columns
+/// of the table.
 template <int Axes, class Also>
 AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& config,
                           TrajectoryTable& table, const Also& also) {
@@ -216,12 +216,12 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
     return result;
 }
 
-/// What of the summary is the horizontal estimate's alone.
+/// Fills the parts of the summary that concern only the horizontal estimate.
 void summarise_horizontal(const AxesResult<2>& result, EstimationSummary& summary) {
     summary.arcs = static_cast<std::int64_t>(result.arcs.size());
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
         // The vague prior leaves position, velocity and acceleration of each axis to the data, and
-        // so are the offsets of bridged steps.
+        // the offsets of bridged steps too.
         summary.degrees_of_freedom +=
             2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(result.arcs[a]);
     }
@@ -286,7 +286,7 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
         epoch.usable = row.usable;
         if (row.arc) epoch.step_before = row.break_before == ArcBreak::bridged;
     }
-    // Beside one another: each sets its own columns, and its own part of the summary.
+    // In parallel: each task sets its own columns, and its own part of the summary.
     Agreement agreement;
     Agreement of_heights;
     do_together([&] { agreement = estimate_horizontal(screened, config, table); },

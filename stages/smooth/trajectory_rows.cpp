@@ -11,14 +11,14 @@
 namespace runcert {
 namespace {
 
-/// Positions that may be differenced: no bridged step lies between them.
+/// Positions that may be differenced, because no bridged step lies between them.
 struct PositionRun {
     std::vector<PlanePosition> positions;
-    std::vector<std::size_t> rows;  ///< of the table
+    std::vector<std::size_t> rows;  ///< of the table, one for each position
     bool after_step = false;
 };
 
-/// The usable positions of an arc.
+/// The usable positions of an arc, divided at bridged steps.
 std::vector<PositionRun> position_runs(const Arc<2>& arc) {
     std::vector<PositionRun> runs(1);
     for (std::size_t k = 0; k < arc.epochs.size(); ++k) {

@@ -9,29 +9,30 @@
 
 namespace runcert {
 
-/// What is kept of a smoothed arc beside the rows of the table.
+/// Data kept of a smoothed arc in addition to the rows of the table.
 template <int Axes>
 struct SmoothedMeans {
     std::vector<StateVector<Axes>> states;
     StateMatrix<Axes> covariance_in_the_middle;
     std::int64_t measurements = 0;
     double largest_condition = 0.0;  ///< of a covariance with its diagonal scaled to one
-    double largest_asymmetry = 0.0;  ///< of a covariance before symmetrising, relative
+    double largest_asymmetry = 0.0;  ///< relative, of a covariance before it was made symmetric
 };
 
 /// Smooths an arc and sets the smoothed motion of its rows (m, m/s, m/s^2), horizontal or vertical,
-/// and its standard uncertainties. Condition and asymmetry are those of every 16th epoch.
+/// with its standard uncertainties. Condition and asymmetry are checked at every 16th epoch.
 template <int Axes>
 SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
                                 std::vector<TrajectoryEpoch>& rows);
 
-/// Sets the jerk density that each epoch was estimated with.
+/// Sets the jerk density used to estimate each epoch.
 template <int Axes>
 void set_jerk_density(const Arc<Axes>& arc, const EstimationModel& model,
                       std::vector<TrajectoryEpoch>& rows);
 
-/// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
-/// after a step the craft is not, and at the first position the filter has nothing to say yet.
+/// Sets the speeds by the methods of [DHD22], separately on either side of a bridged step. The
+/// filter starts at rest. After a step the craft is not at rest, and at the first position the
+/// filter has no result yet.
 void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_m_s2,
                        std::vector<TrajectoryEpoch>& rows);
 

@@ -6,8 +6,8 @@
 
 namespace runcert {
 
-/// A struct as a map of a document, and back. What the map does not hold keeps the value that a new
-/// struct has: the field table says what may be left out.
+/// Converts a struct to a map of a document, and back. Members that the map lacks keep the value of
+/// a default-constructed struct. The field table defines which may be absent.
 template <class Struct>
 nlohmann::ordered_json members_json(const Struct& value);
 template <class Struct>

@@ -27,8 +27,8 @@ void round_reals(nlohmann::ordered_json& value, const std::string& path,
     }
 }
 
-/// What a person writes is read by people: no text in it holds what they cannot see, or what
-/// changes how the text around it looks, however it is written.
+/// People read what a person writes. No text in it may contain anything invisible, or anything that
+/// changes how the surrounding text looks, in whatever notation.
 void require_shown(const YamlValue& value) {
     const auto require = [&value](std::string_view text) {
         if (const auto hidden = hidden_character(text))

@@ -6,7 +6,7 @@
 
 namespace runcert {
 
-/// The words for the values of an enumeration, as they stand in files.
+/// The words for the values of an enumeration, as used in files.
 template <class Enum, std::size_t N>
 using EnumWords = std::array<std::pair<Enum, std::string_view>, N>;
 
@@ -17,7 +17,8 @@ constexpr std::string_view word_of(const EnumWords<Enum, N>& words, Enum value) 
     return {};
 }
 
-/// False, with `value` untouched, where the word is not known.
+/// Finds the value of a word. Returns false, and leaves `value` unchanged, where the word is
+/// unknown.
 template <class Enum, std::size_t N>
 constexpr bool value_of(const EnumWords<Enum, N>& words, std::string_view text, Enum& value) {
     for (const auto& [candidate, word] : words)

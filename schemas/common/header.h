@@ -12,27 +12,27 @@
 
 namespace runcert {
 
-/// A file that another was made from.
+/// A file that another file was made from.
 struct InputFile {
     std::string role;
     std::string file;  ///< name in the run folder
     std::string sha256;
     std::uint64_t bytes = 0;
-    std::string original;  ///< the name it was handed in under; empty where it is the same
+    std::string original;  ///< the name under which it was handed in; empty if the same
 };
 
-/// A program of others that a stage called.
+/// An external program that a stage called.
 struct CalledProgram {
     std::string name;
-    std::string version;  ///< as it states it; empty where it states none
-    std::string sha256;   ///< of its file
-    /// "no_network" or "limits_only" where it did not run in a sandbox; else empty.
+    std::string version;  ///< as it states; empty if it states none
+    std::string sha256;   ///< of its executable file
+    /// "no_network" or "limits_only" if it did not run in a sandbox, otherwise empty.
     std::string isolation = {};
 
     bool operator==(const CalledProgram&) const = default;
 };
 
-/// What every stage file says about itself: `schemas/common/v1.yaml`.
+/// The header of every stage file: `schemas/common/v1.yaml`.
 struct Header {
     std::string schema_name;
     std::string schema_version;
@@ -42,11 +42,11 @@ struct Header {
     std::vector<CalledProgram> programs;
     std::vector<InputFile> inputs;
     HeldJson parameters = {};
-    /// What else of the attempt the stage read, as the attempt has it; empty for nothing.
+    /// Other parts of the attempt that the stage used, as the attempt has them. Empty if none.
     HeldJson attempt = {};
 };
 
-/// The field table of the header, the part all products share.
+/// The field table of the header, which all products share.
 const DocumentSchema& header_schema();
 
 /// The header as the first members of a document.
@@ -55,14 +55,14 @@ nlohmann::ordered_json header_json(const Header& header);
 /// Reads the header from a validated document.
 Header read_header(const YamlValue& document);
 
-/// Checks that a document follows the schema `expected` in a version this program reads: the same
-/// model. Returns its revision. A different schema or model is a Failure.
+/// Checks that a document follows the schema `expected` in a version that this program reads, with
+/// the same model. Returns its revision. A different schema or model is a Failure.
 std::int64_t check_version(const YamlValue& document, const DocumentSchema& expected);
 
-/// A GPS time in ISO form, nothing where the value is missing. Failure with the value's place.
+/// A GPS time in ISO form, empty where the value is missing. Failure with the value's place.
 std::optional<GpsTime> read_gps_time(const YamlValue& value);
 
-/// A YAML value as the same JSON value, numbers as numbers where they were not quoted.
+/// A YAML value as the same JSON value. Unquoted numbers become numbers.
 nlohmann::ordered_json json_from_yaml(const YamlValue& value);
 
 }  // namespace runcert

@@ -13,8 +13,8 @@
 #include "schemas/common/codec.h"
 #include "schemas/common/header.h"
 
-// How the codecs that the build writes take a member of a struct to a map of a document, and back.
-// An enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.
+// How generated codecs convert a member of a struct to an entry of a document's map, and back. An
+// enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.
 
 namespace runcert {
 
@@ -52,7 +52,7 @@ nlohmann::ordered_json json_of(const T& value) {
     }
 }
 
-/// Left out of a file: empty text, an empty optional, and one that is infinite.
+/// Writes a value. Empty texts, empty optionals and infinite ones are left out of the file.
 template <class T>
 void write(nlohmann::ordered_json& map, const char* name, const T& value) {
     if constexpr (std::is_same_v<T, std::optional<double>>) {
@@ -101,19 +101,19 @@ T read(const YamlValue& value) {
     }
 }
 
-/// The member of that name, where the map has it.
+/// Reads the member with this name, if the map has it.
 template <class T>
 void take(const YamlValue& map, const char* name, T& value) {
     if (const YamlValue found = map[name]; found.exists()) value = read<T>(found);
 }
 
-/// A struct whose members stand in the map of the one that it is part of.
+/// Reads a struct whose members are in the map of the struct that contains it.
 template <class T>
 void take_all(const YamlValue& map, T& value) {
     value = read_members<T>(map);
 }
 
-/// A speed in the four units people use.
+/// Writes a speed in the four units people use.
 inline void put_speed(nlohmann::ordered_json& map, const std::string& name,
                       const std::optional<double>& speed_m_s) {
     if (!speed_m_s) return;

@@ -7,11 +7,11 @@ namespace runcert {
 
 /// A file that a stage writes into the run folder.
 struct ProductFile {
-    std::string_view name;       ///< what it is, "screened": its schema, and its role as an input
-    std::string_view stem;       ///< what the file's name begins with, "3-screened"
-    std::string_view extension;  ///< "ecsv"
-    bool each_receiver = true;   ///< one for every receiver, or one for the run
-    bool of_phases = false;      ///< only of a receiver whose raw phases the attempt hands in
+    std::string_view name;       ///< such as "screened": its schema, and its role as an input
+    std::string_view stem;       ///< beginning of the file's name, such as "3-screened"
+    std::string_view extension;  ///< such as "ecsv"
+    bool each_receiver = true;   ///< one for each receiver, otherwise one for the run
+    bool of_phases = false;      ///< only for a receiver whose raw phases the attempt hands in
 };
 
 namespace products {
@@ -24,11 +24,11 @@ inline constexpr ProductFile trajectory{"trajectory", "4-trajectory", "ecsv"};
 inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
 inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
-/// In the order in which the chain makes them.
+/// In the order in which the stages write them.
 inline constexpr std::array all{observations,   phase,      enu,     screened,
                                 screened_phase, trajectory, windows, verdict};
 
-/// Those of the first receiver, and the one of the run, by name.
+/// Names of files of the first receiver, and of the one of the run.
 inline constexpr std::string_view observations_file = "1-observations.ecsv";
 inline constexpr std::string_view windows_file = "5-windows.yaml";
 inline constexpr std::string_view verdict_file = "6-verdict.yaml";

@@ -12,15 +12,15 @@
 namespace runcert {
 namespace {
 
-/// The field table as an earlier revision had it.
+/// The field table of an earlier revision.
 DocumentSchema table_of(const DocumentSchema& schema, std::int64_t revision) {
     return schema.restricted(
         fmt::format("{}.{}", version_of(schema).model, revision),
         [&](const FieldRule& rule) { return since_of(schema, rule.path) <= revision; });
 }
 
-/// The same, made once: making it takes far longer than reading a document. Tables are told apart
-/// by the text that they were parsed from.
+/// The field table of an earlier revision, cached because making it takes far longer than reading a
+/// document. Tables are identified by the text that they were parsed from.
 const DocumentSchema& as_of(const DocumentSchema& schema, std::int64_t revision) {
     struct Made {
         YamlNode source;
@@ -37,7 +37,7 @@ const DocumentSchema& as_of(const DocumentSchema& schema, std::int64_t revision)
     return all.back().schema;
 }
 
-/// Refuses every key of a document that stands for a field of a later revision.
+/// Refuses every key of a document that names a field of a later revision.
 void refuse_later_fields(const YamlValue& value, const std::string& path,
                          const DocumentSchema& schema, std::int64_t revision) {
     if (value.is_list())
@@ -45,7 +45,7 @@ void refuse_later_fields(const YamlValue& value, const std::string& path,
             refuse_later_fields(item, path + "[]", schema, revision);
     if (!value.is_map()) return;
     for (const std::string& key : value.keys()) {
-        // A key may be written "smooth.noise", which is no field.
+        // A key may be written "smooth.noise", which is not a field.
         if (key.find_first_of(".[") != std::string::npos) continue;
         const std::string field = path.empty() ? key : path + "." + key;
         const YamlValue member = value[key];

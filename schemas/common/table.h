@@ -28,26 +28,26 @@ struct ElapsedTime {
     friend auto operator<=>(const ElapsedTime&, const ElapsedTime&) = default;
 };
 
-/// The field table of a product that is a table: columns, and the fields of its `meta`.
+/// The field table of a tabular product: its columns, and the fields of its `meta`.
 class TableSchema {
   public:
-    /// Reads a field table that was parsed (compiled into the program).
+    /// Reads a parsed field table (compiled into the program).
     static TableSchema read(const YamlNode& table, const std::string& where);
-    /// The same of a table's text.
+    /// Parses and reads a field table.
     static TableSchema parse(std::string_view text, const std::string& where);
 
     const DocumentSchema& meta() const { return meta_; }
     const std::vector<EcsvColumn>& columns() const { return columns_; }
-    /// The revision that each column was added in.
+    /// The revision in which each column was added.
     const std::vector<std::int64_t>& columns_since() const { return columns_since_; }
 
-    /// Checks a table's header against this schema and returns, for each column of the schema, the
-    /// index of that column in the table; none for a column that the table's revision had not. A
-    /// column that is missing, unknown, or of another type or unit is a Failure; unknown columns
-    /// of a newer revision are passed over unless they are marked as required.
+    /// Checks a table's header against this schema. Returns, for each column of the schema, its
+    /// index in the table, empty for a column that the table's revision lacks. Failure for a column
+    /// that is missing, unknown, or of another type or unit. Unknown columns of a newer revision
+    /// are ignored unless marked as required.
     std::vector<std::optional<std::size_t>> match(const EcsvReader& reader) const;
 
-    /// Begins a table with this header: sets `schema` in it and rounds its numbers.
+    /// Starts a table with this header. Sets its `schema` and rounds its numbers.
     EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink) const;
 
   private:
@@ -154,7 +154,7 @@ void read(const EcsvReader& in, std::size_t column, OptionalNumber<T>& value) {
 
 }  // namespace cell
 
-/// Connects a column with a member of a row. An enumeration needs `to_text(Enum)` and
+/// Binds a column to a member of a row. An enumeration needs `to_text(Enum)` and
 /// `bool from_text(std::string_view, Enum&)`.
 template <class Row>
 struct ColumnBinding {
@@ -180,7 +180,7 @@ ColumnBinding<Row> column(std::string name) {
             }};
 }
 
-/// The same for a member of a struct inside the row.
+/// Binds a column to a member of a struct inside the row.
 template <class Row, auto Group, auto Member>
 ColumnBinding<Row> column(std::string name) {
     return {std::move(name), is_optional<std::remove_cvref_t<decltype((Row{}.*Group).*Member)>>,
@@ -193,7 +193,7 @@ ColumnBinding<Row> column(std::string name) {
 template <class Row>
 class TableFormat;
 
-/// Reads a table row by row, in memory that does not grow with it.
+/// Reads a table row by row, in constant memory.
 template <class Row>
 class RowReader {
   public:
@@ -208,8 +208,8 @@ class RowReader {
 
     YamlValue meta() const { return YamlValue(reader_.meta(), reader_.where()); }
 
-    /// Reads the next row into `row`; false, with `row` untouched, at the end. What the table has
-    /// no column for stays as it is.
+    /// Reads the next row into `row`. At the end it returns false and leaves `row` unchanged.
+    /// Members without a column in the table stay as they are.
     bool next(Row& row) {
         if (!reader_.next_row()) return false;
         for (const Cell& each : cells_)
@@ -217,7 +217,7 @@ class RowReader {
         return true;
     }
 
-    /// How many bytes of the text were read.
+    /// Number of bytes of the text read so far.
     std::size_t offset() const { return reader_.offset(); }
 
   private:
@@ -229,7 +229,7 @@ class RowReader {
     std::vector<Cell> cells_;
 };
 
-/// A table that is read row by row: all but the rows, and their reader.
+/// A table read row by row: everything but the rows, and their reader.
 template <class Table>
 struct OpenTable {
     using Row = typename decltype(Table::rows)::value_type;
@@ -237,12 +237,12 @@ struct OpenTable {
     RowReader<Row> rows;
 };
 
-/// A schema and the struct of its rows.
+/// A schema with the struct of its rows.
 template <class Row>
 class TableFormat {
   public:
-    /// The bindings must stand in the order of the schema's columns, and name each of them. A
-    /// column that an earlier revision had not must be bound to an optional.
+    /// The bindings must name every column of the schema, in its order. A column that an earlier
+    /// revision lacks must be bound to an optional. Failure otherwise.
     TableFormat(const YamlNode& table, const std::string& where,
                 std::vector<ColumnBinding<Row>> bindings)
         : schema_(TableSchema::read(table, where)), bindings_(std::move(bindings)) {
@@ -255,7 +255,7 @@ class TableFormat {
                           "This is a fault of the program; please report it");
     }
 
-    /// The same of a field table's text.
+    /// Parses the field table first.
     TableFormat(std::string_view table, const std::string& where,
                 std::vector<ColumnBinding<Row>> bindings)
         : TableFormat(parse_yaml(table, where), where, std::move(bindings)) {}
@@ -264,7 +264,7 @@ class TableFormat {
 
     const std::vector<ColumnBinding<Row>>& bindings() const { return bindings_; }
 
-    /// The table's text. `schema` in the meta is set here, and its numbers rounded.
+    /// The table's text. Sets `schema` in the meta and rounds its numbers.
     std::string write(HeldJson meta, std::span<const Row> rows) const {
         EcsvWriter out = begin(std::move(meta));
         for (const Row& row : rows)
@@ -272,7 +272,7 @@ class TableFormat {
         return std::move(out).take();
     }
 
-    /// Begins the same row by row: the header goes to the sink.
+    /// Starts a table to be written row by row. The header goes to the sink.
     EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink = {}) const {
         return schema_.begin(std::move(meta), std::move(sink));
     }
@@ -281,7 +281,8 @@ class TableFormat {
             binding.write(out, row);
     }
 
-    /// `where` names the file in messages.
+    /// A table that was read: its `meta` and its rows. In `read`, `where` names the file in
+    /// messages.
     struct Contents {
         YamlValue meta;
         std::vector<Row> rows;
@@ -289,8 +290,8 @@ class TableFormat {
     Contents read(std::string_view text, const std::string& where) const {
         RowReader<Row> reader(*this, text, where);
         Contents contents{reader.meta(), {}};
-        // Room for all rows at once: growing would hold them twice. A row has a line, and at least
-        // as many bytes as columns.
+        // Reserves room for all rows at once, because growing would hold them twice. A row has one
+        // line, and at least as many bytes as columns.
         const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
         contents.rows.reserve(std::min(lines, text.size() / schema_.columns().size()));
         while (reader.next(contents.rows.emplace_back())) {
@@ -304,14 +305,14 @@ class TableFormat {
     std::vector<ColumnBinding<Row>> bindings_;
 };
 
-/// Writes a table row by row, in memory that does not grow with it.
+/// Writes a table row by row, in constant memory.
 template <class Row>
 class TableWriter {
   public:
     TableWriter(const TableFormat<Row>& format, EcsvWriter out)
         : format_(&format), out_(std::move(out)) {}
     void write(const Row& row) { format_->write_row(out_, row); }
-    /// Gives the sink what it has not yet.
+    /// Passes the remaining text to the sink.
     void finish() { out_.finish(); }
 
   private:

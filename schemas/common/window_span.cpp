@@ -12,7 +12,7 @@ namespace {
 ElapsedTime read_elapsed(const YamlValue& value) {
     const double seconds = value.real();
     if (const auto nanoseconds = parse_decimal_nanoseconds(value.text())) return {*nanoseconds};
-    // In its shortest form a number below 0.0001 is written with an exponent.
+    // The shortest form of a number below 0.0001 has an exponent.
     if (std::abs(seconds) >= 1e-4)
         value.fail("is not a time in seconds with at most nine decimals",
                    "The file is not as the program writes it; take the original, or run the stage "

@@ -8,7 +8,7 @@
 
 namespace runcert {
 
-/// A stretch between two epochs.
+/// The stretch between two epochs, both included.
 struct WindowSpan {
     std::int64_t first_epoch = 0;
     std::int64_t last_epoch = 0;

@@ -18,7 +18,7 @@
 namespace runcert {
 namespace {
 
-/// Clauses, other than the margin, that the data decide and that are not met.
+/// Clauses other than the margin that the data decide and that are not met.
 std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements) {
     std::vector<std::string> failed;
     for (const Requirement& requirement : requirements)
@@ -28,7 +28,7 @@ std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirem
     return failed;
 }
 
-/// Why the records that could not be read forbid a certificate; empty where they do not.
+/// Why unreadable records rule a certificate out. Empty where they do not.
 std::string refused_for_records(const RecordCount& records, const WindowSpan& window) {
     if (100 * records.bad > records.total)
         return fmt::format(
@@ -50,7 +50,8 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
     return {};
 }
 
-/// Why a window that the speed is made of forbids a certificate; empty where it does not.
+/// Why the robust estimate of a window of the speed rules a certificate out. Empty where it does
+/// not.
 std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
                                const EstimationSummary& estimation) {
     if (robust && !robust->agrees)
@@ -65,7 +66,7 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
     return {};
 }
 
-/// What each witness gives: "recorded velocities +0.120 km/h, carrier phases -0.110 km/h".
+/// The difference of each witness: "recorded velocities +0.120 km/h, carrier phases -0.110 km/h".
 std::string differences_text(const std::vector<WitnessedSpeed>& witnesses) {
     std::vector<std::string> all;
     for (const WitnessedSpeed& one : witnesses)
@@ -75,8 +76,8 @@ std::string differences_text(const std::vector<WitnessedSpeed>& witnesses) {
     return fmt::format("{}", fmt::join(all, ", "));
 }
 
-/// Why a window that a witness contradicts, or whose witnesses contradict one another, forbids a
-/// certificate; empty where none does.
+/// Why witnesses that contradict a window, or one another, rule a certificate out. Empty where they
+/// do not.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
                                   const std::optional<SpeedEvidence>& evidence) {
     const auto one = std::ranges::find_if(witnesses, &contradicts);
@@ -99,7 +100,7 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
             : std::string());
 }
 
-/// The first refusal of the windows that the speed is made of: the best, then the further ones.
+/// The first refusal among the windows of the speed: the best, then the further ones.
 template <class Refuse>
 std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
     std::string refused = refuse(*windows.best);
@@ -108,7 +109,7 @@ std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
     return refused;
 }
 
-/// Why one decision of screening forbids a certificate: it took too much of the recording.
+/// Why a decision of screening rules a certificate out: it removed too much of the recording.
 std::string refused_for_decision(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const auto& largest = judged.tests.largest_decision;
@@ -140,7 +141,7 @@ std::string shown_though_refused(const ClauseContext& context) {
         unit.name, fmt::join(indicated->refusals, ", "));
 }
 
-/// Why the times of a recording forbid a certificate: too many of them contradict the others.
+/// Why the times of a recording rule a certificate out: too many of them contradict the others.
 std::string refused_for_times(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const std::int64_t left_out = judged.tests.time.left_out.value_or(0);
@@ -152,14 +153,14 @@ std::string refused_for_times(const ClauseContext& context) {
         "{} of {} epochs were left out for their times alone, more than {:g} % "
         "(screen.time_share_max): which times are right cannot be told.",
         left_out, epochs, 100.0 * share_max);
-    // A speed that would reach the record is named anyhow.
+    // A speed that would reach the record is named elsewhere in any case.
     if (context.windows.indicated && shown_though_refused(context).empty())
         refused += " The recording shows " + indicated_text(context) + ".";
     return refused;
 }
 
-/// Why recorded velocities that are not those of these positions forbid a certificate by them; that
-/// there are no windows follows from that.
+/// Why recorded velocities that do not belong to these positions rule out a certificate based on
+/// them. The absence of windows is a consequence.
 std::string refused_for_unfit(const ClauseContext& context,
                               const std::vector<Requirement>& requirements) {
     const auto& velocity = context.input.judged.tests.velocity;
@@ -169,7 +170,7 @@ std::string refused_for_unfit(const ClauseContext& context,
     return "Not met: " + asked->clause + ": " + asked->evidence + ".";
 }
 
-/// Why nothing can be certified; empty where something can.
+/// Why nothing can be certified. Empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const ReceiverFindings& judged = context.input.judged;
     const auto& best = context.windows.best;
@@ -178,12 +179,12 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
         refused = std::move(why);
         return !refused.empty();
     };
-    // What cannot be read makes every other finding doubtful.
+    // Unreadable records cast doubt on every other finding.
     if (best && is_refused(first_refusal(context.windows, [&](const auto& window) {
             return refused_for_records(judged.records, window.span);
         })))
         return refused;
-    // What made the other requirements fail comes first.
+    // The cause of the other failures comes first.
     if (const auto& velocity = judged.tests.velocity; velocity && is_another_speed(*velocity))
         return another_speed_text(*velocity);
     if (is_refused(refused_for_times(context)) ||
@@ -216,8 +217,8 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
-/// What drift of the positions would undo the decision, and what of it could have gone unseen: by a
-/// witness, or else by screening.
+/// The drift of the positions that would reverse the decision, and how much drift could have gone
+/// undetected by a witness, or otherwise by screening.
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
@@ -237,7 +238,7 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     return words + ".";
 }
 
-/// "1 in 12,000"; "80 %" of one that is not small.
+/// "1 in 12,000", or "80 %" if not small.
 std::string chance_text(double probability) {
     constexpr double not_small = 0.1, hardly_any = 1e-9;
     if (probability > not_small) return fmt::format("{:.0f} %", 100.0 * probability);
@@ -281,7 +282,7 @@ bool fastest_might_reach(const ClauseContext& context) {
                context.required_speed->speed_m_s;
 }
 
-/// The outcome by probability, in one sentence.
+/// The outcome and its probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const ShownFigures& shown = *context.shown;
     const std::string figures = fmt::format(
@@ -410,7 +411,7 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
-    // The rows are in the order of time, which need not be that of their numbers.
+    // The rows are in order of time, which need not be that of their numbers.
     for (const ProfileWindows& entry : windows.profiles) {
         if (!entry.best) continue;
         std::vector<ScreenedEpoch>& epochs = window_epochs[entry.profile];

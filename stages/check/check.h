@@ -16,17 +16,17 @@
 
 namespace runcert {
 
-/// What the earlier stages say of one receiver.
+/// The earlier stages' findings on one receiver.
 struct ReceiverFindings {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
     std::string format = {};                   ///< of the recording
-    std::string time_origin = {};              ///< what its time stamps are, in words
-    std::vector<std::string> written_by = {};  ///< what it says of the programs that made it
-    bool simulated = false;                    ///< it says so itself
-    std::optional<Processing> processing = std::nullopt;       ///< how its positions were solved
-    SolutionSource solution_source = SolutionSource::unknown;  ///< who says the fix type
+    std::string time_origin = {};              ///< description of its time stamps
+    std::vector<std::string> written_by = {};  ///< what it says about the programs that wrote it
+    bool simulated = false;                    ///< by its own statement
+    std::optional<Processing> processing = std::nullopt;       ///< how its positions were computed
+    SolutionSource solution_source = SolutionSource::unknown;  ///< who states the fix type
     RecordCount records = {};
     ScreeningSummary screening;
     ScreeningBasis tests;
@@ -44,7 +44,7 @@ struct ReceiverFindings {
     }
 };
 
-/// What is gathered from the screened epochs, one by one.
+/// Data gathered from the screened epochs, one by one.
 struct ScreenedSelection {
     ScreeningSummary summary;
     /// Of the best window of each profile.
@@ -57,23 +57,27 @@ struct CheckInput {
     const Attempt& attempt;
     const std::vector<Profile>& profiles;
     const ReceiverFindings& judged;
-    const ReceiverFindings* secondary = nullptr;  ///< null where there is one receiver only
+    const ReceiverFindings* secondary = nullptr;  ///< null if there is only one receiver
     const MeasuredSeries* wind = nullptr;         ///< null where the attempt gives none
     const MeasuredSeries* current = nullptr;
 };
 
-/// Every requirement of each profile, met, not met or to be attested, and the outcome.
+/// Every requirement of each profile (met, not met or to be attested), and the outcome.
 ///
-/// Beside a profile's clauses those of the program itself (`own_clauses`).
+/// A profile's clauses are complemented by those of the program itself (`own_clauses`).
 ///
-/// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
-/// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
-/// window, could not be read, if the rule subtracts the current and it is not known, or if a robust
-/// estimate, or the lack of one, a witness or a declared second method contradicts its
-/// speed; else by `decide` against the record, not_proven without one. A speed below the record's
-/// is not_certifiable too where a window that was refused shows one that reaches it: not_beaten is
-/// never said from what was thrown away. Figures are rounded, for
-/// people, after that. The header is the caller's.
+/// The outcome is not_certifiable in any of these cases:
+/// - a requirement that the data decide, other than the margin, is not met;
+/// - there is no certifiable window;
+/// - more than 1 % of the recording's records, or one inside the window, could not be read;
+/// - the rule subtracts the current and it is unknown;
+/// - a robust estimate or the lack of one, a witness, or a declared second method contradicts the
+///   speed.
+///
+/// Otherwise `decide` compares the speed with the record, and without a record the outcome is
+/// not_proven. A speed below the record's is also not_certifiable where a refused window shows one
+/// that reaches it: rejected data never lead to not_beaten. Figures are rounded for readers after
+/// that. The caller sets the header.
 Verdict check(const CheckInput& input);
 
 }  // namespace runcert

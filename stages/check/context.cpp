@@ -32,15 +32,15 @@ Threshold required_speed_over(const Profile& profile, const Record& record) {
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
 
-/// The row of an epoch, if the trajectory is there and has it.
+/// The row of an epoch. Empty where the trajectory is missing or has no such row.
 std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std::int64_t epoch) {
     const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
     if (row == rows.end() || !row->arc) return std::nullopt;
     return static_cast<std::size_t>(row - rows.begin());
 }
 
-/// Time-correlated errors that may differ between places of a run: the bound of the window, and of
-/// heights what they state, or were found to have, if that is more.
+/// Time-correlated errors that may differ between places of a run. They are bounded as in the
+/// window; for heights, the stated or estimated error is used if it is larger.
 CourseErrors errors_of(const ReceiverFindings& judged, const CertifiableWindow& best) {
     CourseErrors errors;
     errors.tangent_plane = judged.facts.georeferenced;
@@ -101,8 +101,8 @@ void set_speed(ClauseContext& context) {
     context.speed = speed;
 }
 
-/// The drift that the decision survives, and what screening finds of one in the window. What the
-/// receiver measures as speeds does not drift with the positions.
+/// Sets the drift that the decision survives, and the drift that screening detects in the window.
+/// Speeds that the receiver measures do not drift with the positions.
 void set_drift(ClauseContext& context) {
     if (context.profile.speed_source == SpeedSource::velocity) return;
     const double above_m_s = context.speed->speed_m_s - context.speed->bias_limit_m_s -
@@ -116,7 +116,7 @@ void set_drift(ClauseContext& context) {
     if (found_m_s > 0.0) context.decision->drift_found_m_s = found_m_s;
 }
 
-/// The speed that the true one is below with this risk is printed beside the decision.
+/// Risk of the one-sided limit of the true speed that is printed beside the decision.
 constexpr double tail_risk = 1e-4;
 
 void set_decision(ClauseContext& context) {
@@ -124,8 +124,8 @@ void set_decision(ClauseContext& context) {
     if (context.record == nullptr) return;
     context.required_speed = required_speed_over(context.profile, *context.record);
     if (!context.speed) return;
-    // Of many attempts the luckiest is put forward: each is judged so that together they are wrong
-    // no more often than one alone (Bonferroni).
+    // Of several attempts the luckiest is submitted. Each is judged so that all together are
+    // incorrect no more often than a single one (Bonferroni).
     const std::int64_t attempts = context.input.attempt.attempts_made;
     const double level =
         1.0 - (1.0 - context.profile.decision_probability) / static_cast<double>(attempts);
@@ -148,7 +148,7 @@ void set_decision(ClauseContext& context) {
     set_drift(context);
 }
 
-/// The figures of the decision as they are to be read, in the rule's unit.
+/// Sets the figures of the decision as shown, in the rule's unit.
 void set_shown(ClauseContext& context) {
     if (!context.speed) return;
     const auto& rule = context.profile.result ? context.profile.result : context.profile.rounding;
@@ -173,18 +173,20 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-/// Whether it is recorded velocities that contradict too many positions: those confirm nothing.
+/// Whether the witness is recorded velocities that contradict too many positions. Those confirm
+/// nothing.
 bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     return one.kind == WitnessKind::velocities && velocity && velocity->unfit;
 }
 
-/// Whether a receiver's recording says it, not a file that was handed in beside one.
+/// Whether the witness comes from a receiver's recording, not from a separate file.
 bool is_observed(const WitnessedSpeed& one) {
     return origin_of(one.kind).front() == to_text(InputOrigin::observed);
 }
 
-/// What else than the positions speaks for the window. What the attempt states does not.
+/// Sets the evidence for the window other than the positions. The attempt's statements do not
+/// count.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
         if (contradicts(one) || is_unfit(one, context)) continue;

@@ -20,14 +20,14 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// An estimate of the run: east, north, height. NaN where there is none.
+/// An estimate of the run: east, north, height. NaN where missing.
 struct Place {
     std::size_t row = 0;
     double time_s = 0.0;
     Vector3d position_m, velocity_m_s;
     Vector3d variance;  ///< of the position, m^2
     Vector3d velocity_variance;
-    Vector3d step_variance = Vector3d::Zero();  ///< of the offsets taken off since the first place
+    Vector3d step_variance = Vector3d::Zero();  ///< of the offsets removed since the first place
 
     double speed_m_s() const { return velocity_m_s.head<2>().norm(); }
 };
@@ -96,7 +96,7 @@ Vector3d difference_variance(const Place& a, const Place& b) {
     return a.variance + b.variance + (b.step_variance - a.step_variance).cwiseAbs();
 }
 
-/// The unit vector to the right of a direction, and what lies along it of uncorrelated variances.
+/// The unit vector to the right of a direction, and uncorrelated variances projected onto it.
 Vector2d right_of(const Vector2d& direction) {
     const double length = direction.norm();
     if (length == 0.0) return Vector2d::UnitX();
@@ -111,7 +111,7 @@ double direction_deg(const Vector2d& vector) {
     return std::atan2(vector.x(), vector.y()) * degrees_per_radian;
 }
 
-/// degrees^2 of the direction of a vector with this variance across it.
+/// Variance, degrees^2, of the direction of a vector with this variance across it.
 double direction_variance(double across, double length) {
     return degrees_per_radian * degrees_per_radian * across / (length * length);
 }
@@ -140,7 +140,7 @@ CourseFigure heading_between(const Place& first, const Place& last) {
     const double heading = direction_deg(moved);
     CourseFigure result = figure(heading < 0.0 ? heading + 360.0 : heading,
                                  direction_variance(across, moved.norm()), 180.0);
-    if (result.value >= 360.0) result.value = 0.0;  // what rounding makes of just west of north
+    if (result.value >= 360.0) result.value = 0.0;  // rounding can give 360 just west of north
     return result;
 }
 
@@ -183,7 +183,8 @@ bool is_at_rest(const Place& place, const CourseErrors& errors) {
     return statistic <= chi_squared_quantile(0.95, 2);
 }
 
-/// Of the places up to the window, from where the craft stood before the run on.
+/// Sets the facts of the start from the places up to the window, beginning with the standstill
+/// before the run.
 void set_start(std::span<const Place> approach, const CourseErrors& errors, CourseFacts& facts) {
     const Place& slowest = *std::ranges::min_element(approach, {}, &Place::speed_m_s);
     facts.speed_before_m_s = figure(
@@ -198,7 +199,7 @@ void set_run_up(std::span<const Place> run_up, CourseFacts& facts) {
                           (run_up[i].time_s - run_up[i - 1].time_s);
 }
 
-/// Where a row is among the places of a run.
+/// The index of a row among the places of a run.
 std::size_t index_of(const std::vector<Place>& run, std::size_t row) {
     const auto place = std::ranges::lower_bound(run, row, {}, &Place::row);
     if (place == run.end() || place->row != row)

@@ -20,15 +20,16 @@ Compared compared(std::string name, const CourseFigure& figure, double factor = 
     return result;
 }
 
-/// The finding of what the trajectory says of the course, or that it says nothing.
+/// The finding from the facts about the course, or that there are none.
 template <class Find>
 Finding with_facts(const ClauseContext& context, Find&& find) {
     if (!context.course.facts) return unknown(context.course.missing);
     return find(*context.course.facts);
 }
 
-/// Whether the recording shows the craft at its slowest before the run. Where it was always faster,
-/// by more than the uncertainty, after the first second there is, it may have been slower before.
+/// Whether the recording shows the craft at its slowest before the run. If the craft was always
+/// faster, by more than the uncertainty, after the first available second, it may have been slower
+/// before.
 bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
                     const ClauseContext& context) {
     constexpr double beginning_s = 1.0;
@@ -55,7 +56,7 @@ Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
                          clause);
 }
 
-/// Standard uncertainty of the recorded velocity, all axes together; NaN where it is not stated.
+/// Standard uncertainty of the recorded velocity, all axes together. NaN where not stated.
 double velocity_accuracy(const ScreenedEpoch& row) {
     double sum = 0.0;
     for (const OptionalReal& sigma :
@@ -65,7 +66,7 @@ double velocity_accuracy(const ScreenedEpoch& row) {
     return std::sqrt(sum);
 }
 
-/// Stated standard uncertainty of the height, or horizontally of both coordinates together.
+/// Stated standard uncertainty of the height, or of both horizontal coordinates together.
 double position_accuracy(const ScreenedEpoch& row, bool vertical) {
     const auto stated = [](const auto& sigma) { return sigma ? *sigma : std::nan(""); };
     return vertical ? stated(row.sigma_up_m)
@@ -166,7 +167,7 @@ Finding computation::current(const Clause& clause, const ClauseContext& context)
         clause);
 }
 
-/// Largest time between neighbouring epochs of the window.
+/// Decides by the largest time between neighbouring epochs of the window.
 Finding computation::sampling_rate(const Clause& clause, const ClauseContext& context) {
     const auto& rows = context.input.judged.epochs_of(context.profile.id);
     if (rows.size() < 2) return unknown("there is no certifiable window");
@@ -177,13 +178,14 @@ Finding computation::sampling_rate(const Clause& clause, const ClauseContext& co
         longest_s = std::max(longest_s, row.time.seconds() - before_s);
         before_s = row.time.seconds();
     }
-    // Stamps are written in decimals of a second: 0.2 s apart, as a difference, is not exactly so.
+    // Stamps are decimals of a second, so a difference of 0.2 s is not exact.
     const double rate_hz = 1.0 / (longest_s - 1e-9);
     return against_limit({.name = "lowest rate of epochs in the window", .value = rate_hz}, clause);
 }
 
-/// The accuracy of a speed over the window from two positions as accurate as an epoch's is stated
-/// to be; and that of its recorded velocity, where one is stated. The worst of all counts.
+/// Decides by two accuracies, of which the worst over the window counts. One is that of a speed
+/// over the window from two positions with an epoch's stated standard deviations, the other that of
+/// its recorded velocity, if stated.
 Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& context) {
     const auto& rows = context.input.judged.epochs_of(context.profile.id);
     if (rows.size() < 2) return unknown("there is no certifiable window");

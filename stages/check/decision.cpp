@@ -28,14 +28,14 @@ void require_level(double level) {
         fail(fmt::format("the level {} is not in (0.5, 1)", level), "Give a level such as 0.95");
 }
 
-/// Student's t of the speed less a limit.
+/// Student's t distribution of the speed minus a limit.
 struct Difference {
     double location_m_s = 0.0;
     double scale_m_s = 0.0;
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
-/// Where in its range the bias is taken.
+/// The position of the bias within its range.
 enum class Bias { lowest, none, highest };
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
@@ -45,7 +45,7 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
     if (posterior.bias_limit_m_s < 0.0)
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
-    // The difference from the witnesses counts on its own side alone.
+    // The difference from the witnesses counts only on its own side.
     const bool on_that_side = bias == Bias::none || posterior.difference_m_s == 0.0 ||
                               (bias == Bias::lowest) == (posterior.difference_m_s > 0.0);
     const double uncertainty_m_s =
@@ -74,13 +74,13 @@ double probability_not_below_zero(const Difference& d) {
     return student_t_cdf(d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
-/// Not 1 less the other, which would lose the digits of a small one.
+/// Not computed as 1 minus the other, which would lose the digits of a small probability.
 double probability_below_zero(const Difference& d) {
     if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 0.0 : 1.0;
     return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
-/// By the mixture, with this bias; nothing where there is no evidence to make one of.
+/// Probabilities by the mixture, with this bias. Empty where there is no evidence for a mixture.
 struct MixtureTails {
     double not_below = 0.0, below = 0.0;
 };
@@ -94,8 +94,8 @@ std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
         .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
 }
 
-/// By how much the positions of the windows are faster than the weighted mean with their witnesses;
-/// of several windows the mean, which counts only where none is on the other side.
+/// How much faster the positions of the windows are than the weighted mean with their witnesses.
+/// For several windows it is the mean, which counts only if none lies on the other side.
 double remaining_difference_m_s(const ProfileWindows& windows) {
     if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
         return 0.0;
@@ -163,7 +163,7 @@ double conformance_probability(const SpeedPosterior& posterior, double lower_m_s
              "Exchange them");
     if (above_lower.scale_m_s == 0.0)
         return above_lower.location_m_s >= 0.0 && above_upper.location_m_s <= 0.0 ? 1.0 : 0.0;
-    // Where both limits are below the speed the lower tails are the small ones.
+    // Where both limits are below the speed, the lower tails are the small ones.
     if (above_upper.location_m_s > 0.0)
         return probability_below_zero(above_upper) - probability_below_zero(above_lower);
     return probability_not_below_zero(above_lower) - probability_not_below_zero(above_upper);
@@ -192,7 +192,7 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
     require_level(level);
     const Difference d = difference(posterior, threshold, Bias::lowest);
     const double unbiased_m_s = threshold.speed_m_s + posterior.bias_limit_m_s;
-    // By symmetry the upper quantile, from the tail, which keeps its digits.
+    // The upper quantile by symmetry from the lower tail, which keeps its digits.
     const double by_uncertainty_m_s =
         d.scale_m_s == 0.0
             ? unbiased_m_s

@@ -15,15 +15,15 @@ namespace runcert {
 /// A body's rounding of a speed to decimals of its unit; `nearest` takes a half up.
 struct DecimalRounding {
     StepRounding mode = StepRounding::nearest;
-    double unit_m_s = 1.0;  ///< metres per second in the unit
+    double unit_m_s = 1.0;  ///< value of the unit in m/s
     int decimals = 0;       ///< 0 to 9
 };
 
 struct MarginRule {
     MarginKind kind = MarginKind::absolute;
     double value = 0.0;       ///< m/s (absolute), a fraction (relative), s (elapsed_time)
-    double distance_m = 0.0;  ///< elapsed_time: length of the course
-    /// The margin is taken above the record's upper limit, its value plus its expanded uncertainty.
+    double distance_m = 0.0;  ///< for elapsed_time: length of the course
+    /// The margin is added to the record's upper limit, its value plus its expanded uncertainty.
     bool above_upper_limit = false;
     std::optional<DecimalRounding> rounding = std::nullopt;
 };
@@ -36,58 +36,61 @@ struct StandingRecord {
 /// The required speed.
 struct Threshold {
     double speed_m_s = 0.0;
-    /// From the record's own; 0 where it has none or its upper limit was taken.
+    /// From the record's own. 0 where it has none or its upper limit was used.
     double standard_uncertainty_m_s = 0.0;
 };
 
-/// The required speed over a record r (its upper limit, where the rule says so): r + value,
-/// r (1 + value), or over a course of length D, which the record took t = D / r, D / (t - value);
-/// then rounded as the body rounds it. The uncertainty of r is propagated by the derivative of the
-/// speed before rounding ([GUM] 5.1). Failure (at "margin") for numbers that are not finite, a
-/// record or course not above 0, a negative margin or uncertainty, a time to gain that is not
-/// below the record's, or a rounding as below.
+/// The required speed over a record r (its upper limit, if the rule says so). It is r + value, r
+/// (1 + value) or, over a course of length D, for which the record took t = D / r, D / (t - value).
+/// It is then rounded as the body rounds. The uncertainty of r is propagated by the derivative of
+/// the speed before rounding ([GUM] 5.1).
+///
+/// Failure (at "margin") for numbers that are not finite, a record or course not above 0, a
+/// negative margin or uncertainty, a time to gain that is not below the record's, or a rounding as
+/// below.
 Threshold threshold_of(const MarginRule& rule, const StandingRecord& record);
 
 /// A speed (m/s, 0 or more) rounded to decimals of a unit, in m/s.
 ///
-/// A figure that is a decimal one but for binary fractions is that decimal figure: 100 km/h + 0.2 %
-/// is 100.20 km/h, which no mode moves. Binary fractions are held to be what is left within 2e-12
-/// of the figure (the errors of conversion and margin are some 1e-15), but never more than 5e-7 of
-/// the last place. The result is the decimal figure's nearest double times the unit, so that the
-/// same figure read from text and converted is equal to it. Failure (at "rounding") for numbers
-/// that are not finite, a negative speed, a unit not above 0, decimals outside 0 to 9, or a figure
-/// of more than 15 digits.
+/// A figure that is decimal except for errors of binary fractions counts as that decimal figure:
+/// 100 km/h + 0.2 % is 100.20 km/h, which no mode changes. Such errors are differences within 2e-12
+/// of the figure (those of conversion and margin are about 1e-15), but at most 5e-7 of the last
+/// place. The result is the decimal figure's nearest double times the unit, and so equals the same
+/// figure read from text and converted.
+///
+/// Failure (at "rounding") for numbers that are not finite, a negative speed, a unit not above 0,
+/// decimals outside 0 to 9, or a figure of more than 15 digits.
 double rounded_speed(double speed_m_s, const DecimalRounding& rounding);
 
-/// The state of knowledge of the speed: Student's t with this location and scale, the normal
+/// The state of knowledge about the speed: Student's t with this location and scale, or the normal
 /// distribution where the degrees of freedom are empty ([GUM] G.3, [JCGM106] 7).
 struct SpeedPosterior {
     double speed_m_s = 0.0;
     double standard_uncertainty_m_s = 0.0;
     std::optional<double> degrees_of_freedom = std::nullopt;
-    /// A systematic error either way is at most this: it moves the location, and whichever place in
-    /// that range is the least favourable to a decision is the one that it is taken at.
+    /// Limit of a systematic error in either direction. It shifts the location. The least
+    /// favourable value in that range is used for a decision.
     double bias_limit_m_s = 0.0;
     /// Of the standard uncertainty, how much faster the positions are than the weighted mean with
     /// the witnesses (negative: slower). It counts on the less favourable side.
     double difference_m_s = 0.0;
-    /// What positions and witnesses say, where either may be at fault.
+    /// The evidence of positions and witnesses, where either may be at fault.
     std::optional<SpeedEvidence> evidence = std::nullopt;
 };
 
-/// What the windows of a profile say of the rule's speed; nothing where they are too few.
+/// The rule's speed from the windows of a profile. Empty where there are too few.
 std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows);
 
-/// Which witnesses a distribution of the speed rests on: those that have a share in it, or those of
-/// them alone that were observed.
+/// The witnesses behind a distribution of the speed: all that have a share in it, or only the
+/// observed ones.
 enum class WitnessSet { all, observed };
 
-/// The distribution of the speed where positions and witnesses may be at fault, those chosen among
-/// rivals as often as that makes it. `also_m_s` is another standard uncertainty that moves all
-/// alike. The posterior must have evidence.
+/// The distribution of the speed where positions and witnesses may be at fault. The prior of the
+/// positions is that of a window chosen among its rivals. `also_m_s` is a further standard
+/// uncertainty common to all speeds. The posterior must have evidence.
 SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s = 0.0);
 
-/// P(speed >= threshold) by the posterior's Student's t, and by the mixture where there is one.
+/// P(speed >= threshold) by the posterior's Student's t, and by the mixture if there is one.
 struct Conformance {
     double by_uncertainty = 0.0;
     std::optional<double> by_faults = std::nullopt;
@@ -95,46 +98,49 @@ struct Conformance {
     double smaller() const { return std::min(by_uncertainty, by_faults.value_or(1.0)); }
 };
 
-/// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3), y being the lowest
-/// place that the bias allows. A difference from the witnesses counts where they are slower.
+/// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3), where y is the
+/// lowest location that the bias allows. A difference from the witnesses counts where they are
+/// slower.
 ///
-/// The threshold's own uncertainty is independent and normal; it is combined with the speed's, and
+/// The threshold's own uncertainty is independent and normal, and is combined with the speed's.
 /// Student's t of the combination has the degrees of freedom of Welch and Satterthwaite ([GUM]
-/// (G.2b)). That is exact for normal ones; where the threshold is uncertain and the speed has few
-/// degrees it overstates a probability near 0.95 by as much as 0.005 for 10 and 0.02 for 3.
+/// (G.2b)). That is exact for normal distributions. Where the threshold is uncertain and the speed
+/// has few degrees of freedom, it overstates a probability near 0.95 by up to 0.005 for 10 and 0.02
+/// for 3.
 ///
 /// Without any uncertainty the probability is 0 or 1, and a speed equal to the threshold reaches
-/// it; speeds that differ by no more than binary fractions (kBinaryNoise) are equal. Failure (at
+/// it. Speeds that differ only by errors of binary fractions (kBinaryNoise) are equal. Failure (at
 /// "decision" or "uncertainty budget") for numbers that are not finite, a negative uncertainty, or
 /// degrees of freedom not above 0.
 Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold);
 
-/// The smaller of both.
+/// The smaller of the two conformance probabilities.
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
 
-/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly, without a bias. Failure
-/// as above, or where lower > upper.
+/// P(lower <= speed <= upper) ([JCGM106] 7.4), with both limits known exactly, without a bias.
+/// Failure as for `conformance`, or where lower > upper.
 double conformance_probability(const SpeedPosterior& posterior, double lower_m_s, double upper_m_s);
 
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
-/// least `level`, not beaten where it is at most 1 - level, else not proven. Failure (at
+/// least `level`, not beaten where it is at most 1 - level, otherwise not proven. Failure (at
 /// "decision") unless 0 <= probability <= 1 and 0.5 < level < 1.
 Outcome decide(double probability, double level);
 
-/// The same of a speed: beaten with the bias at its lowest and the smaller probability, not beaten
-/// with it at its highest and the larger one.
+/// The decision on a speed: beaten with the bias at its lowest and the smaller probability, not
+/// beaten with it at its highest and the larger probability.
 Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level);
 
-/// The smallest speed (m/s) that would be accepted with this uncertainty: the threshold and a guard
-/// band of the one-sided quantile at `level` times the combined standard uncertainty ([JCGM106]
-/// 8.3), and the bias's limit; or that at which the mixture, moved along, reaches the level, where
-/// it is higher. The posterior's speed has no part in it. Failure as above.
+/// The acceptance limit: the smallest speed (m/s) that would be accepted with this uncertainty. It
+/// is the threshold plus the bias's limit and a guard band, the one-sided quantile at `level` times
+/// the combined standard uncertainty ([JCGM106] 8.3). If higher, it is the speed at which the
+/// shifted mixture reaches the level. The posterior's speed is not used. Failure as for
+/// `conformance`.
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level);
 
-/// Probability that the decision is wrong for this speed ([JCGM106] 9, specific risks): that a
-/// speed found to be beaten is below the threshold, or that one that is not, so that it is refused,
-/// reaches it; the larger of both probabilities. Keeps its digits however small it is. Failure as
-/// for conformance.
+/// Probability that the decision is incorrect for this speed ([JCGM106] 9, specific risks). For a
+/// speed found to beat the record it is the probability of being below the threshold, for any
+/// other, which is refused, that of reaching it. The larger of the two kinds of probability is
+/// taken. It keeps its relative accuracy however small it is. Failure as for `conformance`.
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome);
 
 }  // namespace runcert

@@ -18,14 +18,14 @@ namespace {
 
 using Notes = std::vector<std::string>;
 
-/// A definition of speed as a note compares it with others; its own words are longer of a mean.
+/// A definition of speed, worded for comparison with others. The full wording of a mean is longer.
 std::string_view definition_in_prose(SpeedDefinition definition) {
     if (definition == SpeedDefinition::mean_n_plus_1) return "the mean of all speeds";
     if (definition == SpeedDefinition::mean_n) return "the mean without the first speed";
     return words_of(definition);
 }
 
-/// What a rule's speed is, in the few words of a list.
+/// A short description of a rule's speed, for a list.
 std::string_view speed_in_short(const Profile& profile) {
     if (profile.speed_source == SpeedSource::velocity) return "recorded velocities";
     switch (profile.definition) {
@@ -39,7 +39,7 @@ std::string_view speed_in_short(const Profile& profile) {
     }
 }
 
-/// Where the definitions of speed do not agree on whether the required speed is reached.
+/// Notes where the definitions of speed disagree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
     if (!best || !context.required_speed || !context.shown ||
@@ -64,7 +64,7 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
         definition_in_prose(context.profile.definition));
 }
 
-/// What every reader must know before any figure.
+/// Notes that every reader must see before any figure.
 void add_simulated(const ClauseContext& context, Notes& notes) {
     for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary})
         if (receiver && receiver->simulated)
@@ -113,7 +113,7 @@ void add_flow(const ClauseContext& context, Notes& notes) {
                 flow == &context.wind ? "wind" : "current", (*flow)->missing);
 }
 
-/// What the second method says, whether the rule asks for one or not.
+/// Notes the result of the second method, whether or not the rule requires one.
 void add_second_method(const ClauseContext& context, Notes& notes) {
     if (!context.declared) return;
     const DeclaredAgreement& second = *context.declared;
@@ -130,7 +130,7 @@ void add_unsure_witnesses(const ClauseContext& context, Notes& notes) {
                         "another, too.");
 }
 
-/// What would make the next run's speed known well enough, where this one's was not.
+/// Notes what would determine the next run's speed well enough, where this one's was not.
 void add_next_time(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
     if (!best || !best->expected_beside_velocities_m_s || !context.expanded_uncertainty_m_s ||

@@ -10,7 +10,7 @@
 
 namespace runcert {
 
-/// Adds a sentence, formatted.
+/// Appends a formatted sentence.
 template <class... Args>
 void say(std::vector<std::string>& sentences, fmt::format_string<Args...> text, Args&&... args) {
     sentences.push_back(fmt::format(text, std::forward<Args>(args)...));
@@ -30,16 +30,16 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context);
 std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts);
 
-/// What must be read with every figure of the measurement, a sentence or two each: what the
-/// uncertainty covers, how the noise was estimated and where it could not be, how the filter fared,
-/// what the recording does not say.
+/// Statements to be read with every figure of the measurement, a sentence or two each: what the
+/// uncertainty covers, how the noise was estimated and where that was impossible, how the filter
+/// performed, what the recording does not say.
 std::vector<std::string> statements_of(const CheckInput& input);
 
-/// Whether the recorded velocities are of another speed than the positions show, all over the
-/// recording: by more than 2 % and four standard uncertainties of their ratio.
+/// Whether the recorded velocities differ from the speed of the positions over the whole recording,
+/// by more than 2 % and four standard uncertainties of their ratio.
 bool is_another_speed(const VelocityComparison& velocity);
 
-/// By how much, a sentence.
+/// A sentence that says by how much.
 std::string another_speed_text(const VelocityComparison& velocity);
 
 }  // namespace runcert

@@ -18,13 +18,13 @@ double rate_by_chance(const ReceiverFindings& judged) {
     if (rows.size() < 2) return 1.0;
     constexpr double coverage = 5.0;
     const double length_s = rows.back().time.seconds() - rows.front().time.seconds();
-    // Steps that vary by themselves; rounded stamps vary less, as errors of neighbours cancel.
+    // For independent steps. Rounded stamps vary less, because errors of neighbours cancel.
     return length_s > 0.0 ? coverage * judged.tests.time.jitter_s *
                                 std::sqrt(static_cast<double>(rows.size())) / length_s
                           : 1.0;
 }
 
-/// What in the recording looks as if the device had changed its positions, in words.
+/// Signs in the recording that the device modified its positions, in words.
 std::vector<std::string> signs_of_filter(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     std::vector<std::string> signs;
@@ -46,8 +46,8 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
     return signs;
 }
 
-/// What speaks for positions as the receiver measured them, and what against: whether the files are
-/// as the receiver wrote them only people can say.
+/// Evidence for and against positions as the receiver measured them. Only people can confirm that
+/// the files are as the receiver wrote them.
 std::string evidence_of_measuring(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     std::vector<std::string> evidence;
@@ -66,7 +66,7 @@ std::string evidence_of_measuring(const ClauseContext& context) {
     return text;
 }
 
-/// How the steps of the time stamps differ from those of a receiver; empty where they do not.
+/// How the steps of the time stamps differ from a receiver's. Empty where they do not.
 std::string unusual_steps(const ReceiverFindings& judged) {
     const TimeStampSummary& time = judged.tests.time;
     constexpr double allowed_s = 2e-3;
@@ -84,7 +84,7 @@ double days_of(double seconds) {
     return std::floor(seconds / 86'400.0);
 }
 
-/// Days from the GPS epoch to the date at a place, by mean solar time.
+/// Days from the GPS epoch to the local date at a longitude, by mean solar time.
 double days_there(const GpsTime& time, double longitude_deg) {
     const double utc_s = GpsTime::from_calendar(utc_from_gps(time).time).seconds_since(GpsTime());
     return days_of(utc_s + longitude_deg / 360.0 * 86'400.0);

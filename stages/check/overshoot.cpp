@@ -37,7 +37,7 @@ std::vector<std::vector<Sample>> stretches_of(const std::vector<TrajectoryEpoch>
     return stretches;
 }
 
-/// The places where a series turns by more than a threshold: its highs and lows in turn.
+/// The alternating maxima and minima of a series that exceed a threshold.
 std::vector<std::size_t> turns_of(const std::vector<Sample>& series) {
     constexpr double coverage = 3.0;
     std::vector<std::size_t> turns{0};
@@ -62,8 +62,8 @@ std::vector<std::size_t> turns_of(const std::vector<Sample>& series) {
     return turns;
 }
 
-/// The time from a turn to the next, less that in which the series stays within a quarter of the
-/// change of the first: a craft may wait long at a plateau before it changes.
+/// The time from one turn to the next, without that in which the series stays within a quarter of
+/// the change of the first. A craft may stay long at a plateau before the change.
 double change_time_s(const std::vector<Sample>& series, std::size_t from, std::size_t to) {
     const double begin = series[from].acceleration_m_s2;
     const double quarter = 0.25 * std::abs(series[to].acceleration_m_s2 - begin);
@@ -73,8 +73,8 @@ double change_time_s(const std::vector<Sample>& series, std::size_t from, std::s
     return series[to].time_s - series[k].time_s;
 }
 
-/// Where the series is farthest back from its second turn, in the one and a half times that follow
-/// which it took from the first: what comes back too little to be a turn of its own counts too.
+/// Where the series swings farthest back after its second turn, within one and a half times the
+/// time since the first. It also finds swings too small to be a turn of their own.
 std::size_t swing_back(const std::vector<Sample>& series, std::size_t first, std::size_t second) {
     const double until_s =
         series[second].time_s + 1.5 * (series[second].time_s - series[first].time_s);
@@ -107,7 +107,7 @@ Overshoot find_overshoot(const std::vector<TrajectoryEpoch>& rows) {
             if (change < change_m_s2 ||
                 change_time_s(series, turns[i - 1], turns[i]) > longest_change_s)
                 continue;
-            // A swing that follows a larger one belongs to it.
+            // A swing after a larger one belongs to that one.
             if (i > 1 && std::abs(value(i - 1) - value(i - 2)) > change) continue;
             ++overshoot.changes;
             if (i + 1 >= turns.size()) continue;
@@ -127,7 +127,7 @@ Overshoot find_overshoot(const std::vector<TrajectoryEpoch>& rows) {
     if (periods.empty()) return overshoot;
     overshoot.period_s = median(periods);
     overshoot.part = median(parts);
-    // In the same rhythm: those that are not are motion of the craft.
+    // Only those with the same rhythm count. The others are motion of the craft.
     overshoot.swings = std::ranges::count_if(periods, [&](double period_s) {
         return std::abs(period_s / overshoot.period_s - 1.0) <= of_rhythm;
     });

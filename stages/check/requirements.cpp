@@ -15,7 +15,7 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
     return std::ranges::find(clauses, computation, &Clause::decided_by) != clauses.end();
 }
 
-/// Whether there is something to compute an own clause from.
+/// Whether there are data from which to compute an own clause.
 bool is_computed(const Clause& own, const Profile& profile, const Attempt& attempt) {
     if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
     if (own.decided_by == Computation::recorded_speeds)
@@ -23,7 +23,7 @@ bool is_computed(const Clause& own, const Profile& profile, const Attempt& attem
     return own.decided_by != Computation::claims;
 }
 
-/// The clauses that something is computed for or that the rule asks.
+/// The clauses that can be computed or that the rule requires.
 std::vector<const Clause*> clauses_without_claims(const Profile& profile, const Attempt& attempt) {
     std::vector<const Clause*> clauses;
     for (const Clause& of_rule : profile.clauses)
@@ -34,7 +34,8 @@ std::vector<const Clause*> clauses_without_claims(const Profile& profile, const 
     return clauses;
 }
 
-/// Whether a rule looks at it: it is not another rule's, and not replaced by one of its own.
+/// Whether a rule considers the input: it neither belongs to another rule nor is replaced by one of
+/// this rule's own.
 bool concerns(const AttemptInput& input, const Profile& profile, const Attempt& attempt) {
     const bool replaced = input.name.starts_with("record.") && attempt.records.contains(profile.id);
     return !replaced && (input.profile.empty() || input.profile == profile.id);

@@ -9,14 +9,14 @@
 
 namespace runcert {
 
-/// What a second method, whose result the attempt states, says of the speed that is judged.
+/// Comparison of the judged speed with a second method whose result the attempt states.
 struct DeclaredAgreement {
     std::string method;
-    std::string missing;  ///< why it says nothing; empty where it does
+    std::string missing;  ///< why it gives no result; empty where it does
     double judged_m_s = 0.0;
     double other_m_s = 0.0;
     double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
-    /// Difference over the root sum of squares of both expanded uncertainties (k = 2); at most 1
+    /// Difference over the root sum of squares of both expanded uncertainties (k = 2). At most 1
     /// means agreement (ISO/IEC 17043).
     double normalised_error = 0.0;
 
@@ -24,15 +24,15 @@ struct DeclaredAgreement {
     bool contradicts() const { return missing.empty() && !agrees(); }
 };
 
-/// What a second method that gives a figure says, as part of a sentence.
+/// The result of a second method that gives a figure, as part of a sentence.
 std::string second_method_text(const DeclaredAgreement& second);
 
-/// A speed that is judged: before the current is taken off, with its window.
+/// A judged speed, before the current is subtracted, with its window.
 struct JudgedSpeed {
     double speed_m_s = 0.0;
     double standard_uncertainty_m_s = 0.0;
     WindowSpan span;
-    bool over_course = false;  ///< from one line of the attempt's course to the other
+    bool over_course = false;  ///< between the lines of the attempt's course
 };
 
 /// Compares with a stated speed or, over a course, with that of declared times at its lines, which
@@ -40,92 +40,94 @@ struct JudgedSpeed {
 DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
                                    const std::optional<Course>& course);
 
-/// Speed through the water over a surveyed course: distance over elapsed time, less the current
-/// along the course (positive where it carries the craft on), in m/s. Reproduces the 500 m and
+/// Speed through the water over a surveyed course, in m/s: distance over elapsed time, minus the
+/// current along the course (positive where it carries the craft forward). Reproduces the 500 m and
 /// nautical mile speeds that the WSSRC printed. Failure (at "course") for numbers that are not
 /// finite, or a distance or time not above 0.
 double course_speed_m_s(double distance_m, double elapsed_s, double current_m_s);
 
-/// The run that holds the window, and what the data say of the course; or why they say nothing.
+/// The run that contains the window and the facts about its course, or the reason why there are
+/// none.
 struct CourseFindings {
     std::optional<CourseFacts> facts = std::nullopt;
     std::optional<CraftRun> run = std::nullopt;
     std::string missing = {};
 };
 
-/// One profile's figures, gathered for its clauses. Speeds in m/s.
+/// One profile's figures, gathered to decide its clauses. Speeds are in m/s.
 struct ClauseContext {
     const CheckInput& input;
     const Profile& profile;
     const ProfileWindows& windows;
-    std::optional<DeclaredAgreement> declared = std::nullopt;  ///< where a method is declared
+    std::optional<DeclaredAgreement> declared = std::nullopt;  ///< if a method is declared
     double coverage_factor = 2.0;
-    /// What the rule counts: of its windows, less the current where it subtracts that.
+    /// The speed that the rule counts: of its windows, minus the current where it subtracts that.
     std::optional<SpeedPosterior> speed = std::nullopt;
     std::optional<double> expanded_uncertainty_m_s = std::nullopt;
     const Record* record = nullptr;
     std::optional<Threshold> required_speed = std::nullopt;
     std::optional<Decision> decision = std::nullopt;
-    std::optional<ShownFigures> shown = std::nullopt;  ///< where there is a speed
+    std::optional<ShownFigures> shown = std::nullopt;  ///< if there is a speed
     CourseFindings course = {};
-    /// Of the window, beside its positions, in words: those that agree and are sure enough to
-    /// confirm it; and those that agree and are not.
+    /// Witnesses of the window other than its positions, in words: those that agree and are
+    /// accurate enough to confirm it, and those that agree and are not.
     std::vector<std::string> witnesses = {};
     std::vector<std::string> unsure_witnesses = {};
-    bool observed = false;  ///< whether a receiver's recording is among the first
+    bool observed = false;  ///< whether `witnesses` includes a receiver's recording
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
 
-/// Gathers a profile's figures: what its windows say, the record and the required speed, the
-/// probability that it is reached, course and craft, wind and current, second methods.
+/// Gathers a profile's figures: its windows, the record and the required speed, the conformance
+/// probability, course and craft, wind and current, second methods.
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows);
 
-/// The runs of a recording as the profile cuts them.
+/// The runs of a recording under the profile's thresholds.
 std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
 
-/// Whether a second measurement of that expanded uncertainty (k = 2, m/s) could have failed: it is
-/// at most three times that of the positions' speed, or of the margin over the record. One that is
-/// less sure agrees with whatever is claimed, and confirms nothing.
+/// Whether a second measurement with this expanded uncertainty (k = 2, m/s) could have failed. Its
+/// uncertainty must be at most three times that of the positions' speed, or of the margin over the
+/// record. A less accurate one agrees with whatever is claimed, and confirms nothing.
 bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& context);
 
-/// The same of a witness that agrees.
+/// Whether a witness that agrees could have failed.
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context);
 
 /// "at ± 9.00 km/h it is too uncertain to confirm".
 std::string too_uncertain_text(double expanded_uncertainty_m_s);
 
-/// What a witness says of the window, in words.
+/// The result of a witness for the window, in words.
 std::string witness_text(const WitnessedSpeed& one);
 
-/// What a witness of that kind is compared with.
+/// What a witness of this kind is compared with.
 std::string_view compared_with(WitnessKind kind);
 
-/// Which witness it is, with "the".
+/// The name of a witness, with "the".
 std::string witness_name(const WitnessedSpeed& one);
 
-/// The fastest speed that the recording shows, whatever of it can be certified, and where, in the
-/// rule's unit: "44.12 kn at 10:03:43.0 UTC". The windows must have one.
+/// The fastest speed that the recording shows, certifiable or not, and when, in the rule's unit:
+/// "44.12 kn at 10:03:43.0 UTC". The windows must have one.
 std::string indicated_text(const ClauseContext& context);
 
-/// The smallest drift (m/s) of the positions over the window that their tests would have found with
-/// the stated power; nothing where a witness was heard, or the rule takes recorded velocities.
+/// The smallest drift (m/s) of the positions over the window that their tests would have detected
+/// with the stated power. Empty where a witness was evaluated, or the rule uses recorded
+/// velocities.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 
-/// The windows of a profile among those of 5-windows. Failure where they were searched for another
-/// rule than the profile has now.
+/// The windows of a profile in 5-windows. Failure where they were searched under another rule than
+/// the profile now has.
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
 
-/// What a computation finds of a clause.
+/// A computation's finding on a clause.
 struct Finding {
     RequirementStatus status = RequirementStatus::not_met;
     std::string evidence;
     std::vector<Figure> figures = {};
-    bool observed = false;  ///< met by what was observed alone, whatever else is stated
+    bool observed = false;  ///< met by observed evidence alone, whatever else is stated
 };
 
-/// A figure that is compared with a clause's limit, in the limit's unit.
+/// A figure to compare with a clause's limit, in the limit's unit.
 struct Compared {
     std::string name;
     double value = 0.0;
@@ -133,19 +135,19 @@ struct Compared {
     std::string note = {};
 };
 
-/// Met or not met where the whole interval is on one side of the clause's limit, as its computation
-/// compares; to be attested in between.
+/// Met or not met where the whole interval is on one side of the clause's limit, by the comparison
+/// of its computation. Otherwise to be attested.
 Finding against_limit(const Compared& figure, const Clause& clause);
 
-/// To be attested, because it is not decidable from the recording.
+/// A finding to be attested, because it is not decidable from the recording.
 Finding unknown(std::string why);
 
-/// Decides one clause by the computation it names. What that finds met is only to be attested where
-/// it rests on something that nobody observed: the evidence then says on what.
+/// Decides one clause by the computation it names. A positive finding that depends on unobserved
+/// inputs is only to be attested, and the evidence then names them.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 
-/// The clauses that are asked under a rule: its own, and of this program's those that it does not
-/// ask itself and for which the attempt states or hands in something.
+/// The clauses required under a rule: its own, and those of this program that the rule lacks and
+/// for which the attempt states or hands in something.
 std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt);
 
 /// What an official answers for in that clause: stated or handed in, observed by nobody.
@@ -154,10 +156,10 @@ std::vector<AttemptInput> inputs_answered_in(const Clause& clause, const ClauseC
 /// Inputs with their values, as evidence.
 std::string stated_text(const std::vector<AttemptInput>& inputs);
 
-/// All inputs of an attempt, with the clauses in which they are answered for.
+/// All inputs of an attempt, with the clauses in which an official answers for them.
 std::vector<VerdictInput> verdict_inputs(const CheckInput& input);
 
-/// A function for each word of the profile's schema: what decides the clause.
+/// A function for each computation in the profile's schema. It decides the clause.
 namespace computation {
 #define RUNCERT_DECLARE(word) Finding word(const Clause& clause, const ClauseContext& context);
 RUNCERT_EACH_COMPUTATION(RUNCERT_DECLARE)

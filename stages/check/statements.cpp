@@ -29,7 +29,7 @@ std::vector<std::string> at_bounds(const NoiseSummary& noise) {
     return names;
 }
 
-/// Why nothing was fitted, and what stands in its place.
+/// Why nothing was fitted, and what is used instead.
 std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     const std::string instead = fmt::format(
         "the stated standard deviations times {:.2f} and a jerk density of {:.3g} m s^-2.5 were "
@@ -138,7 +138,7 @@ void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
             noise.stated_sigma_m * 1e3);
 }
 
-/// Where [GUM] and [GUM-S1] do not agree.
+/// Adds where [GUM] and [GUM-S1] disagree.
 void add_propagation(const ReceiverFindings& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
@@ -250,14 +250,14 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
         velocity.compared, velocity.scale_m_s, delay, velocity.rejected);
 }
 
-/// What a witness says of the displacements.
+/// Adds a witness's finding on the displacements.
 void add_displacements(const DisplacementComparison& found, Statements& statements) {
-    // Of the other receiver its own statement says what the vector between the antennas does.
+    // For the other receiver, the vector between the antennas has its own statement.
     if (found.kind == WitnessKind::receiver && found.rejected == 0) return;
     statements.push_back(displacement_comparison_text(found) + ".");
 }
 
-/// What else than positions tests for slow drifts, in words; empty where nothing does.
+/// Tests for slow drifts other than those by positions, in words. Empty where there are none.
 std::string slow_drift_tests(const ScreeningBasis& tests) {
     std::vector<std::string> names;
     if (tests.velocity && tests.velocity->compared > 0)
@@ -268,7 +268,7 @@ std::string slow_drift_tests(const ScreeningBasis& tests) {
     return listed(names);
 }
 
-/// What the other receiver says of this one's positions.
+/// Adds the other receiver's finding on this one's positions.
 void add_baseline(const BaselineComparison& baseline, Statements& statements) {
     if (baseline.compared == 0) {
         say(statements,
@@ -291,7 +291,8 @@ void add_baseline(const BaselineComparison& baseline, Statements& statements) {
                                                : ".");
 }
 
-/// From positions alone a slow drift cannot be told from motion: what else checks it is said.
+/// Positions alone cannot distinguish a slow drift from motion. This states what else checks for
+/// it.
 void add_drift(const ReceiverFindings& judged, Statements& statements) {
     const std::string others = slow_drift_tests(judged.tests);
     for (const ProfileWindows& windows : judged.windows.profiles) {
@@ -311,8 +312,8 @@ void add_drift(const ReceiverFindings& judged, Statements& statements) {
     }
 }
 
-/// The row of undetected errors makes the interval one for all runs: what it holds for a run that
-/// has the largest of them, which is another question, is said.
+/// The row of undetected errors makes the interval valid over all runs. For a run with the largest
+/// such error it is a different question, which this answers.
 void add_undetected(const CheckInput& input, Statements& statements) {
     for (const ProfileWindows& windows : input.judged.windows.profiles) {
         const auto profile =

@@ -25,7 +25,7 @@ void require_not_negative(double value, const char* name) {
 
 struct SpeedToReach {
     double speed_m_s = 0.0;
-    double derivative = 1.0;  ///< by the speed it is taken above
+    double derivative = 1.0;  ///< with respect to the speed to which the margin is added
 };
 
 SpeedToReach faster_over_the_course(const MarginRule& rule, double speed_m_s) {

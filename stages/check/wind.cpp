@@ -20,7 +20,7 @@ Vector2d unit_towards(double direction_deg) {
             std::cos(direction_deg / degrees_per_radian)};
 }
 
-/// Where the air or the water moves to, m/s towards east and north.
+/// The velocity of the air or the water, m/s, east and north.
 Vector2d velocity_of(const SeriesSample& sample, FlowKind kind) {
     return (kind == FlowKind::wind ? -1.0 : 1.0) * sample.value *
            unit_towards(sample.direction_deg);
@@ -36,14 +36,14 @@ FlowAt between(const SeriesSample& a, const SeriesSample& b, FlowKind kind, doub
     return {time_s, (1.0 - part) * velocity_of(a, kind) + part * velocity_of(b, kind)};
 }
 
-/// Why the series does not cover the window; empty where it does. `from` is the last sample not
-/// after its start, `to` the first not before its end.
+/// Why the series does not cover the window. Empty where it does. `from` is the last sample at or
+/// before the window's start, `to` the first at or after its end.
 std::string gap_in(const MeasuredSeries& series, double start_s, double end_s, std::size_t from,
                    std::size_t to, double max_spacing_s) {
     const double longest_s = max_spacing_s + 1e-6;  // times are sums of binary fractions
     for (std::size_t i = from; i < to; ++i) {
         const double before_s = series.samples[i].time_s, after_s = series.samples[i + 1].time_s;
-        // The instants of the window between the two that are farthest from one of them.
+        // The instants of the window between the two samples that are farthest from one of them.
         if (std::min(after_s, end_s) - before_s > longest_s ||
             after_s - std::max(before_s, start_s) > longest_s)
             return fmt::format(

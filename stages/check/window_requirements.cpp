@@ -52,7 +52,7 @@ std::string_view what_decides(Reason reason, const ReceiverFindings& judged) {
     }
 }
 
-/// Why no epoch is usable: the three commonest reasons, with the first epoch of each.
+/// Why no epoch is usable: the three most frequent reasons, with the first epoch of each.
 std::string nothing_usable(const ReceiverFindings& judged) {
     constexpr std::size_t named = 3;
     const ScreeningSummary& screening = judged.screening;
@@ -106,8 +106,8 @@ std::string no_window(const ClauseContext& context) {
     return evidence;
 }
 
-/// The times at which the lines of a course were crossed, from the first epoch: a position error is
-/// one of time at the craft's speed. The epoch beside a crossing stands for it.
+/// The times at which the lines of a course were crossed, since the first epoch. A position error
+/// is one of time at the craft's speed. The epoch next to a crossing represents it.
 std::vector<Figure> crossing_figures(const ClauseContext& context) {
     const CertifiableWindow& best = *context.windows.best;
     std::vector<Figure> figures;
@@ -157,7 +157,7 @@ Finding computation::window_complete(const Clause&, const ClauseContext& context
     return {RequirementStatus::met, std::move(evidence), std::move(figures)};
 }
 
-/// Whether what the recording shows to be fastest is what was certified.
+/// Decides whether the fastest speed that the recording shows is the certified one.
 Finding computation::fastest_certifiable(const Clause&, const ClauseContext& context) {
     const auto& best = context.windows.best;
     if (!best) return {RequirementStatus::not_met, "there is no certifiable window"};
@@ -173,7 +173,7 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
                     fmt::join(indicated->refusals, ", "));
     std::vector<Figure> figures{
         {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
-    // What its own epochs state makes so much of it worthless.
+    // The standard deviations stated by its own epochs make this much of it worthless.
     if (indicated->speed_m_s - indicated->stated_expanded_uncertainty_m_s <= least_m_s)
         return {RequirementStatus::met, words + ", which shows no more than the certified one",
                 std::move(figures)};

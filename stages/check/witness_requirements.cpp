@@ -15,7 +15,7 @@
 namespace runcert {
 namespace {
 
-/// Sets the other speed from times at the lines, or why there is none.
+/// Sets the other speed from times at the lines, or the reason why there is none.
 void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
                     const std::optional<Course>& course, DeclaredAgreement& agreement) {
     constexpr double same_crossing_s = 2.0;
@@ -45,7 +45,7 @@ void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes&
         elapsed_s;
 }
 
-/// Why the second receiver says nothing of the window.
+/// Why the second receiver says nothing about the window.
 std::string_view silence_of_receiver(const CheckInput& input) {
     const auto& baseline = input.judged.tests.baseline;
     if (baseline && baseline->same_errors)
@@ -57,7 +57,7 @@ std::string_view silence_of_receiver(const CheckInput& input) {
     return "has no estimate over the whole of that time without a break or a step";
 }
 
-/// By the normalised error; what agrees is met only where it could have failed.
+/// Decides by the normalised error. Agreement meets the clause only where it could have failed.
 RequirementStatus status_of(double normalised_error, bool could_fail) {
     if (normalised_error > 1.0) return RequirementStatus::not_met;
     return could_fail ? RequirementStatus::met : RequirementStatus::attest;
@@ -69,7 +69,7 @@ std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context)
                : "; " + too_uncertain_text(expanded_uncertainty_m_s);
 }
 
-/// What the second receiver says.
+/// The second receiver's finding.
 Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
     if (!context.windows.best)
@@ -92,7 +92,7 @@ Finding by_receiver(const ClauseContext& context) {
             {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
 }
 
-/// What the method says that the attempt declares.
+/// The finding of the method that the attempt declares.
 Finding by_declaration(const ClauseContext& context) {
     if (!context.declared)
         return {RequirementStatus::not_met, "there is no certifiable window to compare"};
@@ -113,7 +113,7 @@ Finding by_declaration(const ClauseContext& context) {
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
-/// What witnesses of the same receiver say: they meet the clause where it accepts them.
+/// The finding of witnesses of the same receiver, which meet the clause where it accepts them.
 Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
     Finding finding{RequirementStatus::attest, {}};
     if (context.windows.best)
@@ -141,7 +141,7 @@ std::string shown_speed(const ClauseContext& context) {
     return "; the recorded velocities show " + indicated_text(context);
 }
 
-/// What the positions say of the windows that the speed is made of: the one that agrees least.
+/// The positions' result for the windows of the speed: the one that agrees least.
 std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
     std::optional<WitnessedSpeed> least;
     const auto hear = [&](const std::vector<WitnessedSpeed>& witnesses) {
@@ -156,8 +156,8 @@ std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
     return least;
 }
 
-/// By how much the speeds are behind the positions all over the stretch that holds the window, in
-/// words; empty where nothing tells it.
+/// The delay of the speeds relative to the positions over the stretch that contains the window, in
+/// words. Empty where it is undetermined.
 std::string delay_there(const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     if (!velocity) return {};
@@ -174,7 +174,7 @@ std::string delay_there(const ClauseContext& context) {
                        there->first_epoch, there->last_epoch, delay_words(there->delay_s));
 }
 
-/// Why the velocities are no source of any speed; empty where they are.
+/// Why the velocities cannot be used for any speed. Empty where they can.
 std::string unfit(const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     if (!velocity || !velocity->unfit) return {};
@@ -245,7 +245,7 @@ Finding computation::recorded_speeds(const Clause&, const ClauseContext& context
         return {RequirementStatus::not_met,
                 fmt::format("{}: one of the two is wrong{}", evidence, shown_speed(context)),
                 figures};
-    // Positions that may be half as fast, or half as fast again, agree with anything.
+    // Positions that allow half the speed, or half as much again, agree with anything.
     constexpr double says_nothing = 0.5;
     const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
     if (expanded_m_s > says_nothing * (one->speed_m_s + one->difference_m_s))

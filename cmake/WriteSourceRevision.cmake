@@ -13,7 +13,7 @@ else()
   endif()
 endif()
 file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
-"#include \"files/program.h\"
+"#include \"store/program.h\"
 namespace runcert {
 const char* program_version() { return \"@VERSION@\"; }
 const char* source_revision() { return \"@revision@\"; }

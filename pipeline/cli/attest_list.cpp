@@ -9,7 +9,7 @@
 #include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
 

@@ -1,4 +1,4 @@
-#include "batch/batch.h"
+#include "make/batch.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,14 +8,14 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "batch/memory_budget.h"
-#include "batch/slurm.h"
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/process.h"
+#include "make/memory_budget.h"
+#include "make/slurm.h"
 #include "reports/diff/day_difference.h"
 #include "schemas/day/day.h"
+#include "store/process.h"
 #include "trust/signing.h"
 
 namespace runcert {

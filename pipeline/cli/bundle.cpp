@@ -8,8 +8,8 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "core/plain_text.h"
-#include "files/atomic_file.h"
 #include "run/run_lock.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 namespace {

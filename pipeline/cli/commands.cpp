@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "files/process.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
+#include "store/process.h"
 #include "trust/signature_files.h"
 
 namespace runcert {

@@ -5,7 +5,7 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signing.h"

@@ -4,9 +4,9 @@
 
 #include "commands.h"
 #include "core/text.h"
-#include "files/external_program.h"
-#include "files/program.h"
 #include "run/stage_main.h"
+#include "store/external_program.h"
+#include "store/program.h"
 
 using namespace runcert;
 

@@ -7,11 +7,11 @@
 
 #include "core/failure.h"
 #include "core/plain_text.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
-#include "files/program.h"
 #include "run/chain.h"
 #include "schemas/products/products.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
+#include "store/program.h"
 
 namespace runcert {
 namespace {

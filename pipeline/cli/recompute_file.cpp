@@ -4,12 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
-#include "files/program.h"
 #include "recompute.h"
 #include "reports/diff/table_comparison.h"
 #include "schemas/products/products.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
+#include "store/program.h"
 
 namespace runcert {
 namespace {

@@ -6,13 +6,13 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/simulation/simulation.h"
 #include "simulation/raw_measurements.h"
 #include "simulation/recording_text.h"
 #include "stages/import/rinex/rinex.h"
+#include "store/atomic_file.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 namespace {

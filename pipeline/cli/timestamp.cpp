@@ -5,9 +5,9 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "run/run_lock.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 #include "trust/signature_files.h"
 #include "trust/time_stamp.h"
 #include "trust/verification.h"

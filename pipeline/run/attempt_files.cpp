@@ -9,7 +9,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "files/atomic_file.h"
-#include "files/measured_series.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
+#include "store/atomic_file.h"
+#include "store/measured_series.h"
 
 namespace runcert {
 

@@ -8,8 +8,8 @@
 #include "core/failure.h"
 #include "core/rounding.h"
 #include "core/text.h"
-#include "files/program.h"
-#include "files/yaml_output.h"
+#include "store/program.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 namespace {

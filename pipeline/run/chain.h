@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "files/file_sync.h"
-#include "files/process.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
+#include "store/file_sync.h"
+#include "store/process.h"
 
 namespace runcert {
 

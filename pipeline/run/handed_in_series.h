@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "files/measured_series.h"
 #include "run/stage_run.h"
+#include "store/measured_series.h"
 
 namespace runcert {
 

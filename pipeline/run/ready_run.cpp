@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/record_key.h"
-#include "files/sha256.h"
 #include "run/run_lock.h"
+#include "store/record_key.h"
+#include "store/sha256.h"
 
 namespace runcert {
 namespace {

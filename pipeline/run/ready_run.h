@@ -1,6 +1,6 @@
 #pragma once
 
-#include "files/folder.h"
+#include "store/folder.h"
 
 // A new run that is put in a run folder's place file by file (staging_folder.h). It lies whole in a
 // folder in it until all are.

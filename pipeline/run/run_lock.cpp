@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "files/record_key.h"
+#include "store/record_key.h"
 
 namespace runcert {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/folder.h"
+#include "store/folder.h"
 
 namespace runcert {
 

@@ -12,8 +12,8 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/text.h"
-#include "files/program.h"
 #include "run/run_lock.h"
+#include "store/program.h"
 
 namespace runcert {
 namespace {

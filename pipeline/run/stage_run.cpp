@@ -6,11 +6,11 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
-#include "files/sha256.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
+#include "store/sha256.h"
 
 namespace runcert {
 namespace {

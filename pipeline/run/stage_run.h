@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-#include "files/atomic_file.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
 #include "schemas/common/product_files.h"
 #include "schemas/profile/profile.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 

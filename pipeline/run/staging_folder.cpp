@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/file_sync.h"
-#include "files/record_key.h"
-#include "files/sha256.h"
 #include "run/ready_run.h"
+#include "store/atomic_file.h"
+#include "store/file_sync.h"
+#include "store/record_key.h"
+#include "store/sha256.h"
 
 namespace runcert {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "files/folder.h"
 #include "run/run_lock.h"
+#include "store/folder.h"
 
 namespace runcert {
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/base64.h"
-#include "files/sha256.h"
+#include "store/base64.h"
+#include "store/sha256.h"
 #include "trust/signature_text.h"
 #include "trust/ssh_signature.h"
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/folder.h"
+#include "store/folder.h"
 #include "trust/signature.h"
 
 // What an official signs for: answers to requirements of a report, or that it was recomputed. It is

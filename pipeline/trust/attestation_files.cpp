@@ -4,7 +4,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 #include "trust/attestation.h"
 #include "trust/signature_files.h"
 

@@ -8,9 +8,9 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/archive.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
+#include "store/archive.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 #include "trust/attestation.h"
 #include "trust/roster.h"
 #include "trust/signature.h"

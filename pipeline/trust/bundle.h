@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "files/archive.h"
-#include "files/process.h"
+#include "store/archive.h"
+#include "store/process.h"
 
 namespace runcert {
 

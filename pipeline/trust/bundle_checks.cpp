@@ -6,10 +6,10 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/archive.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
 #include "schemas/products/products.h"
+#include "store/archive.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 #include "trust/bundle.h"
 #include "trust/verification.h"
 

@@ -5,10 +5,10 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/archive.h"
-#include "files/atomic_file.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
+#include "store/archive.h"
+#include "store/atomic_file.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
 #include "trust/roster.h"

@@ -8,8 +8,8 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/text.h"
-#include "files/pattern.h"
 #include "schemas/common/role_signatures.h"
+#include "store/pattern.h"
 #include "trust/signature_text.h"
 
 namespace runcert {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "files/utc_second.h"
 #include "schemas/common/role_signatures.h"
+#include "store/utc_second.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
 

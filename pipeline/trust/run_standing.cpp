@@ -9,8 +9,8 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "files/sha256.h"
 #include "schemas/verdict/declared.h"
+#include "store/sha256.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
 

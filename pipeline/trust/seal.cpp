@@ -5,8 +5,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
 #include "trust/bundle.h"
 #include "trust/ssh_signature.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/utc_second.h"
+#include "store/utc_second.h"
 
 /// Ed25519 signatures in minisign's file formats, prehashed with BLAKE2b-512 ("ED"):
 /// https://jedisct1.github.io/minisign/#signature-format. `minisign -Vm FILE -p KEY.pub` accepts

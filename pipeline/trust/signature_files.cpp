@@ -9,11 +9,11 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
 #include "run/attempt_files.h"
 #include "run/run_lock.h"
 #include "schemas/products/products.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 #include "trust/attestation.h"
 #include "trust/verification.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/folder.h"
+#include "store/folder.h"
 
 namespace runcert {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/base64.h"
+#include "store/base64.h"
 
 /// What minisign's key and signature files have in common. For the sources of this folder alone.
 namespace runcert::signature_text {

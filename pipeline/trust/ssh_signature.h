@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/utc_second.h"
+#include "store/utc_second.h"
 
 /// Signatures by `ssh-keygen -Y sign`:
 /// https://github.com/openssh/openssh-portable/blob/master/PROTOCOL.sshsig

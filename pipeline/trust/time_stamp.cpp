@@ -8,8 +8,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
 #include "trust/signature_text.h"
 
 namespace runcert {

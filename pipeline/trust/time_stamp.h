@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/utc_second.h"
+#include "store/utc_second.h"
 
 /// Time stamps of RFC 3161, by the program openssl: an authority signs the hash of a file together
 /// with the time at which it saw it.

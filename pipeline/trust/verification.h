@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/utc_second.h"
+#include "store/utc_second.h"
 #include "trust/roster.h"
 #include "trust/signature_files.h"
 

@@ -6,15 +6,15 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
-#include "files/yaml_input.h"
 #include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
 #include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
+#include "store/yaml_input.h"
 #include "trust/verification.h"
 
 // report.json against the files that it vouches for: whoever signs it may have written it by hand.

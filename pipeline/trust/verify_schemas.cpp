@@ -6,15 +6,15 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
-#include "files/yaml_output.h"
 #include "run/attempt_files.h"
 #include "schemas/common/document.h"
 #include "schemas/common/product_files.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
 #include "schemas/verdict/verdict.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
+#include "store/yaml_output.h"
 #include "trust/verification.h"
 
 namespace runcert {

@@ -5,8 +5,8 @@
 #include <map>
 #include <vector>
 
-#include "estimation/noise_fit.h"
-#include "estimation/smoother.h"
+#include "motion/noise_fit.h"
+#include "motion/smoother.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

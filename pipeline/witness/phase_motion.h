@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/phase_record.h"
-#include "estimation/phase_screening.h"
+#include "satellites/phase_record.h"
+#include "satellites/phase_screening.h"
 #include "witness/phase_witness.h"
 #include "witness/witness.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "estimation/phase_record.h"
+#include "satellites/phase_record.h"
 #include "schemas/phase/phase.h"
 
 namespace runcert {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "estimation/phase_displacement.h"
+#include "satellites/phase_displacement.h"
 #include "satellites/point_solution.h"
 
 namespace runcert {

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/phase_record.h"
-#include "estimation/phase_screening.h"
+#include "satellites/phase_record.h"
+#include "satellites/phase_screening.h"
 
 namespace runcert {
 

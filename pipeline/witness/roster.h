@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "estimation/speed_mixture.h"
-#include "files/measured_series.h"
+#include "motion/speed_mixture.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
+#include "store/measured_series.h"
 #include "witness/copies.h"
 #include "witness/phase_motion.h"
 #include "witness/track.h"

@@ -9,9 +9,9 @@
 
 #include "core/geodesy.h"
 #include "core/gps_time.h"
-#include "estimation/phase_pairs.h"
-#include "estimation/phase_record.h"
-#include "estimation/phase_screening.h"
+#include "satellites/phase_pairs.h"
+#include "satellites/phase_record.h"
+#include "satellites/phase_screening.h"
 #include "schemas/enu/enu.h"
 #include "schemas/screened_phase/screened_phase.h"
 #include "witness/phase_motion.h"

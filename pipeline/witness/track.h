@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 

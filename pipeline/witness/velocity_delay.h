@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 
 // Estimates the delay of recorded velocities relative to the positions, for the velocity check.
 

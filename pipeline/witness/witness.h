@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "estimation/motion_model.h"
+#include "motion/motion_model.h"
 
 namespace runcert {
 

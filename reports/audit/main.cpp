@@ -6,12 +6,12 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
 #include "reports/audit/record.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "schemas/common/product_files.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
 
 using namespace runcert;
 

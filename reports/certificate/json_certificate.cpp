@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/rounding.h"
-#include "files/program.h"
 #include "reports/certificate/json_parts.h"
+#include "store/program.h"
 
 namespace runcert {
 namespace {

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "files/atomic_file.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
@@ -12,6 +11,7 @@
 #include "run/stage_main.h"
 #include "schemas/phase/phase.h"
 #include "schemas/screened_phase/screened_phase.h"
+#include "store/atomic_file.h"
 #include "trust/attestation.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"

@@ -9,9 +9,9 @@
 
 #include "core/failure.h"
 #include "core/plain_text.h"
-#include "files/base64.h"
-#include "files/sha256.h"
 #include "reports/certificate/report_json.h"
+#include "store/base64.h"
+#include "store/sha256.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
 

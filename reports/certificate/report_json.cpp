@@ -5,10 +5,6 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "files/external_program.h"
-#include "files/program.h"
-#include "files/sha256.h"
-#include "files/yaml_output.h"
 #include "reports/certificate/json_figures.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/report_html.h"
@@ -16,6 +12,10 @@
 #include "reports/words/outcome.h"
 #include "schemas/common/document.h"
 #include "schemas/products/products.h"
+#include "store/external_program.h"
+#include "store/program.h"
+#include "store/sha256.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 namespace {

@@ -2,9 +2,9 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
 #include "reports/certificate/report_run.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
 
 namespace runcert {
 

@@ -6,9 +6,9 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
 #include "reports/certificate/report_json.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 
 namespace runcert {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "estimation/smoother.h"
+#include "motion/smoother.h"
 #include "reports/compare/recorded_velocity.h"
 #include "schemas/enu/measured_position.h"
 #include "witness/arcs.h"

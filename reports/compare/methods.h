@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/noise_fit.h"
+#include "motion/noise_fit.h"
 #include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

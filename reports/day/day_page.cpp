@@ -5,10 +5,10 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/prose.h"
-#include "files/base64.h"
-#include "files/sha256.h"
 #include "reports/day/day.h"
 #include "reports/day/page_parts.h"
+#include "store/base64.h"
+#include "store/sha256.h"
 
 namespace runcert {
 

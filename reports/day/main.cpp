@@ -4,13 +4,13 @@
 
 #include "core/failure.h"
 #include "core/prose.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
-#include "files/sha256.h"
 #include "reports/day/day.h"
 #include "reports/day/day_list.h"
 #include "reports/day/shared_recordings.h"
 #include "run/stage_main.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
+#include "store/sha256.h"
 #include "trust/run_standing.h"
 
 using namespace runcert;

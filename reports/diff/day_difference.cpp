@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 namespace {

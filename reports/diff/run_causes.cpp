@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
 #include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
 #include "run/attempt_files.h"
@@ -16,6 +15,7 @@
 #include "run/steps.h"
 #include "schemas/common/header.h"
 #include "schemas/products/products.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 namespace {

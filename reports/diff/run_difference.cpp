@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
 #include "run/attempt_files.h"
 #include "run/stage_run.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 
 namespace runcert {
 namespace {

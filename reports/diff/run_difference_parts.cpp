@@ -7,8 +7,8 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "core/uncertainty.h"
-#include "files/ecsv.h"
 #include "reports/diff/run_difference.h"
+#include "store/ecsv.h"
 
 namespace runcert {
 namespace {

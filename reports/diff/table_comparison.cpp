@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "files/ecsv.h"
+#include "store/ecsv.h"
 
 namespace runcert {
 namespace {

@@ -3,9 +3,9 @@
 
 #include "core/failure.h"
 #include "core/gps_time.h"
-#include "files/ecsv.h"
 #include "reports/diff/table_comparison.h"
 #include "schemas/common/header.h"
+#include "store/ecsv.h"
 
 namespace runcert {
 namespace {

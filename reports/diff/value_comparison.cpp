@@ -8,7 +8,7 @@
 
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "files/document_schema.h"
+#include "store/document_schema.h"
 
 namespace runcert {
 namespace {

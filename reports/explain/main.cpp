@@ -4,12 +4,12 @@
 #include <filesystem>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
 #include "reports/explain/explain.h"
 #include "reports/explain/parts.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
 #include "trust/attestation.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"

@@ -9,8 +9,8 @@
 
 #include "core/plain_text.h"
 #include "core/text.h"
-#include "files/ecsv.h"
 #include "reports/export/export.h"
+#include "store/ecsv.h"
 
 namespace runcert {
 namespace {

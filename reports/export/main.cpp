@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/program.h"
 #include "reports/export/export.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "store/atomic_file.h"
+#include "store/program.h"
 
 using namespace runcert;
 

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "files/held_json.h"
 #include "schemas/attempt/declared.h"
 #include "schemas/common/header.h"
+#include "store/held_json.h"
 
 namespace runcert {
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "files/yaml_input.h"
+#include "store/yaml_input.h"
 
 namespace runcert {
 

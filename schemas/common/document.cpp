@@ -7,8 +7,8 @@
 #include "core/plain_text.h"
 #include "core/rounding.h"
 #include "core/text.h"
-#include "files/yaml_output.h"
 #include "schemas/common/revision.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/gps_time.h"
-#include "files/document_schema.h"
-#include "files/held_json.h"
+#include "store/document_schema.h"
+#include "store/held_json.h"
 
 namespace runcert {
 

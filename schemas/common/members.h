@@ -9,9 +9,9 @@
 
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "files/yaml_input.h"
 #include "schemas/common/codec.h"
 #include "schemas/common/header.h"
+#include "store/yaml_input.h"
 
 // How generated codecs convert a member of a struct to an entry of a document's map, and back. An
 // enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.

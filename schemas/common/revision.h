@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "files/document_schema.h"
+#include "store/document_schema.h"
 
 // A schema's version is MODEL.REVISION. A revision only adds. A field or column that was not in 1.0
 // is marked `since: "1.1"` in the field table, and everything inside such a field belongs to that

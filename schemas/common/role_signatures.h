@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/yaml_input.h"
+#include "store/yaml_input.h"
 
 namespace runcert {
 

@@ -6,7 +6,7 @@
 
 #include "core/geodetic.h"
 #include "core/gps_time.h"
-#include "files/yaml_input.h"
+#include "store/yaml_input.h"
 
 // Checks of texts that a field table cannot express. Each reader fails at the value's place.
 namespace runcert {

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "files/yaml_output.h"
 #include "schemas/common/revision.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 namespace {

@@ -15,9 +15,9 @@
 #include "core/failure.h"
 #include "core/optional_number.h"
 #include "core/satellite.h"
-#include "files/ecsv.h"
 #include "schemas/common/document.h"
 #include "schemas/common/header.h"
+#include "store/ecsv.h"
 
 namespace runcert {
 

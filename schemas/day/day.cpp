@@ -8,11 +8,11 @@
 #include <set>
 
 #include "core/text.h"
-#include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/document.h"
 #include "schemas/common/strict_texts.h"
 #include "schemas/day/merge.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/document_schema.h"
-#include "files/held_json.h"
+#include "store/document_schema.h"
+#include "store/held_json.h"
 
 namespace runcert {
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "files/yaml_input.h"
+#include "store/yaml_input.h"
 
 namespace runcert {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 namespace runcert {
 namespace {

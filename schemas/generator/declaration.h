@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "files/yaml_input.h"
+#include "store/yaml_input.h"
 
 // The declaration of a product (`schemas/PRODUCT/v1.yaml`): every field, map, column and word once,
 // from which the build writes the structs, their readers and writers, and the field table.

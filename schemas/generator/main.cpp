@@ -6,8 +6,8 @@
 
 #include <exception>
 
-#include "files/write_if_changed.h"
 #include "schemas/generator/declaration.h"
+#include "store/write_if_changed.h"
 
 int main(int argc, char** argv) {
     try {

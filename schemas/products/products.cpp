@@ -8,8 +8,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/ecsv.h"
-#include "files/yaml_input.h"
 #include "schemas/common/product_files.h"
 #include "schemas/common/table.h"
 #include "schemas/enu/enu.h"
@@ -20,6 +18,8 @@
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
+#include "store/ecsv.h"
+#include "store/yaml_input.h"
 
 namespace runcert {
 

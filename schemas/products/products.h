@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
-#include "files/document_schema.h"
 #include "schemas/common/header.h"
+#include "store/document_schema.h"
 
 /// The stages' products as files: what tells one that any program can read from one that this
 /// cannot.

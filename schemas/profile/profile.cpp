@@ -8,8 +8,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/sha256.h"
 #include "schemas/common/document.h"
+#include "store/sha256.h"
 
 namespace runcert {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/speed_unit.h"
-#include "files/document_schema.h"
 #include "schemas/profile/declared.h"
+#include "store/document_schema.h"
 
 namespace runcert {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "files/document_schema.h"
-#include "files/held_json.h"
 #include "schemas/simulation/declared.h"
+#include "store/document_schema.h"
+#include "store/held_json.h"
 
 namespace runcert {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "core/rounding.h"
-#include "estimation/speed_mixture.h"
+#include "motion/speed_mixture.h"
 #include "schemas/profile/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "files/measured_series.h"
+#include "store/measured_series.h"
 
 namespace runcert {
 

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "core/plain_text.h"
-#include "files/atomic_file.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
@@ -15,6 +14,7 @@
 #include "stages/import/phase_table.h"
 #include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
+#include "store/atomic_file.h"
 
 using namespace runcert;
 

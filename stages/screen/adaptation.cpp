@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "stages/screen/stretch_tests.h"
 #include "witness/arcs.h"
 

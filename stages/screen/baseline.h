@@ -1,6 +1,6 @@
 #pragma once
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "stages/screen/screen.h"
 #include "stages/screen/test_plan.h"
 

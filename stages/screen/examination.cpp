@@ -8,7 +8,7 @@
 #include "core/parallel.h"
 #include "core/rounding.h"
 #include "core/statistics.h"
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 

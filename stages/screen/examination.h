@@ -2,7 +2,7 @@
 
 #include <map>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/noise.h"
 #include "witness/arcs.h"

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "core/statistics.h"
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 

@@ -2,11 +2,11 @@
 
 #include <optional>
 
-#include "files/atomic_file.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/screen/phases.h"
 #include "stages/screen/screen.h"
+#include "store/atomic_file.h"
 #include "witness/phase_rows.h"
 
 using namespace runcert;

@@ -5,7 +5,7 @@
 
 #include "core/rounding.h"
 #include "core/statistics.h"
-#include "estimation/noise_fit.h"
+#include "motion/noise_fit.h"
 #include "witness/arcs.h"
 
 namespace runcert {

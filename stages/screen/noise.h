@@ -1,6 +1,6 @@
 #pragma once
 
-#include "estimation/motion_model.h"
+#include "motion/motion_model.h"
 #include "stages/screen/screen.h"
 
 namespace runcert {

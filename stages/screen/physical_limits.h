@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "schemas/screened/screened.h"
 
 namespace runcert {

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "stages/screen/screen.h"
 
 namespace runcert {

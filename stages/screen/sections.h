@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 
 namespace runcert {
 

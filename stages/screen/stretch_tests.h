@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/statistics.h"
-#include "estimation/diagnosis.h"
+#include "motion/diagnosis.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/sections.h"
 #include "stages/screen/test_plan.h"

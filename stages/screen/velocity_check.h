@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/epoch_motion.h"
+#include "motion/epoch_motion.h"
 #include "schemas/screened/screened.h"
 
 namespace runcert {

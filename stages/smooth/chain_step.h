@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 
 namespace runcert {
 

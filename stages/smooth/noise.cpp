@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/rounding.h"
-#include "estimation/local_motion.h"
+#include "motion/local_motion.h"
 #include "witness/arcs.h"
 
 namespace runcert {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "stages/smooth/chain_step.h"
 
 namespace runcert {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "estimation/noise_fit.h"
+#include "motion/noise_fit.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

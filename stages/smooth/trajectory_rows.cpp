@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
-#include "estimation/motion_smoother.h"
-#include "estimation/speed.h"
+#include "motion/motion_smoother.h"
+#include "motion/speed.h"
 #include "stages/smooth/dhd22.h"
 
 namespace runcert {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "schemas/trajectory/trajectory.h"
 #include "witness/arcs.h"
 

@@ -8,7 +8,7 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
-#include "estimation/speed.h"
+#include "motion/speed.h"
 #include "stages/window/budget.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"

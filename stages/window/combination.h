@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/speed_mixture.h"
+#include "motion/speed_mixture.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"

@@ -6,7 +6,7 @@
 
 #include "core/accuracy_measures.h"
 #include "core/uncertainty.h"
-#include "estimation/sensitivity.h"
+#include "motion/sensitivity.h"
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {

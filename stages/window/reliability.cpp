@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/diagnosis.h"
+#include "motion/diagnosis.h"
 #include "witness/arcs.h"
 
 namespace runcert {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "estimation/likelihood.h"
+#include "motion/likelihood.h"
 
 namespace runcert {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "estimation/linear_smoother.h"
+#include "motion/linear_smoother.h"
 #include "stages/window/selection.h"
 
 namespace runcert {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/speed.h"
+#include "motion/speed.h"
 #include "schemas/profile/declared.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"

@@ -10,7 +10,7 @@
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
-#include "estimation/speed.h"
+#include "motion/speed.h"
 
 namespace runcert {
 

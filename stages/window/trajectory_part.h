@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/certify.h"

@@ -11,9 +11,9 @@
 #include "batch_table.h"
 #include "core/failure.h"
 #include "day_support.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "measured_call.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 // What a day costs: made of simulated recordings in a temporary folder, certified by the program as
 // a user runs it.

@@ -8,10 +8,10 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "estimation/smoother.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
+#include "motion/smoother.h"
 #include "simulated_arc.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 #include "witness/arcs.h"
 
 // `runcert certify --no-render` of what people hand in: a race car's VBO at 25 Hz and a skydiver's

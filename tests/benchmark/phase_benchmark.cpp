@@ -1,11 +1,11 @@
 #include <benchmark/benchmark.h>
 
-#include "estimation/phase_screening.h"
-#include "files/atomic_file.h"
-#include "files/sha256.h"
+#include "satellites/phase_screening.h"
 #include "simulation/raw_measurements.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/rinex.h"
+#include "store/atomic_file.h"
+#include "store/sha256.h"
 #include "witness/phase_rows.h"
 #include "witness/phase_witness.h"
 

@@ -12,10 +12,10 @@
 #include "core/angle.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "stages/import/import.h"
 #include "stages/import/novatel/log.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 // How fast recordings are read (MB/s, 10^6 bytes), how much heap that takes for each epoch at its
 // peak, and how much longer gpsbabel takes to read the same file (`gpsbabel_times`), run in turns.

@@ -3,8 +3,8 @@
 #include <chrono>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 // The report of a run of 28,200 epochs: report.json, the page, and the PDF, run in turns with
 // WeasyPrint alone on the same page: the counter `weasyprints` is how many of those all of it

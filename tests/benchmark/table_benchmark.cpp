@@ -6,12 +6,12 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "files/sha256.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/import/format.h"
 #include "stages/import/import.h"
+#include "store/sha256.h"
 
 // How fast tables and recordings become rows and rows become tables, on one core, in MB (10^6
 // bytes) of text for each second of processor time; beside it what the machine does with the same

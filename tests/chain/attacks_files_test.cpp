@@ -2,8 +2,8 @@
 // program's own, and nothing of anybody's is lost. Each test says what came of it before.
 #include <array>
 
-#include "files/sha256.h"
 #include "signatures_support.h"
+#include "store/sha256.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "files/sha256.h"
 #include "signatures_support.h"
+#include "store/sha256.h"
 #include "trust/attestation.h"
 #include "trust/run_standing.h"
 

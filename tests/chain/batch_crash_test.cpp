@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "batch_crash_support.h"
-#include "files/folder.h"
-#include "files/record_key.h"
+#include "store/folder.h"
+#include "store/record_key.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

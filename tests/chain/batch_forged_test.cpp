@@ -1,9 +1,9 @@
 // A day's folder that others wrote into: what is ranked and signed was computed by this user's
 // batches.
-#include "batch/run_record.h"
 #include "batch_support.h"
-#include "files/record_key.h"
-#include "files/sha256.h"
+#include "make/run_record.h"
+#include "store/record_key.h"
+#include "store/sha256.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

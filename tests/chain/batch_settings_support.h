@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <set>
 
-#include "batch/claim.h"
 #include "chain_support.h"
+#include "make/claim.h"
 #include "schemas/common/header.h"
 
 // Attempts that differ in one key or several, and what the stages make of them: what the steps of a

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "files/atomic_file.h"
-#include "files/process.h"
-#include "files/yaml_input.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
+#include "store/yaml_input.h"
 
 namespace runcert::chain {
 

@@ -9,8 +9,8 @@
 #include "chain_support.h"
 #include "core/text.h"
 #include "draws.h"
-#include "files/sha256.h"
 #include "reports/diff/day_difference.h"
+#include "store/sha256.h"
 
 // A day of many attempts, 2,000 in the study: its memory is printed, and bounded.
 

@@ -8,9 +8,9 @@
 #include "chain_support.h"
 #include "core/failure.h"
 #include "core/random.h"
-#include "files/sha256.h"
 #include "reports/diff/day_difference.h"
 #include "schemas/common/header.h"
+#include "store/sha256.h"
 
 // The results of a day from real run folders, and two days compared.
 

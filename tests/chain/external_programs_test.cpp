@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "chain_support.h"
-#include "files/external_program.h"
+#include "store/external_program.h"
 
 // Programs of others as a user meets them: what is said of them, and that it does not matter where
 // they run.

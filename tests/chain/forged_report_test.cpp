@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/sha256.h"
 #include "signatures_support.h"
+#include "store/sha256.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "estimation/speed.h"
+#include "motion/speed.h"
 #include "real_support.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/speed_by_definition.h"

@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "chain_support.h"
-#include "files/sha256.h"
+#include "store/sha256.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

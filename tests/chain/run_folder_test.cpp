@@ -8,9 +8,9 @@
 #include <cstddef>
 
 #include "batch_crash_support.h"
-#include "files/folder.h"
-#include "files/record_key.h"
 #include "signatures_support.h"
+#include "store/folder.h"
+#include "store/record_key.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

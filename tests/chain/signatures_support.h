@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "chain_support.h"
-#include "files/sha256.h"
+#include "store/sha256.h"
 
 namespace runcert::chain {
 

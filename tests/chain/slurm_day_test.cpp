@@ -7,9 +7,9 @@
 #include <map>
 #include <string>
 
-#include "batch/slurm.h"
 #include "batch_crash_support.h"
 #include "draws.h"
+#include "make/slurm.h"
 #include "slurm_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {

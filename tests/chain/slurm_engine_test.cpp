@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "batch/slurm.h"
 #include "core/failure.h"
-#include "files/atomic_file.h"
+#include "make/slurm.h"
 #include "slurm_support.h"
+#include "store/atomic_file.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {

@@ -17,8 +17,8 @@
 
 #include "core/text.h"
 #include "daemon_support.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 namespace runcert::chain {
 

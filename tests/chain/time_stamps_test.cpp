@@ -1,7 +1,7 @@
 #include <chrono>
 
-#include "files/utc_second.h"
 #include "signatures_support.h"
+#include "store/utc_second.h"
 #include "trust/time_stamp.h"
 #include "trust/verification.h"
 

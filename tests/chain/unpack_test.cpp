@@ -2,8 +2,8 @@
 #include <archive_entry.h>
 
 #include "core/failure.h"
-#include "files/archive.h"
 #include "handover_support.h"
+#include "store/archive.h"
 #include "trust/bundle.h"
 
 // Bundles that strangers may send.

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "chain_support.h"
-#include "files/sha256.h"
+#include "store/sha256.h"
 
 namespace runcert::chain {
 

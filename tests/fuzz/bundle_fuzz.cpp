@@ -5,9 +5,9 @@
 #include <archive_entry.h>
 
 #include "core/failure.h"
-#include "files/archive.h"
-#include "files/process.h"
 #include "fuzz_target.h"
+#include "store/archive.h"
+#include "store/process.h"
 #include "trust/bundle.h"
 
 namespace runcert::fuzz {

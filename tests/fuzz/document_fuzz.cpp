@@ -1,13 +1,13 @@
 // The readers of YAML documents, each where its schema is named in the text, else the parser alone.
 
 #include "core/failure.h"
-#include "files/yaml_input.h"
 #include "fuzz_target.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/simulation/simulation.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
+#include "store/yaml_input.h"
 
 namespace runcert::fuzz {
 namespace {

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "files/atomic_file.h"
 #include "fuzz_target.h"
 #include "satellites/ephemeris.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/ubx/raw.h"
+#include "store/atomic_file.h"
 #include "witness/phase_rows.h"
 #include "witness/phase_witness.h"
 

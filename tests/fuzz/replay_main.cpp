@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "core/random.h"
-#include "files/atomic_file.h"
 #include "fuzz_target.h"
 #include "guardian.h"
+#include "store/atomic_file.h"
 
 namespace runcert::fuzz {
 namespace {

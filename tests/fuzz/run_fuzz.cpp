@@ -9,12 +9,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "fuzz_target.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 #include "trust/bundle.h"
 #include "trust/verification.h"
 

@@ -4,8 +4,8 @@
 #include <set>
 #include <sstream>
 
-#include "files/sha256.h"
 #include "golden_files.h"
+#include "store/sha256.h"
 
 // All golden files alike. What the readers find in them: golden_tables_test.cpp,
 // golden_results_test.cpp, golden_inputs_test.cpp.

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 // Every citation key stands in REFERENCES.md, and every entry there is cited.
 

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "estimation/motion_model.h"
+#include "motion/motion_model.h"
 #include "simulation/simulate.h"
 
 namespace runcert {

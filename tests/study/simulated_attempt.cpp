@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "estimation/sensitivity.h"
+#include "motion/sensitivity.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"

@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "files/atomic_file.h"
 #include "reports/audit/screening.h"
+#include "store/atomic_file.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -4,9 +4,9 @@
 #include <sstream>
 
 #include "core/plain_text.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "reports/audit/walk.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "estimation/smoother.h"
+#include "motion/smoother.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 

@@ -5,10 +5,10 @@
 #include <set>
 
 #include "day_support.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "reports/day/day.h"
 #include "reports/day/page_parts.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 // The page and the table of a day: complete, escaped, and of the results' own numbers.
 

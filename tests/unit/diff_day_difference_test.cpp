@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "core/failure.h"
-#include "files/process.h"
 #include "reports/diff/day_difference.h"
+#include "store/process.h"
 
 // What is said of two days' results: each change by hand, at its limit and beyond.
 

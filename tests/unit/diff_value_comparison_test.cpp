@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "files/document_schema.h"
 #include "reports/diff/value_comparison.h"
+#include "store/document_schema.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

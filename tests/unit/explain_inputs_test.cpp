@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "files/atomic_file.h"
 #include "reports/explain/explain.h"
+#include "store/atomic_file.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

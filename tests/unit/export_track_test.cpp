@@ -7,9 +7,9 @@
 #include "core/geodesy.h"
 #include "core/plain_text.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "reports/export/export.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

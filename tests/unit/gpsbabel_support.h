@@ -12,8 +12,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 
 namespace runcert::import_test {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <set>
 
-#include "files/document_schema.h"
 #include "import_test_support.h"
 #include "stages/import/import.h"
+#include "store/document_schema.h"
 
 // Who says what the time stamps and the fix types are: the recording, or the attempt.
 

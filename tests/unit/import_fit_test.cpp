@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <sstream>
 
-#include "files/process.h"
 #include "import_test_support.h"
 #include "stages/import/fit/decode.h"
+#include "store/process.h"
 
 // FIT files made here by the protocol, and real ones, against a decoder of its own in Python.
 

@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "files/atomic_file.h"
 #include "import_test_support.h"
 #include "stages/import/inspect.h"
+#include "store/atomic_file.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -3,10 +3,10 @@
 #include <map>
 
 #include "core/statistics.h"
-#include "estimation/phase_screening.h"
 #include "import_phase_support.h"
 #include "phase_injection.h"
 #include "satellites/line_of_sight.h"
+#include "satellites/phase_screening.h"
 #include "witness/phase_witness.h"
 
 // Real phases, with slips put into them; bounds leave room for other draws.

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "estimation/phase_record.h"
 #include "import_test_support.h"
+#include "satellites/phase_record.h"
 #include "stages/import/phase_table.h"
 #include "witness/phase_rows.h"
 

@@ -1,8 +1,8 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/phase_displacement.h"
 #include "import_phase_support.h"
+#include "satellites/phase_displacement.h"
 
 namespace runcert::import_test {
 namespace RUNCERT_FILE {

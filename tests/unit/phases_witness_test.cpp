@@ -3,8 +3,8 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "estimation/speed.h"
 #include "import_phase_support.h"
+#include "motion/speed.h"
 #include "schemas/screened_phase/screened_phase.h"
 #include "simulation/raw_measurements.h"
 #include "stages/enu/enu.h"

@@ -5,12 +5,12 @@
 #include <set>
 
 #include "core/failure.h"
-#include "files/base64.h"
-#include "files/sha256.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
+#include "store/base64.h"
+#include "store/sha256.h"
 #include "trust/signature.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/process.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
 #include "reports_sample.h"
+#include "store/atomic_file.h"
+#include "store/process.h"
 #include "trust/signature.h"
 
 namespace runcert::RUNCERT_FILE {

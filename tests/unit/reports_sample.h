@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "core/random.h"
-#include "files/atomic_file.h"
-#include "files/document_schema.h"
-#include "files/program.h"
-#include "files/sha256.h"
 #include "reports/certificate/report_data.h"
 #include "reports_sample_rules.h"
 #include "reports_sample_screening.h"
 #include "reports_sample_verdict.h"
 #include "schemas/common/revision.h"
+#include "store/atomic_file.h"
+#include "store/document_schema.h"
+#include "store/program.h"
+#include "store/sha256.h"
 
 // A made-up run: the logistic run of [DHD22], 451 epochs at 10 Hz, with what the stages would have
 // said of it.

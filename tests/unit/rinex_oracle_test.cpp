@@ -7,11 +7,11 @@
 #include <sstream>
 #include <string>
 
-#include "files/process.h"
 #include "import_test_support.h"
 #include "satellites/ephemeris.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/ubx/raw.h"
+#include "store/process.h"
 
 // RTKLIB's programs as oracles: an independent reader, and independent orbits and clocks.
 namespace runcert::import_test {

@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
+#include "store_test_support.h"
 
 // What revision 1.6 of an attempt added: claims that somebody must answer for, and how many
 // attempts were made.

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
+#include "store_test_support.h"
 
 // Parameters of an attempt: their defaults and ranges.
 

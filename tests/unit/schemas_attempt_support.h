@@ -5,8 +5,8 @@
 #include <span>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
+#include "store_test_support.h"
 
 namespace runcert::test {
 

@@ -3,10 +3,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "files/yaml_output.h"
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
+#include "store/yaml_output.h"
+#include "store_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -5,8 +5,8 @@
 #include <set>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/profile/profile.h"
+#include "store_test_support.h"
 
 // The rules that come with the program.
 

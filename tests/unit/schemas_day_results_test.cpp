@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/day_results/day_results.h"
+#include "store_test_support.h"
 
 // The decision of each attempt, and the best of the day judged as the best of so many.
 

@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
-#include "files/yaml_input.h"
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/day/day.h"
 #include "schemas/day/merge.h"
+#include "store/yaml_input.h"
+#include "store_test_support.h"
 
 // A day's file: what its entries are with the defaults, and what is refused.
 
@@ -89,7 +89,8 @@ TEST(DayMerge, AnAttemptIsTheSameAttemptAfterwards) {
         const YamlValue before(parse_yaml(text, "f"), "f"), after(parse_yaml(again, "g"), "g");
         const Attempt a = read_attempt(text, "f"), b = read_attempt(again, "g");
         EXPECT_EQ(a.id, b.id);
-        EXPECT_EQ(json_from_yaml(a.resolved["parameters"]), json_from_yaml(b.resolved["parameters"]));
+        EXPECT_EQ(json_from_yaml(a.resolved["parameters"]),
+                  json_from_yaml(b.resolved["parameters"]));
         EXPECT_EQ(a.overrides, b.overrides);
         EXPECT_EQ(a.profiles, b.profiles);
         EXPECT_EQ(a.attempts_made, b.attempts_made);

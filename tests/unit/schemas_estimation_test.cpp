@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "files_test_support.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
+#include "store_test_support.h"
 
 // What revision 1.1 and later ones added to trajectory and windows, written and read again.
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "files_test_support.h"
 #include "schemas/generator/declaration.h"
+#include "store_test_support.h"
 
 // What a declaration stands for: its field table and its C++.
 

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "files/yaml_output.h"
-#include "files_test_support.h"
 #include "schemas/common/document.h"
 #include "schemas/common/window_span.h"
+#include "store/yaml_output.h"
+#include "store_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -2,11 +2,11 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
+#include "store_test_support.h"
 
 // Whose clock made the time stamps, and who says the fix type.
 

@@ -3,8 +3,8 @@
 #include <limits>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/profile/profile.h"
+#include "store_test_support.h"
 
 // Figures of a profile that an attempt replaces.
 

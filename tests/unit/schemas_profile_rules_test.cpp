@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files_test_support.h"
 #include "schemas/profile/profile.h"
+#include "store_test_support.h"
 
 // What revision 1.3 of a profile added: kinds of window, and computations that decide a clause.
 

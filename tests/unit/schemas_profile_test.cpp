@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/profile/profile.h"
+#include "store_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

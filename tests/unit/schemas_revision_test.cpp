@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/common/document.h"
 #include "schemas/common/members.h"
 #include "schemas/common/revision.h"
+#include "store_test_support.h"
 
 namespace runcert {
 namespace {

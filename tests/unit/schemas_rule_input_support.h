@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
+#include "store_test_support.h"
 
 namespace runcert::rule_input_test {
 

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "files_test_support.h"
 #include "schemas/common/revision.h"
 #include "schemas/screened/screened.h"
+#include "store_test_support.h"
 
 // What revisions 1.2 to 1.4 of the screened table added.
 

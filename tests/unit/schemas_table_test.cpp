@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
+#include "store_test_support.h"
 
 // What holds for every product that is a table, tried on the golden files.
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/verdict/verdict.h"
+#include "store_test_support.h"
 
 // What revision 1.3 of the verdict added: of how many attempts this is the best, what may remain of
 // the bias of choosing the window, how much drift the decision survives, and what else was heard.

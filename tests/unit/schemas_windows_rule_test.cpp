@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "files_test_support.h"
 #include "schemas/windows/windows.h"
+#include "store_test_support.h"
 
 // What revision 1.3 of the windows added: the rule that they follow, and several that make a
 // figure.

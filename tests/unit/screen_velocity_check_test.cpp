@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "core/statistics.h"
-#include "estimation/smoother.h"
+#include "motion/smoother.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 #include "stages/screen/velocity_check.h"

@@ -10,8 +10,8 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "estimation/smoother.h"
-#include "estimation/speed.h"
+#include "motion/smoother.h"
+#include "motion/speed.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
 

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/random.h"
-#include "estimation/smoother.h"
-#include "estimation/speed.h"
-#include "estimation_test_support.h"
+#include "motion/smoother.h"
+#include "motion/speed.h"
+#include "motion_test_support.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
 

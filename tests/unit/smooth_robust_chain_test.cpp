@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/random.h"
-#include "estimation/smoother.h"
-#include "estimation_test_support.h"
+#include "motion/smoother.h"
+#include "motion_test_support.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch_problem.h"
 #include "stages/smooth/robust_chain.h"

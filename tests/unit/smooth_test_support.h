@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/kalman.h"
+#include "motion/kalman.h"
 
 namespace runcert::test {
 

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "files/atomic_file.h"
-#include "files/pattern.h"
-#include "files_test_support.h"
 #include "schemas/common/role_signatures.h"
+#include "store/atomic_file.h"
+#include "store/pattern.h"
+#include "store_test_support.h"
 #include "trust/roster.h"
 #include "trust/ssh_signature.h"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 #include "trust/signature.h"
 
 namespace runcert::RUNCERT_FILE {

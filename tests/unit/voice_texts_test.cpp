@@ -216,7 +216,7 @@ TEST(Voice, NoMessageAsksToChangeARecording) {
         std::regex::icase | std::regex::optimize);
     std::vector<Phrase> phrases;
     std::vector<std::string> places{"stages/import", "stages/enu", "stages/screen",
-                                    "pipeline/files/measured_series.cpp"};
+                                    "pipeline/store/measured_series.cpp"};
     for (const fs::path& file : files_of(places))
         if (file.extension() == ".cpp" || file.extension() == ".h") add_literals(file, phrases);
     EXPECT_GT(phrases.size(), 1000U);

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "estimation/smoother.h"
+#include "motion/smoother.h"
 #include "stages/window/trajectory_part.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "estimation_test_support.h"
+#include "motion_test_support.h"
 #include "stages/window/instants.h"
 #include "stages/window/trajectory_part.h"
 #include "window_test_support.h"

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "core/statistics.h"
-#include "estimation_test_support.h"
+#include "motion_test_support.h"
 #include "stages/window/position_noise.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "estimation/diagnosis.h"
+#include "motion/diagnosis.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"

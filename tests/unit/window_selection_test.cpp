@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "estimation/noise_fit.h"
+#include "motion/noise_fit.h"
 #include "stages/window/selection.h"
 #include "window_test_support.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "estimation/speed.h"
+#include "motion/speed.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

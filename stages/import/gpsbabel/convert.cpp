@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
 #include "stages/import/cell.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
 
 namespace runcert::gpsbabel {
 namespace {

@@ -6,10 +6,10 @@
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
-#include "files/external_program.h"
 #include "stages/import/format.h"
 #include "stages/import/rinex/rinex.h"
+#include "store/atomic_file.h"
+#include "store/external_program.h"
 
 namespace runcert {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 namespace runcert::comparison {
 

@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "comparison_data.h"
-#include "estimation/motion_smoother.h"
+#include "motion/motion_smoother.h"
 
 // The project's own filter and smoother, on the data of the others.
 

@@ -12,7 +12,7 @@
 #include "core/failure.h"
 #include "core/geodesy.h"
 #include "core/random.h"
-#include "files/atomic_file.h"
+#include "store/atomic_file.h"
 
 // Makes what tests/benchmark/run measures with: an attempt with a recording as RTKLIB writes it,
 // the same positions for the smoothers, and an attempt with NMEA.

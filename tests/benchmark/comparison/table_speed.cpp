@@ -5,8 +5,8 @@
 
 #include "comparison_data.h"
 #include "core/failure.h"
-#include "files/atomic_file.h"
 #include "stages/import/import.h"
+#include "store/atomic_file.h"
 
 // How fast the library reads a recording into rows, writes these rows as a table, and reads that
 // table again: from memory to memory, so that no disk is measured.

@@ -1,0 +1,249 @@
+#include "motion/noise_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <nlopt.hpp>
+
+namespace runcert {
+namespace {
+
+// Search limits of jerk density and error size, in units of the measurement scale.
+constexpr double jerk_min = 3e-3;
+constexpr double jerk_max = 1e4;
+constexpr double sigma_min_m = error_sigma_min_m;
+constexpr double sigma_max_of_stated = 100.0;  // in units of the stated standard deviation
+constexpr double acceleration_time_min_s = 0.2;
+constexpr double acceleration_time_max_s = 1e3;
+constexpr int evaluations_allowed = 200;
+
+// Prior standard deviation of the logarithm of the scale. Stated standard deviations are usually
+// within a factor of seven of the actual noise.
+constexpr double scale_prior_sd = 2.0;
+
+double log_prior_of(double log_scale) {
+    return -0.5 * (log_scale / scale_prior_sd) * (log_scale / scale_prior_sd);
+}
+
+Best best_scale_at(const Point& x, const InnovationSums& sums) {
+    const double scale =
+        std::max(scale_min, std::sqrt(sums.statistic / static_cast<double>(sums.values)));
+    const double log_prior = log_prior_of(std::log(scale));
+    const double log_likelihood = sums.log_likelihood_at_best_scale() + log_prior;
+    return {.x = x,
+            .log_likelihood = std::isfinite(log_likelihood) ? log_likelihood : -1e12,
+            .log_prior = log_prior,
+            .scale = scale};
+}
+
+}  // namespace
+
+EstimationModel model_at(const Point& x) {
+    EstimationModel model;
+    model.motion.jerk_density = std::exp(x[0]);
+    if (x.size() > 2) model.error = GaussMarkovError::steady(std::exp(x[1]), std::exp(x[2]));
+    if (x.size() > 3) model.motion.acceleration_time_s = std::exp(x[3]);
+    return model;
+}
+
+EstimationModel scaled(const EstimationModel& relative, double scale) {
+    EstimationModel model = relative;
+    model.measurement_scale *= scale;
+    model.motion.jerk_density *= scale;
+    model.error.process_density *= scale;
+    model.error.initial_sigma_m *= scale;
+    return model;
+}
+
+const Best& best_of(const std::vector<GridPoint>& grid) {
+    return std::max_element(grid.begin(), grid.end(),
+                            [](const GridPoint& a, const GridPoint& b) {
+                                return a.best.log_likelihood < b.best.log_likelihood;
+                            })
+        ->best;
+}
+
+template <int Axes>
+Best NoiseSearch<Axes>::evaluate(const Point& x) {
+    ++evaluations_;
+    return best_scale_at(x, innovation_sums<Axes>(arcs_, model_at(x)));
+}
+
+template <int Axes>
+std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& points) {
+    evaluations_ += std::ssize(points);
+    std::vector<EstimationModel> models;
+    for (const Point& x : points)
+        models.push_back(model_at(x));
+    const std::vector<InnovationSums> sums = innovation_sums_of<Axes>(arcs_, models);
+    std::vector<Best> results;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        results.push_back(best_scale_at(points[i], sums[i]));
+    return results;
+}
+
+template <int Axes>
+Best NoiseSearch<Axes>::maximise(const Point& start, double step, const std::vector<bool>& free) {
+    Point from;
+    Point lower;
+    Point upper;
+    for (std::size_t i = 0; i < start.size(); ++i) {
+        if (!free[i]) continue;
+        from.push_back(std::clamp(start[i], lower_bound(i), upper_bound(i)));
+        lower.push_back(lower_bound(i));
+        upper.push_back(upper_bound(i));
+    }
+    const auto whole = [&](const Point& part) {
+        Point x = start;
+        std::size_t next = 0;
+        for (std::size_t i = 0; i < x.size(); ++i)
+            if (free[i]) x[i] = part[next++];
+        return x;
+    };
+    Best best;
+    std::function<double(const Point&)> objective = [&](const Point& part) {
+        const Best one = evaluate(whole(part));
+        if (one.log_likelihood > best.log_likelihood) best = one;
+        return -one.log_likelihood;
+    };
+    // BOBYQA needs at least two variables.
+    nlopt::opt search(from.size() == 1 ? nlopt::LN_COBYLA : nlopt::LN_BOBYQA,
+                      static_cast<unsigned>(from.size()));
+    search.set_min_objective(
+        [](const Point& x, Point&, void* function) {
+            return (*static_cast<std::function<double(const Point&)>*>(function))(x);
+        },
+        &objective);
+    search.set_lower_bounds(lower);
+    search.set_upper_bounds(upper);
+    search.set_initial_step(step);
+    search.set_ftol_abs(1e-3);
+    search.set_xtol_abs(1e-3);
+    search.set_maxeval(evaluations_allowed);
+    double value = 0.0;
+    try {
+        converged_ = search.optimize(from, value) != nlopt::MAXEVAL_REACHED;
+    } catch (const nlopt::roundoff_limited&) {
+        converged_ = true;  // no better point can be distinguished from this one
+    }
+    return best;
+}
+
+template <int Axes>
+double NoiseSearch<Axes>::lower_bound(std::size_t i) const {
+    const double bounds[] = {jerk_min, sigma_min_m, options_.tau_min_s, acceleration_time_min_s};
+    return std::log(bounds[i]);
+}
+
+template <int Axes>
+double NoiseSearch<Axes>::upper_bound(std::size_t i) const {
+    const double bounds[] = {jerk_max, sigma_max_of_stated * stated_sigma_m_, options_.tau_max_s,
+                             acceleration_time_max_s};
+    return std::log(bounds[i]);
+}
+
+template <int Axes>
+Best NoiseSearch<Axes>::fit_white() {
+    std::vector<Point> points;
+    for (double x = lower_bound(0); x <= upper_bound(0); x += 1.0)
+        points.push_back({x});
+    Best best;
+    for (const Best& one : evaluate_all(points))
+        if (one.log_likelihood > best.log_likelihood) best = one;
+    return maximise(best.x, 0.5);
+}
+
+/// The likelihood's maximum over the jerk density alone, from a parabola through three points
+/// around each start.
+template <int Axes>
+std::vector<Best> NoiseSearch<Axes>::with_best_jerk(const std::vector<Point>& starts) {
+    constexpr double h = 0.4;
+    const auto moved = [&](Point x, double move) {
+        x[0] = std::clamp(x[0] + move, lower_bound(0), upper_bound(0));
+        return x;
+    };
+    std::vector<Point> about;
+    for (const Point& x : starts)
+        for (const double move : {0.0, -h, h})
+            about.push_back(moved(x, move));
+    const std::vector<Best> seen = evaluate_all(about);
+    std::vector<Point> tops;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        const double middle = seen[3 * i].log_likelihood;
+        const double left = seen[3 * i + 1].log_likelihood;
+        const double right = seen[3 * i + 2].log_likelihood;
+        const double curvature = left - 2.0 * middle + right;
+        const double slope = right - left;
+        tops.push_back(moved(starts[i], curvature < 0.0
+                                            ? std::clamp(-0.5 * h * slope / curvature, -1.5, 1.5)
+                                            : std::copysign(1.5, slope)));
+    }
+    std::vector<Best> best = evaluate_all(tops);
+    for (std::size_t i = 0; i < starts.size(); ++i)
+        for (std::size_t j = 3 * i; j < 3 * i + 3; ++j)
+            if (seen[j].log_likelihood > best[i].log_likelihood) best[i] = seen[j];
+    return best;
+}
+
+template <int Axes>
+std::vector<GridPoint> NoiseSearch<Axes>::evaluate_grid(const Best& start,
+                                                        double acceleration_time_s) {
+    std::vector<GridPoint> grid;
+    double highest = -std::numeric_limits<double>::infinity();
+    for (int t = 0; t < 4; ++t) {
+        const double tau_s =
+            options_.tau_min_s * std::pow(options_.tau_max_s / options_.tau_min_s, t / 3.0);
+        double jerk = start.x[0];
+        int hopeless = 0;
+        for (const double sigma : {0.0, 0.5, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0, 32.0, 64.0}) {
+            if (sigma == 0.0 && t > 0) continue;
+            Point x{jerk, std::log(std::max(sigma * stated_sigma_m_, sigma_min_m)),
+                    std::log(tau_s)};
+            if (std::isfinite(acceleration_time_s)) x.push_back(std::log(acceleration_time_s));
+            const Best best = with_best_jerk({x}).front();
+            jerk = best.x[0];
+            grid.push_back({best, tau_s, sigma});
+            highest = std::max(highest, best.log_likelihood);
+            // The likelihood has a single maximum along the size, so it does not rise again beyond
+            // it.
+            hopeless = best.log_likelihood < highest - hopeless_below ? hopeless + 1 : 0;
+            if (hopeless == 3) break;
+        }
+    }
+    return grid;
+}
+
+template <int Axes>
+std::vector<GridPoint> NoiseSearch<Axes>::evaluate_at(const std::vector<GridPoint>& others) {
+    std::vector<Point> starts;
+    for (const GridPoint& other : others)
+        starts.push_back(other.best.x);
+    const std::vector<Best> best = with_best_jerk(starts);
+    std::vector<GridPoint> grid = others;
+    for (std::size_t i = 0; i < grid.size(); ++i)
+        grid[i].best = best[i];
+    return grid;
+}
+
+template <int Axes>
+std::vector<double> NoiseSearch<Axes>::absolute_log_likelihoods(const std::vector<Point>& points) {
+    evaluations_ += std::ssize(points);
+    std::vector<EstimationModel> models;
+    for (const Point& y : points) {
+        const double log_scale = y.back();
+        Point relative(y.begin(), y.end() - 1);
+        relative[0] -= log_scale;
+        if (relative.size() > 1) relative[1] += 0.5 * relative[2] - log_ratio - log_scale;
+        models.push_back(scaled(model_at(relative), std::exp(log_scale)));
+    }
+    std::vector<double> results;
+    const std::vector<InnovationSums> sums = innovation_sums_of<Axes>(arcs_, models);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        results.push_back(sums[i].log_likelihood() + log_prior_of(points[i].back()));
+    return results;
+}
+
+template class NoiseSearch<1>;
+template class NoiseSearch<2>;
+
+}  // namespace runcert

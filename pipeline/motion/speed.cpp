@@ -1,0 +1,179 @@
+#include "motion/speed.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/uncertainty.h"
+
+namespace runcert {
+
+SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Matrix2d& covariance) {
+    const double speed = std::hypot(velocity.x(), velocity.y());
+    double variance = 0.0;
+    if (speed > 0.0) {
+        const Eigen::Vector2d direction = velocity / speed;
+        variance = direction.dot(covariance * direction);
+    } else {
+        variance = symmetric_eigenvalues(covariance)(1);
+    }
+    return {speed, std::sqrt(std::max(variance, 0.0))};
+}
+
+SpeedEstimate vertical_speed(double velocity_m_s, double variance) {
+    return {std::abs(velocity_m_s), std::sqrt(std::max(variance, 0.0))};
+}
+
+namespace {
+
+/// Gradients of the displacement between epochs s and e: with respect to the states of both and,
+/// around each bridged step, to those of the motion that replaces the difference of the positions.
+template <int Axes>
+CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                              std::size_t e) {
+    CountedGradients<Axes> gradients(e - s + 1, CountedGradients<Axes>::value_type::Zero());
+    const auto add = [&](std::size_t k, int block, double factor) {
+        gradients[k - s].template middleRows<speed_axes<Axes>>(block * Axes).diagonal().array() +=
+            factor;
+    };
+    add(s, 0, -1.0);
+    add(e, 0, 1.0);
+    for (const BridgedStep& step : arc.bridged_between(s, e)) {
+        add(step.epoch - 1, 0, 1.0);
+        add(step.epoch, 0, -1.0);
+        add(step.epoch - 1, 1, step.velocity_before_s);
+        add(step.epoch, 1, step.velocity_after_s);
+        add(step.epoch - 1, 2, step.acceleration_before_s2);
+        add(step.epoch, 2, step.acceleration_after_s2);
+    }
+    return gradients;
+}
+
+}  // namespace
+
+template <int Axes>
+SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    constexpr int counted = speed_axes<Axes>;
+    const auto position = [&](std::size_t k) {
+        return arc.states[k].mean.template head<counted>();
+    };
+    SpeedVector<Axes> displacement = position(e) - position(s);
+    for (const BridgedStep& step : arc.bridged_between(s, e)) {
+        const std::size_t k = step.epoch;
+        displacement -= position(k) - position(k - 1);
+        displacement +=
+            step.motion<Axes>(arc.states[k - 1].mean, arc.states[k].mean).template head<counted>();
+    }
+    return displacement;
+}
+
+template <int Axes>
+SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
+                                          std::size_t e) {
+    constexpr int counted = speed_axes<Axes>;
+    const std::span<const BridgedStep> bridged = arc.bridged_between(s, e);
+    if (!bridged.empty()) {
+        SpeedMatrix<Axes> covariance = arc.covariance(s, displacement_gradients(arc, s, e));
+        for (const BridgedStep& step : bridged)
+            covariance.diagonal().array() += step.variance_m2;
+        return covariance;
+    }
+    const SpeedMatrix<Axes> cross =
+        arc.cross_covariance(s, e).template topLeftCorner<counted, counted>();
+    return arc.states[s].covariance.template topLeftCorner<counted, counted>() +
+           arc.states[e].covariance.template topLeftCorner<counted, counted>() - cross -
+           cross.transpose();
+}
+
+template <int Axes>
+SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                                 double duration_s) {
+    const SpeedVector<Axes> velocity = displacement(arc, s, e) / duration_s;
+    const SpeedMatrix<Axes> covariance =
+        displacement_covariance(arc, s, e) / (duration_s * duration_s);
+    if constexpr (Axes == 1)
+        return vertical_speed(velocity.value(), covariance.value());
+    else
+        return horizontal_speed(velocity, covariance);
+}
+
+template <int Axes>
+Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                             std::size_t e, double duration_s) {
+    const SpeedVector<Axes> moved = displacement(arc, s, e);
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    if (moved.norm() == 0.0) return gradients;
+    const SpeedVector<Axes> direction = moved.normalized() / duration_s;
+    const CountedGradients<Axes> of_both = displacement_gradients(arc, s, e);
+    for (std::size_t i = 0; i < gradients.size(); ++i)
+        gradients[i] = of_both[i] * direction;
+    return gradients;
+}
+
+template <int Axes>
+Gradients<Axes> path_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                                     double duration_s) {
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    for (std::size_t k = s; k < e; ++k) {
+        const Gradients<Axes> of_step = displacement_speed_gradients(arc, k, k + 1, duration_s);
+        gradients[k - s] += of_step[0];
+        gradients[k - s + 1] += of_step[1];
+    }
+    return gradients;
+}
+
+template <int Axes>
+Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    const auto count = static_cast<double>(e - s + 1);
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    for (std::size_t k = s; k <= e; ++k) {
+        const SpeedVector<Axes> velocity =
+            arc.states[k].mean.template segment<speed_axes<Axes>>(Axes);
+        if (velocity.norm() > 0.0)
+            gradients[k - s].template segment<speed_axes<Axes>>(Axes) =
+                velocity.normalized() / count;
+    }
+    return gradients;
+}
+
+template <int Axes>
+SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                         double duration_s) {
+    double length_m = 0.0;
+    double variance = arc.variance(s, path_speed_gradients(arc, s, e, duration_s));
+    for (std::size_t k = s; k < e; ++k)
+        length_m += displacement(arc, k, k + 1).norm();
+    for (const BridgedStep& bridged : arc.bridged_between(s, e))
+        variance += bridged.variance_m2 / (duration_s * duration_s);
+    return {length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
+}
+
+template <int Axes>
+SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    double sum_m_s = 0.0;
+    for (std::size_t k = s; k <= e; ++k)
+        sum_m_s += arc.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
+    return {sum_m_s / static_cast<double>(e - s + 1),
+            std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                                                  \
+    template SpeedVector<AXES> displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,           \
+                                                  std::size_t);                                    \
+    template SpeedMatrix<AXES> displacement_covariance<AXES>(const SmoothedArc<AXES>&,             \
+                                                             std::size_t, std::size_t);            \
+    template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
+                                                    std::size_t, double);                          \
+    template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,    \
+                                            double);                                               \
+    template Gradients<AXES> displacement_speed_gradients<AXES>(const SmoothedArc<AXES>&,          \
+                                                                std::size_t, std::size_t, double); \
+    template Gradients<AXES> path_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+                                                        std::size_t, double);                      \
+    template Gradients<AXES> mean_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+                                                        std::size_t);                              \
+    template SpeedEstimate mean_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
+
+}  // namespace runcert

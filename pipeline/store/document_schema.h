@@ -1,0 +1,108 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "store/yaml_input.h"
+
+namespace runcert {
+
+/// Where the value of a field of an input comes from, and what depends on it.
+struct FieldOrigin {
+    std::string origin;                ///< "observed", "handed_in", "claimed"
+    std::vector<std::string> changes;  ///< "speed", "outcome", ...; empty for nothing
+    std::vector<std::string> decides;  ///< computations of clauses that rest on it
+    std::string clause;  ///< in which an official answers for it where no clause rests on it
+};
+
+/// One line of a schema's field table.
+struct FieldRule {
+    std::string path;                  ///< "window.start_time_s", "profiles[].profile", "map.*"
+    std::vector<std::string> types{};  ///< of text, integer, real, boolean, map, list, any
+    std::string unit{};
+    bool required = false;
+    std::vector<std::string> values{};  ///< the only values allowed; empty for no such list
+    std::optional<double> minimum{};
+    std::optional<double> maximum{};
+    int decimals = 6;  ///< of a real, as written by the program
+    YamlValue default_value;
+    YamlValue since;  ///< the revision that added it, as the table says it
+    std::string description{};
+    std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
+    /// Of a map with the key `file`: what the series there gives (`SeriesQuantities`).
+    std::vector<std::string> series{};
+    bool before_rule =
+        false;  ///< one that is stated counts before the rule's own, its default after
+    /// The stages that read it; where it does not say, those of what it is in.
+    std::optional<std::vector<std::string>> read_by{};
+};
+
+/// The field table of one product or input: `schemas/NAME/v1.yaml`, the normative text, from which
+/// documents are checked.
+class DocumentSchema {
+  public:
+    /// Reads a table that was parsed (compiled into the program; a fault in it is a Failure). The
+    /// fields of `common`, if given, are added in front.
+    static DocumentSchema read(const YamlNode& table, const std::string& where,
+                               const DocumentSchema* common = nullptr);
+    /// The same of a table's text.
+    static DocumentSchema parse(std::string_view text, const std::string& where,
+                                const DocumentSchema* common = nullptr);
+    /// This table with that version and only the fields that `keep` accepts.
+    DocumentSchema restricted(std::string version,
+                              const std::function<bool(const FieldRule&)>& keep) const;
+
+    const std::string& name() const { return name_; }
+    const std::string& version() const { return version_; }
+    const std::vector<FieldRule>& fields() const { return fields_; }
+    /// The parsed text, for what is not a field table in it.
+    const YamlValue& source() const { return source_; }
+
+    /// The rule of that path, or null.
+    const FieldRule* find(std::string_view path) const;
+
+    /// The origin of that field: its own declaration, or that of the nearest field around it. Null
+    /// where none declares it.
+    const FieldOrigin* origin_of(std::string_view path) const;
+
+    /// Whether that stage reads that field, by its own declaration or that of the nearest field
+    /// around it; false where none declares it.
+    bool is_read_by(std::string_view path, std::string_view stage) const;
+
+    /// The part of a valid document that a stage reads, with its places in the document. Lists of
+    /// maps keep their number of items.
+    YamlNode part_read_by(const YamlValue& document, std::string_view stage) const;
+
+    /// Checks every key, type, range and required field of a document. The first deviation is a
+    /// Failure with file, line and column; an unknown key's names the nearest known one. Keys
+    /// that are unknown are passed over where `newer_revision` says that the document follows a
+    /// later revision of the same model.
+    void validate(const YamlValue& document, bool newer_revision = false) const;
+
+    /// The table as text, one field a line, for help.
+    std::string field_table() const;
+
+  private:
+    struct Step;
+    class Validation;
+    void add(FieldRule rule);
+    std::vector<std::string_view> children(std::string_view path) const;
+    bool has_part(const YamlNode& node, const std::string& path, std::string_view stage) const;
+    void add_part(const YamlNode& node, const std::string& path, std::string_view stage,
+                  YamlBuilder& builder) const;
+
+    std::string name_;
+    std::string version_;
+    std::vector<FieldRule> fields_;
+    std::map<std::string, std::size_t, std::less<>> by_path_;
+    /// Of each path, the fields that are keys of the map there.
+    std::map<std::string, std::vector<std::size_t>, std::less<>> children_;
+    YamlValue source_{YamlNode(), ""};
+};
+
+}  // namespace runcert

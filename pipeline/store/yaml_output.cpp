@@ -1,0 +1,151 @@
+#include "store/yaml_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_plain_word(const std::string& text) {
+    if (text.empty() || text.size() > 120) return false;
+    const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+    const auto inner = [&](char c) {
+        return letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-' || c == '.' || c == '/';
+    };
+    static constexpr const char* reserved[] = {"true", "false", "null", "yes", "no", "on",
+                                               "off",  "y",     "n",    "nan", "inf"};
+    const std::string lower = lower_case(text);
+    return letter(text.front()) && std::all_of(text.begin(), text.end(), inner) &&
+           std::find(std::begin(reserved), std::end(reserved), lower) == std::end(reserved);
+}
+
+[[noreturn]] void refuse_not_finite() {
+    throw Failure("document", "a result is not a finite number",
+                  "This is a fault of the program or of its input; please report it with the run "
+                  "folder");
+}
+
+/// The shortest decimal that reads back equal. (nlohmann's own is a digit or two longer for one
+/// number in a thousand: 40.146414342999996.)
+std::string real_text(double value) {
+    if (!std::isfinite(value)) refuse_not_finite();
+    std::string text = fmt::format("{}", value);
+    // YAML 1.1 takes 1e-06 for text, 1.0e-06 for a number; and 1 for an integer.
+    if (text.find('.') == std::string::npos)
+        text.insert(std::min(text.find('e'), text.size()), ".0");
+    return text;
+}
+
+/// Letters and signs stand as they are ("±"), what cannot be seen or would steer a terminal as
+/// escapes. JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as
+/// two surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
+std::string quoted_text(const std::string& value, YamlLetters letters) {
+    if (letters == YamlLetters::any && plain_text(value) == value &&
+        value.find(byte_order_mark) == std::string::npos)
+        return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
+    const std::string json = Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
+    const auto unit = [&json](std::size_t at) {
+        return static_cast<unsigned>(std::stoul(json.substr(at + 2, 4), nullptr, 16));
+    };
+    std::string text;
+    for (std::size_t at = 0; at < json.size();) {
+        if (json[at] != '\\') {
+            text += json[at++];
+        } else if (json[at + 1] != 'u' || unit(at) < 0xD800 || unit(at) > 0xDFFF) {
+            text.append(json, at, 2);
+            at += 2;
+        } else {
+            text += fmt::format("\\U{:08x}",
+                                0x10000 + ((unit(at) - 0xD800) << 10U) + (unit(at + 6) - 0xDC00));
+            at += 12;
+        }
+    }
+    return text;
+}
+
+std::string scalar_text(const Json& value, YamlLetters letters) {
+    if (value.is_string()) {
+        const auto& text = value.get_ref<const std::string&>();
+        return is_plain_word(text) ? text : quoted_text(text, letters);
+    }
+    if (value.is_number_float()) return real_text(value.get<double>());
+    return value.dump();
+}
+
+void write(const Json& value, int indent, YamlLetters letters, std::string& out);
+
+void write_member(const Json& value, int indent, YamlLetters letters, std::string& out) {
+    if (value.is_structured() && !value.empty()) {
+        out += '\n';
+        write(value, indent, letters, out);
+    } else if (value.is_structured()) {
+        out += value.is_object() ? " {}\n" : " []\n";
+    } else {
+        out += ' ' + scalar_text(value, letters) + '\n';
+    }
+}
+
+void write(const Json& value, int indent, YamlLetters letters, std::string& out) {
+    const std::string blanks(static_cast<std::size_t>(indent), ' ');
+    if (value.is_object()) {
+        for (const auto& [key, member] : value.items()) {
+            out += blanks + scalar_text(Json(key), letters) + ':';
+            write_member(member, indent + 2, letters, out);
+        }
+        return;
+    }
+    for (const Json& item : value) {
+        out += blanks + '-';
+        if (item.is_object() && !item.empty()) {
+            std::string block;
+            write(item, indent + 2, letters, block);
+            out += ' ' + block.substr(static_cast<std::size_t>(indent) + 2);
+        } else {
+            write_member(item, indent + 2, letters, out);
+        }
+    }
+}
+
+void build(const Json& value, YamlBuilder& builder) {
+    if (value.is_structured()) {
+        builder.begin(value.is_object() ? YamlKind::map : YamlKind::list, {});
+        for (const auto& [key, member] : value.items()) {
+            if (value.is_object()) builder.scalar(key, !is_plain_word(key), {});
+            build(member, builder);
+        }
+        (void)builder.end();
+    } else if (value.is_null()) {
+        builder.null({});
+    } else if (value.is_string()) {
+        const auto& text = value.get_ref<const std::string&>();
+        builder.scalar(text, !is_plain_word(text), {});
+    } else {
+        builder.scalar(scalar_text(value, YamlLetters::any), false, {});
+    }
+}
+
+}  // namespace
+
+YamlNode yaml_node_of(const Json& document) {
+    YamlBuilder builder;
+    build(document, builder);
+    return std::move(builder).take();
+}
+
+std::string to_yaml_text(const Json& document, YamlLetters letters) {
+    std::string out;
+    if (!document.is_structured() || document.empty()) return scalar_text(document, letters) + '\n';
+    write(document, 0, letters, out);
+    return out;
+}
+
+}  // namespace runcert

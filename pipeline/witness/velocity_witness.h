@@ -20,8 +20,8 @@ struct TimedVelocity {
     double worse = 1.0;
 };
 
-/// Least error assumed for recorded velocities whose errors are estimated. Good receivers have
-/// been seen to err by this much.
+/// Least error assumed for recorded velocities whose errors are estimated. Good receivers have been
+/// seen to err by this much.
 inline constexpr double least_velocity_sigma_m_s = 0.03;
 
 /// The errors of recorded velocities.

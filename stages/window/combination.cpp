@@ -179,8 +179,7 @@ double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes a
     double lasting_m_s = errors->shown_m_s;
     for (const VelocitySpread& spread : errors->spreads) {
         if (spread.span_s > longest_span_s)
-            continue;  // a longer span may not fill part of the
-                       // recording
+            continue;  // a longer span may not fill part of the recording
         const double beyond_m2 =
             spread.sd_m * spread.sd_m - positions_m2 - white_m2_s * spread.span_s;
         lasting_m_s = std::min(lasting_m_s, std::sqrt(std::max(0.0, beyond_m2)) / spread.span_s);

@@ -65,6 +65,7 @@ class LocalFrame {
     Eigen::Matrix3d rotation_enu_from_ecef_;
 };
 
+/// Easting and northing (m) in a UTM zone, false origin included.
 struct UtmCoordinates {
     double easting_m = 0.0;
     double northing_m = 0.0;

@@ -21,6 +21,7 @@ constexpr int kMostDecimals = 9;
 /// 10^decimals, exact; decimals 0 to 9.
 double power_of_ten(int decimals);
 
+/// Direction of rounding to whole steps.
 enum class StepRounding { down, nearest, up };
 
 /// Rounds a figure, counted in units of its last place, to a whole number. A figure within

@@ -9,12 +9,14 @@
 
 namespace runcert {
 
+/// Speed of light in vacuum (exact).
 inline constexpr double speed_of_light_m_s = 299'792'458.0;
 
 enum class SatelliteSystem : std::uint8_t { gps, glonass, galileo, beidou, qzss, sbas, navic };
 
 /// The letter of a system in RINEX ([RINEX3] section 3.5): G, R, E, C, J, S, I.
 char letter_of(SatelliteSystem system);
+/// The system of a RINEX letter. Empty for any other letter.
 std::optional<SatelliteSystem> system_of_letter(char letter);
 /// "GPS", "Galileo".
 std::string_view name_of(SatelliteSystem system);
@@ -36,6 +38,7 @@ struct SignalCode {
     friend auto operator<=>(const SignalCode&, const SignalCode&) = default;
 };
 
+/// The RINEX text of a satellite ("G02") or of a signal code ("1C").
 std::string to_text(Satellite satellite);
 std::string to_text(SignalCode signal);
 /// The same texts as fixed-size characters that need no allocation, for tables.

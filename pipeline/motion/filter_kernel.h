@@ -73,6 +73,7 @@ void set_numbers(StepNumbers<Number>& to, const AxisStep& step, const Put& put) 
             put(to.noise[in_triangle(row, column)], step.process_noise(row, column));
     put(to.error_noise, step.error_noise);
 }
+/// The numbers of a step.
 inline StepNumbers<double> numbers_of(const AxisStep& step) {
     StepNumbers<double> one;
     set_numbers(one, step, [](double& number, double value) { number = value; });

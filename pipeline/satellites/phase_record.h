@@ -14,6 +14,7 @@ namespace runcert {
 // Each level is one array, ordered by time, satellite and signal. A signal takes 24 bytes and a
 // satellite 56, because millions of epochs are held.
 
+/// The measurements of one signal at an epoch. NaN where missing.
 struct PhaseSignal {
     double phase_cycles = std::numeric_limits<double>::quiet_NaN();
     double pseudorange_m = std::numeric_limits<double>::quiet_NaN();
@@ -23,6 +24,7 @@ struct PhaseSignal {
     bool half_cycle = false;
 };
 
+/// A satellite at an epoch, with its signals `first_signal` to first_signal + signals - 1.
 struct PhaseSatellite {
     Satellite id;
     std::int16_t issue = 0;  ///< of the ephemeris
@@ -38,6 +40,7 @@ struct PhaseSatellite {
     bool has_orbit() const { return clock_m == clock_m; }
 };
 
+/// An epoch, with its satellites `first_satellite` to first_satellite + satellites - 1.
 struct PhaseEpoch {
     std::int64_t time_ns = 0;  ///< by the receiver's clock, since the record's first epoch
     std::int64_t number = 0;   ///< in the table, counted from 1; epochs without rows are not stored

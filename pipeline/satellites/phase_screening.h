@@ -62,6 +62,7 @@ enum class RefusalReason : std::uint8_t {
     no_place,        ///< the receiver's place is unknown
 };
 
+/// A pair of epochs whose phases could not be judged.
 struct PhaseRefusal {
     std::size_t epoch = 0;  ///< the second of the pair
     RefusalReason reason = RefusalReason::few_satellites;
@@ -84,6 +85,7 @@ struct ClockJump {
     std::int64_t milliseconds = 0;
 };
 
+/// Parameters of phase screening.
 struct PhaseScreeningConfig {
     double mask_deg = 15.0;
     double longest_gap_s = 5.0;  ///< longest gap within an arc
@@ -101,6 +103,7 @@ struct PhaseNoiseFigures {
     std::int64_t pairs = 0;                  ///< number of epoch pairs behind the estimate
 };
 
+/// The result of screening a record of phases.
 struct PhaseScreening {
     std::vector<PhaseFinding> findings;  ///< one for each signal of the record
     std::vector<PhaseSlip> slips;        ///< ordered by epoch and signal

@@ -15,6 +15,7 @@ struct CodeMeasurement {
     double pseudorange_m = 0.0;   ///< corrected for satellite clock and group delay
 };
 
+/// A receiver's position and clock from pseudoranges.
 struct PointSolution {
     Eigen::Vector3d position_m;
     double clock_m = 0.0;  ///< receiver clock offset from the first measurement's system, times c

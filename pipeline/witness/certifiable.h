@@ -30,6 +30,7 @@ struct ArcRows {
     std::vector<std::size_t> rows;
 };
 
+/// The arcs of a trajectory, in order.
 std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory);
 
 /// Whether a certifiable window may span a bridged step.

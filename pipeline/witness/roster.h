@@ -67,6 +67,7 @@ struct ScreeningTest {
     bool only_fast = false;
 };
 
+/// The entry of a kind of witness in the roster.
 struct WitnessEntry {
     WitnessKind kind;
     /// Probability and size of its undetected errors in a window, given those of the positions.

@@ -13,6 +13,7 @@
 
 namespace runcert::velocities {
 
+/// Least number of epochs for a comparison of recorded velocities.
 inline constexpr std::size_t least_comparisons = 30;
 
 /// A velocity at a time of an arc, with its acceleration.
@@ -40,6 +41,7 @@ struct Comparison {
     Eigen::Vector2d recorded = Eigen::Vector2d::Zero();
 };
 
+/// An estimated delay with its standard uncertainty.
 struct Delay {
     std::optional<double> delay_s;  ///< empty if undetermined
     double sigma_s = 0.0;

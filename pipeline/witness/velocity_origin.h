@@ -14,6 +14,7 @@ struct SpeedBesidePosition {
     std::optional<double> speed_m_s = std::nullopt;
 };
 
+/// Origin of recorded speeds.
 enum class Origin {
     independent,  ///< no difference of the positions reproduces them
     positions,    ///< the device computed them from its positions, so they are no witness
@@ -23,6 +24,7 @@ enum class Origin {
 /// How positions are differenced: from the previous epoch, to the next, or between both.
 enum class Difference { backward, forward, central };
 
+/// The origin of recorded speeds, and the comparison that shows it.
 struct OriginFound {
     Origin origin = Origin::unclear;
     /// The difference nearest to the speeds, averaged over `before` epochs before each epoch to

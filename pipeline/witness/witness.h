@@ -18,6 +18,7 @@ struct WitnessedMotion {
     bool confirms = true;  ///< false: fitted to the positions there, so it can only contradict them
 };
 
+/// A time span (s), both ends included.
 struct TimeSpan {
     double first_s = 0.0;
     double last_s = 0.0;

@@ -15,6 +15,7 @@ namespace runcert {
 /// used in file names, so nothing is allowed that a file system or a shell could interpret.
 bool is_id(std::string_view text);
 
+/// Reads an id.
 std::string read_id(const YamlValue& value);
 
 /// A date written as "2023-07-11", unchanged. It must exist in the calendar.

@@ -53,6 +53,7 @@ struct ScreenedSelection {
     void add(const ScreenedEpoch& row, const Windows& windows);
 };
 
+/// The inputs of a check: the attempt, its rules and the findings on its receivers.
 struct CheckInput {
     const Attempt& attempt;
     const std::vector<Profile>& profiles;

@@ -19,6 +19,7 @@ struct DecimalRounding {
     int decimals = 0;       ///< 0 to 9
 };
 
+/// A rule's margin over the standing record.
 struct MarginRule {
     MarginKind kind = MarginKind::absolute;
     double value = 0.0;       ///< m/s (absolute), a fraction (relative), s (elapsed_time)
@@ -28,6 +29,7 @@ struct MarginRule {
     std::optional<DecimalRounding> rounding = std::nullopt;
 };
 
+/// The standing record.
 struct StandingRecord {
     double speed_m_s = 0.0;
     double expanded_uncertainty_m_s = 0.0;  ///< k = 2; 0 where none is stated

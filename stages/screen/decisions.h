@@ -7,6 +7,7 @@
 
 namespace runcert {
 
+/// Options for marking the decisions on an arc.
 struct MarkOptions {
     bool bridge_steps = false;
     bool on_the_ground = true;  ///< the craft's vertical speed is not a result in its own right

@@ -318,6 +318,7 @@ class SectionLooks {
     std::unique_ptr<SectionTests<Axes>> tests_;
 };
 
+/// Whether a candidate begins in the epochs whose tests the section decides.
 inline bool answers_for(const Section& section, const Candidate& candidate) {
     return candidate.first >= section.first && candidate.first < section.end;
 }

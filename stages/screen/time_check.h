@@ -6,11 +6,12 @@
 
 namespace runcert {
 
+/// Parameters of the examination of time stamps.
 struct TimeCheckOptions {
     double nominal_interval_s = 0.0;  ///< if not positive, the median forward step of the rows
     double gap_factor = 1.5;          ///< a step of more nominal intervals is a gap
-    double session_gap_s = 60.0;      ///< a longer gap, or a longer lasting set-back, begins a new
-                                      ///< session
+    double session_gap_s = 60.0;  ///< a longer gap, or a larger permanent set-back, begins a new
+                                  ///< session
 };
 
 /// Examines the consistency of the time stamps. Reads rows in the order of the recording, usable or

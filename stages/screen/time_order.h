@@ -28,6 +28,7 @@ struct TimeOrder {
                              ///< recording
 };
 
+/// Parameters of the ordering by time.
 struct TimeOrderOptions {
     double interval_s = 0.0;      ///< nominal interval between epochs
     double gap_factor = 1.5;      ///< a step of more intervals is a gap

@@ -8,6 +8,7 @@
 
 namespace runcert {
 
+/// Parameters of the check against recorded velocities.
 struct VelocityCheckOptions {
     /// The delay is searched between minus and plus this. 0 takes the velocities as undelayed.
     double delay_max_s = 1.0;

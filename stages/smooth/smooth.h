@@ -15,6 +15,7 @@ struct SmoothConfig {
     double dhd22_acceleration_sigma_m_s2 = 0.1;
 };
 
+/// The parameters that the attempt states, with the schema's defaults elsewhere.
 SmoothConfig smooth_config(const Attempt& attempt);
 
 /// Position, velocity and acceleration of every epoch of every arc, with standard uncertainties, by

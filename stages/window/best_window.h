@@ -48,6 +48,7 @@ inline constexpr double path_rounding_m = 1e-6;
 /// are at least this far (m) away along the path. A standstill then has no direction of its own.
 inline constexpr double direction_reach_m = 0.1;
 
+/// A window that a search found.
 struct FoundWindow {
     std::size_t series = 0;
     /// Enclosing samples: times[first] <= start < times[first + 1],
@@ -121,14 +122,16 @@ std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
 WindowSearch search_windows(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                             std::size_t count);
 
-/// All allowed windows in order of series and start, and the best of them. There is one for each
-/// sample at which one may begin and, at any instant, one for each at which one may end. For alphas
-/// there is one for each sample at which one may end. With an allowance, the best have the highest
-/// assured speeds.
+/// The allowed windows of a search, and the best of them.
 struct AllowedWindows {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> best;
 };
+
+/// All allowed windows in order of series and start, and the best `count` of them. There is one for
+/// each sample at which one may begin and, at any instant, one for each at which one may end. For
+/// alphas there is one for each sample at which one may end. With an allowance, the best have the
+/// highest assured speeds.
 AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                                 std::size_t count, const Allowance& allowance = {});
 

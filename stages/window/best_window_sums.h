@@ -18,6 +18,7 @@ struct SummedSeries {
     std::size_t size() const { return samples->times.size(); }
 };
 
+/// The running sums of a series with this index.
 SummedSeries summed(const SampleSeries& series, std::size_t index);
 
 /// An instant in a series: the `fraction`, in [0, 1], of the step that follows sample `after`. At

@@ -74,6 +74,7 @@ struct WeightedSpeed {
     std::vector<double> witnesses;
     double difference_m_s = 0.0;  ///< speed by positions minus the mean
 };
+/// The weighted mean of positions and witnesses.
 WeightedSpeed weigh(const PositionTerms& positions, std::span<const WitnessTerm> witnesses);
 
 /// The weighted mean of one or more witnesses. It is unknown whether another receiver's
@@ -87,6 +88,7 @@ struct WitnessMean {
                                ///< uncertainty
     FaultPrior fault;
 };
+/// The weighted mean of the witnesses alone. There must be at least one.
 WitnessMean mean_of_witnesses(const PositionTerms& positions,
                               std::span<const WitnessTerm> witnesses);
 

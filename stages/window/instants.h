@@ -24,12 +24,14 @@ ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<Elap
 /// The unit normal of a gate in the direction of the course (east, north).
 Eigen::Vector2d along_course(const SurveyedLine& gate);
 
-/// The instants at which the smoothed track crosses the two gates, starting from those of straight
-/// lines between its epochs (three Newton iterations). Failure where the track runs along a gate
-/// there.
+/// The instants at which a track crosses the start and the finish gate.
 struct CrossingTimes {
     ElapsedTime start, end;
 };
+
+/// The crossings of the two gates by the smoothed track, starting from `straight`, those of
+/// straight lines between its epochs (three Newton iterations). Failure where the track runs along
+/// a gate there.
 CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
                                  const EstimationModel& model, const CrossingTimes& straight,
                                  const SurveyedLine& start, const SurveyedLine& finish);

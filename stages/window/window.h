@@ -24,6 +24,7 @@ struct WindowConfig : WindowParameters {
     bool velocity_accuracy_claimed = false;  ///< by the attempt, because the recording states none
 };
 
+/// The parameters that the attempt states, with the schema's defaults elsewhere.
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 
 /// For each profile, the best certifiable windows of the smoothed trajectory, their measured speeds

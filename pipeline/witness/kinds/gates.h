@@ -37,6 +37,7 @@ std::vector<Way> ways_between(const std::vector<GatePassage>& passages);
 /// Standard deviation of the jerk that changes the acceleration between two measurements.
 inline constexpr double sigma_jerk_m_s3 = 4.0;
 
+/// Standard uncertainties of timing gates.
 struct GateErrors {
     double sigma_distance_m = 0.0;  ///< of the distance between two gates
     double sigma_time_s = 0.0;      ///< of one passage

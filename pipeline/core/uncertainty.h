@@ -9,7 +9,7 @@ namespace runcert {
 /// A quantity that a result depends on: one line of an uncertainty budget.
 struct InputQuantity {
     double standard_uncertainty = 0.0;  ///< in the unit of the quantity, not negative
-    double sensitivity = 1.0;           ///< partial derivative of the result by the quantity
+    double sensitivity = 1.0;           ///< derivative of the result with respect to the quantity
     std::optional<double> degrees_of_freedom = std::nullopt;  ///< above 0; empty: infinite
 };
 

@@ -54,7 +54,7 @@ struct HandedInSeries {
     std::span<const TimedPosition<2>> positions;
     const Track& track;
     double jerk_density = 0.0;                    ///< of the craft's motion, m s^-2.5
-    std::span<const WitnessSource> sources = {};  ///< what else it may have been made from
+    std::span<const WitnessSource> sources = {};  ///< other data that it may have been made from
 };
 
 /// How screening tests positions against a witness, and how it marks them.

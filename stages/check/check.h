@@ -47,7 +47,7 @@ struct ReceiverFindings {
 /// Data gathered from the screened epochs, one by one.
 struct ScreenedSelection {
     ScreeningSummary summary;
-    /// Of the best window of each profile.
+    /// The epochs of each profile's best window, by the profile's id.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
 
     void add(const ScreenedEpoch& row, const Windows& windows);

@@ -11,7 +11,7 @@ namespace runcert {
 namespace {
 
 constexpr double farthest_s = 0.25;
-/// Of the speed that the positions give at a gate.
+/// Standard uncertainty of the speed that the positions give at a gate.
 constexpr double sigma_speed_m_s = 0.1;
 /// Large, because gates do not observe motion across the course.
 constexpr double sigma_across_m = 100.0;

@@ -42,10 +42,10 @@ struct Threshold {
     double standard_uncertainty_m_s = 0.0;
 };
 
-/// The required speed over a record r (its upper limit, if the rule says so). It is r + value, r
-/// (1 + value) or, over a course of length D, for which the record took t = D / r, D / (t - value).
-/// It is then rounded as the body rounds. The uncertainty of r is propagated by the derivative of
-/// the speed before rounding ([GUM] 5.1).
+/// The required speed over a record r (its upper limit, if the rule says so). It is r + value or
+/// r (1 + value). Over a course of length D, for which the record took t = D / r, it is
+/// D / (t - value). It is then rounded as the body rounds. The uncertainty of r is propagated by
+/// the derivative of the speed before rounding ([GUM] 5.1).
 ///
 /// Failure (at "margin") for numbers that are not finite, a record or course not above 0, a
 /// negative margin or uncertainty, a time to gain that is not below the record's, or a rounding as
@@ -139,10 +139,11 @@ Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, doub
 /// `conformance`.
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level);
 
-/// Probability that the decision is incorrect for this speed ([JCGM106] 9, specific risks). For a
-/// speed found to beat the record it is the probability of being below the threshold, for any
-/// other, which is refused, that of reaching it. The larger of the two kinds of probability is
-/// taken. It keeps its relative accuracy however small it is. Failure as for `conformance`.
+/// Probability that the decision is incorrect for this speed ([JCGM106] 9, specific risks). If the
+/// outcome is beaten, it is the probability that the speed is below the threshold. Otherwise the
+/// speed is refused, and it is the probability that it reaches the threshold. The larger of the two
+/// kinds of probability is taken. It keeps its relative accuracy however small it is. Failure as
+/// for `conformance`.
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome);
 
 }  // namespace runcert

@@ -11,7 +11,6 @@
 #include "attest_list.h"
 #include "commands.h"
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "recompute.h"

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "store/atomic_file.h"

@@ -7,7 +7,7 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "run/run_lock.h"
 #include "store/atomic_file.h"
 

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "commands.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "run/chain.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"

@@ -8,7 +8,6 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "recompute.h"
 #include "store/atomic_file.h"

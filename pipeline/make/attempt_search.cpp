@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "make/day_list.h"

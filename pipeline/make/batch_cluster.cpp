@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "make/batch.h"
 #include "make/day_run.h"
 #include "make/interrupts.h"

@@ -7,7 +7,6 @@
 #include <set>
 #include <system_error>
 
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "make/day_list.h"

@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "make/day_list.h"
 #include "schemas/attempt/attempt.h"

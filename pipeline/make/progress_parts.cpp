@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "make/progress_text.h"
 
 namespace runcert {

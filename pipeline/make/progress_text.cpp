@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <string_view>
 
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 

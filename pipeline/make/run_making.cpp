@@ -7,7 +7,6 @@
 #include "run/chain.h"
 #include "run/staging_folder.h"
 #include "store/atomic_file.h"
-#include "store/file_sync.h"
 #include "store/folder.h"
 #include "store/sha256.h"
 #include "trust/attestation.h"

@@ -9,7 +9,6 @@
 #include "run/steps.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
-#include "store/file_sync.h"
 #include "store/sha256.h"
 #include "trust/signature_files.h"
 

@@ -7,7 +7,6 @@
 #include <cassert>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "store/atomic_file.h"
 #include "store/process.h"

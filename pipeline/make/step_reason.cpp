@@ -9,7 +9,6 @@
 #include <set>
 #include <vector>
 
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "make/run_record.h"
 

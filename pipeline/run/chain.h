@@ -9,7 +9,7 @@
 
 #include "run/attempt_files.h"
 #include "run/steps.h"
-#include "store/file_sync.h"
+#include "store/atomic_file.h"
 #include "store/process.h"
 
 namespace runcert {

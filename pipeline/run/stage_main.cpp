@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "run/run_lock.h"
 #include "store/program.h"

@@ -12,7 +12,6 @@
 #include "core/failure.h"
 #include "run/ready_run.h"
 #include "store/atomic_file.h"
-#include "store/file_sync.h"
 #include "store/record_key.h"
 #include "store/sha256.h"
 

@@ -15,7 +15,6 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "store/file_sync.h"
 #include "store/folder.h"
 #include "store/record_key.h"
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace runcert {
 
@@ -24,8 +26,8 @@ std::string read_file(const std::filesystem::path& path);
 /// The longest text that people write by hand: attempts, profiles, keys. 1 MiB, in bytes.
 inline constexpr std::size_t longest_handwritten = std::size_t{1} << 20;
 
-/// The same of a text that people write by hand. Failure also where it is longer than any is: it
-/// is then another file, and is not read into memory.
+/// As read_file, for a text written by hand. Failure also where it is longer than that: it is then
+/// some other file, and is not read into memory.
 std::string read_handwritten(const std::filesystem::path& path);
 
 /// The contents of a file, for reading large ones without holding them in memory: mapped, or read
@@ -88,7 +90,7 @@ void read_pieces(const std::filesystem::path& path,
 
 /// Replaces or creates a file so that, whatever happens, its name holds the whole old contents
 /// or the whole new ones: written under a temporary name (record_key.h, `.tmp`) in the same folder,
-/// synced (see file_sync.h), renamed, the folder synced. A symbolic link there is replaced.
+/// synced (see below), renamed, the folder synced. A symbolic link there is replaced.
 /// Safe with several processes and threads at once; the last to rename wins.
 /// Failure where the name is that of a folder, a pipe or a device, and where any step fails
 /// (read-only folder, full disk, quota, ...): the temporary is removed and the old file untouched.
@@ -100,5 +102,28 @@ void write_file_atomically(const std::filesystem::path& path, std::string_view b
 /// Makes a folder and those above it; nothing happens where it exists already.
 /// Failure where it cannot be made, e.g. where a file has that name.
 void make_directory(const std::filesystem::path& path);
+
+// When what is written reaches the disk. A sync takes about a millisecond, far longer than the
+// write, and protects from a power cut alone: a program that is killed leaves whole files without.
+// So where files are made in a folder first and published from there, as `certify` and `batch` do,
+// they are synced once, when they are published: what a power cut leaves of them before that is
+// never taken for a result, as a batch trusts a file by its hash alone.
+
+/// What a program that is started gets in its environment by a caller that syncs what it writes:
+/// its write_file_atomically then does not.
+std::pair<std::string, std::string> synced_by_caller();
+
+/// As write_file_atomically, for a file that something else tells from one that a power cut left.
+void write_file_unsynced(const std::filesystem::path& path, std::string_view bytes);
+
+/// Syncs files, each begun before any is waited for. Failure where one cannot be written.
+void sync_files(const std::vector<std::filesystem::path>& files);
+
+/// Writes a file of the build. What did not change keeps its time, so that nothing that depends on
+/// it is built again.
+inline void write_if_changed(const std::filesystem::path& path, std::string_view text) {
+    if (!std::filesystem::exists(path) || read_file(path) != text)
+        write_file_atomically(path, text);
+}
 
 }  // namespace runcert

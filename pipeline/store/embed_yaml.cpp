@@ -6,7 +6,6 @@
 #include <exception>
 
 #include "store/atomic_file.h"
-#include "store/write_if_changed.h"
 #include "store/yaml_input.h"
 
 namespace runcert {

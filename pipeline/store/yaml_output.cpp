@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 
 namespace runcert {

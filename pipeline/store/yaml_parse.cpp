@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "store/yaml_input.h"
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "schemas/common/role_signatures.h"
 #include "store/pattern.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "trust/signature_text.h"
 
 namespace runcert {

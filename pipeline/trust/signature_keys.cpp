@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "trust/signature.h"
 #include "trust/signature_text.h"

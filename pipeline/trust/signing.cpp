@@ -11,11 +11,11 @@
 #include <iostream>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "schemas/common/product_files.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
 #include "store/utc_second.h"
 #include "trust/roster.h"

@@ -11,7 +11,7 @@
 #include "schemas/common/product_files.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
 #include "store/yaml_output.h"

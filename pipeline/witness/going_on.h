@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 
 // Whether positions continue steadily where the time stamps do not.
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "satellites/phase_record.h"
-#include "schemas/phase/phase.h"
+#include "schemas/phase/declared.h"
 
 namespace runcert {
 

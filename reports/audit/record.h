@@ -10,13 +10,13 @@
 #include "reports/audit/walk.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
-#include "schemas/phase/phase.h"
+#include "schemas/phase/declared.h"
 #include "schemas/screened/screened.h"
-#include "schemas/screened_phase/screened_phase.h"
+#include "schemas/screened_phase/declared.h"
 #include "schemas/trajectory/trajectory.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

@@ -3,7 +3,7 @@
 #include <kainjow/mustache.hpp>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "reports/audit/walk.h"
 
 namespace runcert {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/plain_text.h"
 #include "core/prose.h"
+#include "core/text.h"
 #include "reports/audit/walk.h"
 
 namespace runcert {

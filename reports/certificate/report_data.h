@@ -10,9 +10,9 @@
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/screened_phase/screened_phase.h"
+#include "schemas/screened_phase/declared.h"
 #include "schemas/trajectory/trajectory.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "witness/screened_phases.h"
 

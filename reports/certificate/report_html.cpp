@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "reports/certificate/report_json.h"
 #include "store/base64.h"
 #include "store/sha256.h"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/day/day.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "schemas/day_results/day_results.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 namespace runcert {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/prose.h"
+#include "core/text.h"
 #include "reports/day/day.h"
 #include "reports/day/page_parts.h"
 #include "store/base64.h"

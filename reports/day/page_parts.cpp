@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"

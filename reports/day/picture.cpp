@@ -4,7 +4,6 @@
 #include <cmath>
 #include <kainjow/mustache.hpp>
 
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/day/page_parts.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/diff/day_difference.h"

@@ -7,7 +7,6 @@
 #include <array>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
 #include "reports/words/outcome.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "schemas/profile/profile.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 namespace runcert {
 

@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/export/export.h"
 #include "store/ecsv.h"

@@ -8,7 +8,7 @@
 #include "reports/export/track.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/trajectory.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

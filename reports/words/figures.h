@@ -8,7 +8,7 @@
 #include "core/gps_time.h"
 #include "core/prose.h"
 #include "core/rounding.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // Figures and units as people read them: the one place that writes them. A measured speed is
 // rounded down, an expanded uncertainty, a required speed and an acceptance limit up, so that what

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // What a rule's outcome and its standing are called, and what they rest on, on every page.
 

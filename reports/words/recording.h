@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "schemas/observations/observations.h"
-#include "schemas/screened_phase/screened_phase.h"
+#include "schemas/screened_phase/declared.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 

@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/plain_text.h"
 #include "core/rounding.h"
 #include "core/text.h"
 #include "schemas/common/revision.h"

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 
 namespace runcert {
 

@@ -467,7 +467,9 @@ std::string header_text(const Declaration& declaration) {
 std::string source_text(const Declaration& declaration) {
     const std::string name = declaration.source()["schema"].text();
     std::string out = fmt::format(
-        "// Written by the build from schemas/{0}/v1.yaml.\n\n#include \"schemas/{0}/{0}.h\"\n\n"
+        "// Written by the build from schemas/{0}/v1.yaml.\n\n"
+        "#if __has_include(\"schemas/{0}/{0}.h\")\n#include \"schemas/{0}/{0}.h\"\n#else\n"
+        "#include \"schemas/{0}/declared.h\"\n#endif\n\n"
         "#include \"schemas/common/document.h\"\n#include \"schemas/common/members.h\"\n\n"
         "namespace runcert {{\n\n"
         "YamlNode {0}_field_table_node();\n\n",

@@ -7,7 +7,7 @@
 #include <exception>
 
 #include "schemas/generator/declaration.h"
-#include "store/write_if_changed.h"
+#include "store/atomic_file.h"
 
 int main(int argc, char** argv) {
     try {

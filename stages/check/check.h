@@ -10,7 +10,7 @@
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/wind.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 
 namespace runcert {
 

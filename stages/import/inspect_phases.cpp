@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "core/plain_text.h"
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/statistics.h"

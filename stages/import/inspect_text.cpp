@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/plain_text.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/cell.h"

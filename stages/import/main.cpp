@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/import/gpsbabel/gpsbabel.h"

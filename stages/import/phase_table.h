@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
-#include "schemas/phase/phase.h"
+#include "schemas/phase/declared.h"
 #include "stages/import/recording.h"
 
 namespace runcert {

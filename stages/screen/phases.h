@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "schemas/attempt/attempt.h"
-#include "schemas/enu/enu.h"
-#include "schemas/phase/phase.h"
-#include "schemas/screened_phase/screened_phase.h"
+#include "schemas/enu/declared.h"
+#include "schemas/phase/declared.h"
+#include "schemas/screened_phase/declared.h"
 #include "witness/phase_motion.h"
 #include "witness/screened_phases.h"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 
 namespace runcert {
 

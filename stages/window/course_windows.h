@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 #include "stages/window/best_window.h"
 
 namespace runcert {

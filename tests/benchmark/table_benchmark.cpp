@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/import/format.h"

@@ -5,7 +5,7 @@
 
 #include "chain_support.h"
 #include "recorded_run.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // What a recording says of itself, and what is typed beside it: each way to make it say more than a
 // receiver measured, by its family. "Got through" and "held" say what the commit before these tests

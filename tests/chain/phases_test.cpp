@@ -5,9 +5,9 @@
 
 #include "chain_support.h"
 #include "core/text.h"
-#include "schemas/phase/phase.h"
-#include "schemas/screened_phase/screened_phase.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/phase/declared.h"
+#include "schemas/screened_phase/declared.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 
 // Raw phases beside a recording, as an official hands them in.

@@ -9,7 +9,7 @@
 
 #include "chain_support.h"
 #include "core/random.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 
 // Recordings in an engineering CRS made for a rule, and what the programs say of them.

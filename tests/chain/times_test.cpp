@@ -7,7 +7,7 @@
 #include "chain_support.h"
 #include "draws.h"
 #include "recorded_run.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // Recordings whose times leap, fall back, repeat, or stand in another order: what their figure is.
 

@@ -5,7 +5,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/simulation/simulation.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "store/yaml_input.h"
 

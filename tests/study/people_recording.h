@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "people_motion.h"
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 
 namespace runcert {
 

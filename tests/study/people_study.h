@@ -7,7 +7,7 @@
 
 #include "people_recording.h"
 #include "schemas/profile/profile.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 namespace runcert {
 

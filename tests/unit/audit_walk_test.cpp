@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "core/plain_text.h"
+#include "core/text.h"
 #include "reports/audit/walk.h"
 #include "store/atomic_file.h"
 #include "store/process.h"

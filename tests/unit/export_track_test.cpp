@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "reports/export/export.h"
 #include "store/atomic_file.h"

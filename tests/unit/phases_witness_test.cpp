@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "import_phase_support.h"
 #include "motion/speed.h"
-#include "schemas/screened_phase/screened_phase.h"
+#include "schemas/screened_phase/declared.h"
 #include "simulation/raw_measurements.h"
 #include "stages/enu/enu.h"
 #include "stages/import/rinex/rinex.h"

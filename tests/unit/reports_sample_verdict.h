@@ -1,6 +1,6 @@
 #pragma once
 
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // What revision 1.1 of a verdict adds to the made-up run of reports_sample.h.
 

@@ -6,7 +6,7 @@
 #include "core/failure.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 
 // Who says what of an attempt: each key's origin, what it can change, and who answers for it.
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "schemas/enu/enu.h"
+#include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "schemas/verdict/verdict.h"
+#include "schemas/verdict/declared.h"
 #include "store_test_support.h"
 
 // What revision 1.3 of the verdict added: of how many attempts this is the best, what may remain of

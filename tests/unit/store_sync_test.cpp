@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "store/atomic_file.h"
-#include "store/file_sync.h"
 #include "store/folder.h"
 #include "store/process.h"
 #include "store_test_support.h"

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "core/plain_text.h"
 #include "core/random.h"
 #include "core/rounding.h"
 #include "core/text.h"

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
 #include "schemas/attempt/attempt.h"
 #include "stages/import/csv/csv.h"

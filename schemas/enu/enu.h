@@ -1,5 +1,0 @@
-#pragma once
-
-#include "schemas/enu/declared.h"
-
-namespace runcert {}  // namespace runcert

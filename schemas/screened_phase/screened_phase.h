@@ -1,3 +1,0 @@
-#pragma once
-
-#include "schemas/screened_phase/declared.h"

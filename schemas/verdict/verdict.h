@@ -1,3 +1,0 @@
-#pragma once
-
-#include "schemas/verdict/declared.h"

@@ -12,7 +12,7 @@ namespace runcert {
 /// The text as lines of at most 100 characters, broken at blanks and ending with a line end. Every
 /// line but the first begins with `indent` blanks. The first already has `used` characters before
 /// it. A word longer than a line is cut. What would steer a terminal is removed
-/// (core/plain_text.h).
+/// (core/text.h).
 std::string wrapped(std::string_view text, std::size_t indent = 4, std::size_t used = 0);
 
 /// 1587 as "1,587".

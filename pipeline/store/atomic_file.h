@@ -66,7 +66,7 @@ class AtomicFile {
   public:
     explicit AtomicFile(const std::filesystem::path& path,
                         FileAccess access = FileAccess::by_umask);
-    /// In an open folder (files/folder.h): no link is followed.
+    /// In an open folder (store/folder.h): no link is followed.
     AtomicFile(const Folder& folder, const std::string& name);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;

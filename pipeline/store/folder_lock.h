@@ -28,7 +28,7 @@ class FolderLock {
     /// second for what they were just starting. The file and its folder are made where they are
     /// missing. Failure where the file cannot be made, and where the file system has no locks.
     static Attempt try_lock(const std::filesystem::path& file, LockKind kind);
-    /// The same of a file in an open folder (files/folder.h). Failure too where it is a link.
+    /// The same of a file in an open folder (store/folder.h). Failure too where it is a link.
     static Attempt try_lock(const Folder& folder, const std::string& name, LockKind kind);
 
     /// Waits until the lock is free and takes it; nothing where a stop is requested first. `waits`

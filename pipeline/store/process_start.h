@@ -8,7 +8,7 @@
 #include "store/folder.h"
 #include "store/process.h"
 
-// How run_process starts a program; for files/process.cpp alone.
+// How run_process starts a program; for store/process.cpp alone.
 
 namespace runcert {
 

@@ -34,7 +34,7 @@ struct ReportFacts {
     std::string attempt_id{};
     std::string program_version{};
     std::string source_revision{};
-    std::string arithmetic{};  ///< of the computer that made it, see files/program.h
+    std::string arithmetic{};  ///< of the computer that made it, see store/program.h
     std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
     std::vector<std::string> subject_names{};       ///< in the report's own order
     std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role

@@ -16,11 +16,11 @@
 #include "store/program.h"
 #include "store/sha256.h"
 #include "store/yaml_output.h"
+#include "trust/attestation.h"
 
 namespace runcert {
 namespace {
 
-constexpr const char* statement_type = "https://in-toto.io/Statement/v1";
 constexpr const char* predicate_type = "urn:runcert:measurement-report:1.0";
 
 Json files_json(const std::vector<ReportSubject>& subjects) {

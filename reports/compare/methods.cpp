@@ -7,7 +7,6 @@
 
 #include "core/failure.h"
 #include "motion/smoother.h"
-#include "reports/compare/recorded_velocity.h"
 #include "schemas/enu/measured_position.h"
 #include "witness/arcs.h"
 

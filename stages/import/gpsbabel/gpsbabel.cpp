@@ -16,15 +16,15 @@ namespace {
 /// Formats of files with tracks that `gpsbabel -^3` of version 1.8.0 lists as readable.
 std::vector<std::string_view> readable_types() {
     std::string_view text =
-        "v900 iblue747 iblue757 gpl saroute destinator_trl energympro f90g igc garmin_fit "
-        "garmin_g1000 glogbook gdb garmin_txt gtrnctr ggv_ovl ggv_bin ggv_log geojson kml "
-        "gnav_trl land_air_sea gtm gpx hiketech m241-bin humminbird_ht humminbird ignrando igo8 "
-        "kompass_tk lowranceusr magellanx magellan ik3d mainnav mapasia_tr7 mtk_locus mmo "
-        "garmin_xt mtk-bin mynav tpo2 tpo3 sbp sbn navitel_trk nmea ozi qstarz_bl-1000 ricoh "
-        "skytraq-bin wintec_tes wbt-bin itracku-bin ";
+        "v900|iblue747|iblue757|gpl|saroute|destinator_trl|energympro|f90g|igc|garmin_fit|"
+        "garmin_g1000|glogbook|gdb|garmin_txt|gtrnctr|ggv_ovl|ggv_bin|ggv_log|geojson|kml|"
+        "gnav_trl|land_air_sea|gtm|gpx|hiketech|m241-bin|humminbird_ht|humminbird|ignrando|igo8|"
+        "kompass_tk|lowranceusr|magellanx|magellan|ik3d|mainnav|mapasia_tr7|mtk_locus|mmo|"
+        "garmin_xt|mtk-bin|mynav|tpo2|tpo3|sbp|sbn|navitel_trk|nmea|ozi|qstarz_bl-1000|ricoh|"
+        "skytraq-bin|wintec_tes|wbt-bin|itracku-bin|";
     std::vector<std::string_view> types;
-    for (; !text.empty(); text.remove_prefix(text.find(' ') + 1))
-        types.push_back(text.substr(0, text.find(' ')));
+    for (; !text.empty(); text.remove_prefix(text.find('|') + 1))
+        types.push_back(text.substr(0, text.find('|')));
     return types;
 }
 

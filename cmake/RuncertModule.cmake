@@ -85,3 +85,51 @@ function(runcert_embed_yaml out_var function file)
     DEPENDS runcert_embed_yaml ${path} VERBATIM)
   set(${out_var} ${source} PARENT_SCOPE)
 endfunction()
+
+# runcert_estimates()
+#
+# The targets of the calling folder are optimised fully.
+macro(runcert_estimates)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release")
+    add_compile_options(-O3)
+  endif()
+endmacro()
+
+# runcert_precompile(folder)
+#
+# Compiles what most sources include of other projects once for each set of options that targets of
+# the folder and of those below have. A source still includes all that it uses: the presets for
+# sanitizers and clang build without.
+function(runcert_precompile folder)
+  get_property(subfolders DIRECTORY ${folder} PROPERTY SUBDIRECTORIES)
+  foreach(subfolder ${subfolders})
+    runcert_precompile(${subfolder})
+  endforeach()
+  get_property(options DIRECTORY ${folder} PROPERTY COMPILE_OPTIONS)
+  get_property(targets DIRECTORY ${folder} PROPERTY BUILDSYSTEM_TARGETS)
+  foreach(target ${targets})
+    get_target_property(type ${target} TYPE)
+    get_target_property(links ${target} LINK_LIBRARIES)
+    if(NOT type MATCHES "EXECUTABLE|STATIC_LIBRARY" OR NOT "fmt::fmt" IN_LIST links)
+      continue()
+    endif()
+    set(framework)
+    set(framework_header)
+    if("GTest::gtest" IN_LIST links)
+      set(framework GTest::gtest)
+      set(framework_header <gtest/gtest.h>)
+    endif()
+    string(MAKE_C_IDENTIFIER "runcert_precompiled${options}${framework}" owner)
+    if(NOT TARGET ${owner})
+      file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/precompiled.cpp CONTENT "")
+      add_library(${owner} OBJECT ${CMAKE_BINARY_DIR}/precompiled.cpp)
+      set_target_properties(${owner} PROPERTIES COMPILE_OPTIONS "${options}")
+      target_link_libraries(${owner} PRIVATE runcert_options fmt::fmt Eigen3::Eigen Threads::Threads
+        ${framework})
+      target_precompile_headers(${owner} PRIVATE <algorithm> <array> <cmath> <cstdint> <filesystem>
+        <functional> <map> <optional> <set> <span> <string> <vector> <Eigen/Core> <fmt/format.h>
+        ${framework_header})
+    endif()
+    target_precompile_headers(${target} REUSE_FROM ${owner})
+  endforeach()
+endfunction()

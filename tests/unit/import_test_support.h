@@ -24,7 +24,7 @@ inline std::string slurp(const std::string& path) {
 
 /// A file of `tests/unit/data/import`.
 inline std::string fixture(const std::string& name) {
-    return slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/unit/data/import/" + name);
+    return slurp(RUNCERT_SOURCE_DIR "/tests/unit/data/import/" + name);
 }
 
 /// A file of the recorded data, or nothing where they are not there.

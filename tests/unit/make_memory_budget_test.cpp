@@ -163,8 +163,8 @@ TEST(EstimatedEpochs, AreCountedByWhatMarksThem) {
     std::string nmea, ubx("\xb5\x62\x0a\x04", 4), gpx = "<gpx>";
     for (int i = 0; i < 50; ++i) {
         nmea += "$GNGGA,1*00\r\n$GNGST,1*00\r\n$GPGSV,1*00\r\n$GPGSV,2*00\r\n$GNRMC,1*00\r\n";
-        ubx += std::string("\xb5\x62\x01\x07", 4) + std::string(96, '\0') +
-               std::string("\xb5\x62\x02\x15", 4) + std::string(900, '\1');
+        ubx.append("\xb5\x62\x01\x07", 4).append(96, '\0');
+        ubx.append("\xb5\x62\x02\x15", 4).append(900, '\1');
         gpx += "<trkpt lat=\"1\" lon=\"2\"/>";
     }
     EXPECT_EQ(estimated_epochs(nmea), 50U);

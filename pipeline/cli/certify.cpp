@@ -38,9 +38,16 @@ struct CertifyOptions {
 
 /// The speed as it is to be read, and what it had to reach.
 void print_speed(const ProfileVerdict& verdict) {
-    if (!verdict.speed_m_s) return;
+    const auto& own = verdict.own_arithmetic;
+    const std::string by_rule =
+        own && !own->shown.empty() ? own->shown + " by the rule's own arithmetic" : std::string();
+    if (!verdict.speed_m_s) {
+        if (!by_rule.empty()) fmt::print("  speed    none measured; {}\n", by_rule);
+        return;
+    }
     const ShownFigures shown = shown_of(verdict, "km/h");
     fmt::print("  speed    {}\n", measured_speed_text(shown, verdict.coverage_factor));
+    if (!by_rule.empty()) fmt::print("           {}\n", by_rule);
     if (!verdict.decision || verdict.outcome == Outcome::not_certifiable) return;
     fmt::print("  required {} {}; acceptance limit {} {}\n", shown.required_speed, shown.unit,
                shown.acceptance_limit, shown.unit);

@@ -188,6 +188,11 @@ void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& prof
     json["decision_rule"] = decision_rule(verdict, profile);
     if (verdict.record) json["record"] = record_json(*verdict.record);
     if (verdict.decision) json["decision"] = decision_json(verdict, rule_unit(profile));
+    if (verdict.own_arithmetic) {
+        if (verdict.own_arithmetic->speed_m_s)
+            set_speeds(json, "own_arithmetic", verdict.own_arithmetic->speed_m_s);
+        json["own_arithmetic_words"] = own_arithmetic_text(*verdict.own_arithmetic);
+    }
     if (!verdict.current_subtracted_m_s) return;
     const SpeedUnit& unit = rule_unit(profile);
     set_speeds(json, "current_subtracted", verdict.current_subtracted_m_s);

@@ -15,7 +15,7 @@ constexpr std::string_view columns =
     "attested,signatures_required,speed_m_s,expanded_uncertainty_m_s,coverage_factor,required_"
     "speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,window_start_"
     "utc,window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
-    "remedy,notes,report_id,report\n";
+    "remedy,notes,report_id,report,own_arithmetic\n";
 
 /// Places by attempt.
 using Places = std::map<std::string_view, const DayPlace*>;
@@ -47,7 +47,7 @@ std::string row(const AttemptResult& attempt, const DayResult* result, const Day
     constexpr std::string_view no_result = ",,,,,,,,,,,,,,,,,";
     const std::vector<std::string> none;
     return fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
         csv_cell(attempt.source), attempt.state, csv_cell(craft.name), csv_cell(craft.craft_class),
         result ? result_cells(*result, *place) : std::string(no_result),
         csv_cell(result ? result->reason : attempt.reason),
@@ -55,7 +55,7 @@ std::string row(const AttemptResult& attempt, const DayResult* result, const Day
         csv_cell(failure.step), csv_cell(plain_text(failure.problem)),
         csv_cell(plain_text(failure.where)), csv_cell(plain_text(failure.remedy)),
         csv_cell(fmt::format("{}", fmt::join(attempt.notes, "; "))), attempt.report_id,
-        csv_cell(attempt.report));
+        csv_cell(attempt.report), csv_cell(result ? result->own_arithmetic : ""));
 }
 
 }  // namespace

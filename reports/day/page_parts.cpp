@@ -39,6 +39,7 @@ bool shares_rank(const std::vector<DayPlace>& places, std::size_t i) {
 void set_speed(TemplateData& row, const DayResult& result) {
     const auto& shown = result.shown;
     row.set("has_speed", TemplateData(shown.has_value()));
+    if (!result.own_arithmetic.empty()) set_text(row, "own_arithmetic", result.own_arithmetic);
     if (!shown) return;
     set_text(row, "speed", shown->speed);
     set_text(row, "uncertainty", shown->expanded_uncertainty);

@@ -145,6 +145,11 @@ std::string measured_speed_text(const ShownFigures& shown) {
     return fmt::format("{0} {2} ± {1} {2}", shown.speed, shown.expanded_uncertainty, shown.unit);
 }
 
+std::string own_arithmetic_text(const OwnArithmetic& own) {
+    if (own.shown.empty()) return own.text;
+    return fmt::format("By the rule's own arithmetic: {}. {}", own.shown, own.text);
+}
+
 std::string measured_speed_text(const ShownFigures& shown, double coverage_factor) {
     return fmt::format("{} (k = {})", measured_speed_text(shown), coverage_text(coverage_factor));
 }

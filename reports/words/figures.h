@@ -93,6 +93,9 @@ std::string measured_speed_text(const ShownFigures& shown);
 /// The same with the coverage factor: "232.17 km/h ± 0.17 km/h (k = 2)".
 std::string measured_speed_text(const ShownFigures& shown, double coverage_factor);
 
+/// The speed by the rule's own arithmetic, how it is computed, and why the measured one differs.
+std::string own_arithmetic_text(const OwnArithmetic& own);
+
 /// "20.100 s": three decimals.
 std::string seconds_text(ElapsedTime time);
 

@@ -70,6 +70,16 @@ CoursePoint read_members(const YamlValue& map) {
 }
 
 template <>
+StatedPart read_members(const YamlValue& map) {
+    StatedPart part{.from = read_utc_time(map["from_utc"]),
+                    .to = read_utc_time(map["to_utc"]),
+                    .source = map["source"].text()};
+    if (!(part.to > part.from))
+        map["to_utc"].fail("the part that counts ends before it begins", "Correct the times");
+    return part;
+}
+
+template <>
 SecondaryMethod read_members(const YamlValue& map) {
     const auto all_of = [&map](std::initializer_list<const char*> keys) {
         const auto given = std::count_if(keys.begin(), keys.end(),

@@ -44,6 +44,14 @@ struct CoursePoint {
 template <>
 CoursePoint read_members(const YamlValue& map);
 
+/// The part of the recordings that counts, as officials state it; `to` is after `from`.
+struct StatedPart {
+    GpsTime from, to;
+    std::string source;
+};
+template <>
+StatedPart read_members(const YamlValue& map);
+
 /// What a second method says of the window: one of the two is given.
 struct SecondaryMethod {
     std::string method;

@@ -60,6 +60,11 @@ void require_limit(const YamlValue& entry, const Clause& clause) {
                   "Give unit: " + units);
 }
 
+bool needs_part(Computation computation) {
+    return computation == Computation::counted_part || computation == Computation::start_height ||
+           computation == Computation::validation_accuracy;
+}
+
 void require_sound_clauses(const YamlValue& list, const Profile& profile) {
     std::set<std::string> ids;
     const std::vector<YamlValue> entries = list.list();
@@ -78,6 +83,13 @@ void require_sound_clauses(const YamlValue& list, const Profile& profile) {
         if (clause.decided_by == Computation::accuracy && !profile.accuracy_limit_m_s)
             entry["decided_by"].fail("the profile states no limit of accuracy",
                                      "Add accuracy: {limit, unit, coverage_factor}");
+        if (needs_part(clause.decided_by) && !profile.within)
+            entry["decided_by"].fail("the rule counts all of the recording",
+                                     "Add window: {within: {from, to}}");
+        if (clause.decided_by == Computation::validation_accuracy && profile.within &&
+            !profile.within->validation_m)
+            entry["decided_by"].fail("the rule validates no part of its samples",
+                                     "Add window: {within: {validation_m}}");
         if (clause.decided_by == Computation::opposite_runs && !profile.opposite_runs_within_s)
             entry["decided_by"].fail("the profile does not ask for two runs",
                                      "Add opposite_runs: {within_s}");
@@ -157,6 +169,43 @@ void require_length(const YamlValue& map, const Profile& profile) {
         map[other].fail(
             fmt::format("a window of kind {} has no {}", to_text(profile.window_kind), other),
             "Remove it");
+}
+
+/// A part of the recording has ends that can be found, and windows that can lie in it.
+void require_sound_part(const YamlValue& within, const Profile& profile) {
+    if (!profile.within) return;
+    if (profile.window_kind == WindowKind::course)
+        within.fail("the lines of a course say where its window lies", "Remove within");
+    const auto needs_height = [](WindowEvent event) {
+        return event == WindowEvent::below_start || event == WindowEvent::above_ground ||
+               event == WindowEvent::at_height;
+    };
+    const auto require_end = [&](const YamlValue& map, const PartEnd& end) {
+        if (needs_height(end.event) != end.height_m.has_value())
+            map[end.height_m ? "height_m" : "event"].fail(
+                fmt::format("{} {} a height", to_text(end.event),
+                            end.height_m ? "has not" : "needs"),
+                end.height_m ? "Remove it" : "Add height_m:");
+        if (end.event != WindowEvent::exit && map["speed_m_s"].exists())
+            map["speed_m_s"].fail(fmt::format("{} has no speed", to_text(end.event)), "Remove it");
+    };
+    require_end(within["from"], profile.within->from);
+    if (profile.within->from.event == WindowEvent::below_start)
+        within["from"]["event"].fail("the part cannot begin below its own beginning",
+                                     "Write another event");
+    const std::vector<YamlValue> ends = within["to"].list();
+    if (ends.empty()) within["to"].fail("the part has no end", "List the events that end it");
+    for (std::size_t i = 0; i < ends.size(); ++i)
+        require_end(ends[i], profile.within->to[i]);
+}
+
+/// The body's arithmetic is one that recorded samples allow.
+void require_sound_arithmetic(const YamlValue& map, const Profile& profile) {
+    if (!profile.arithmetic) return;
+    Profile as_recorded = profile;
+    as_recorded.speed_source = profile.arithmetic->source;
+    as_recorded.definition = profile.arithmetic->definition;
+    require_sound_window(map, as_recorded);
 }
 
 void require_sound_runs(const YamlValue& document, const Profile& profile) {
@@ -240,6 +289,8 @@ Profile read_profile(std::string_view text, const std::string& where) {
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
     require_length(document["window"], profile);
     require_sound_window(document["window"], profile);
+    require_sound_part(document["window"]["within"], profile);
+    require_sound_arithmetic(document["arithmetic"], profile);
     require_sound_runs(document, profile);
     if (profile.accuracy_limit)
         profile.accuracy_limit_m_s =

@@ -370,6 +370,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     verdict.witnesses = context.witnesses;
     if (const auto drift_m_s = unseen_drift_m_s(context)) verdict.unseen_drift_m_s = *drift_m_s;
     verdict.shown = context.shown;
+    verdict.own_arithmetic = own_arithmetic(context);
     verdict.notes = notes_of(context);
     verdict.course = course_figures(context);
     verdict.runs = run_summaries(context);

@@ -119,6 +119,10 @@ std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 /// the profile now has.
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
 
+/// The speed by the rule's own arithmetic, why it differs from the measured one, or why there is
+/// none.
+OwnArithmetic own_arithmetic(const ClauseContext& context);
+
 /// A computation's finding on a clause.
 struct Finding {
     RequirementStatus status = RequirementStatus::not_met;

@@ -212,8 +212,14 @@ struct Shown {
     Order order = Order::time;
 };
 
+/// Where windows are searched, beside the recording.
+struct SearchLimits {
+    const std::optional<SurveyedCourse>& gates;
+    const std::optional<WindowPart>& part;
+};
+
 Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource source, Order order,
-               const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
+               const WindowConfig& config, const SearchLimits& limits) {
     profile.speed_source = source;
     Shown shown{.series = order == Order::time
                               ? indicated_series(screened, profile, config.gap_factor)
@@ -222,6 +228,7 @@ Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource sourc
                 .source = source,
                 .order = order};
     if (shown.series.series.empty()) return shown;
+    if (limits.part) restrict_to(limits.part, screened, shown.series);
     WindowCriteria rule =
         window_criteria(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
     // Unsmoothed positions have no speeds to average. For recorded speeds, the path is available.
@@ -230,7 +237,7 @@ Shown shown_by(const ScreenedTable& screened, Profile profile, SpeedSource sourc
     const Allowance stated = [&](const FoundWindow& window) {
         return stated_uncertainty(screened, shown.series.rows, profile, window);
     };
-    shown.windows = windows_as_recorded(shown.series.series, profile, rule, gates, stated);
+    shown.windows = windows_as_recorded(shown.series.series, profile, rule, limits.gates, stated);
     return shown;
 }
 
@@ -245,20 +252,20 @@ bool velocities_may_show_more(const ScreenedTable& screened, const Profile& prof
 }
 
 Shown most_shown(const ScreenedTable& screened, const Profile& profile, const WindowConfig& config,
-                 const std::optional<SurveyedCourse>& gates) {
-    Shown most = shown_by(screened, profile, profile.speed_source, Order::time, config, gates);
+                 const SearchLimits& limits) {
+    Shown most = shown_by(screened, profile, profile.speed_source, Order::time, config, limits);
     const auto take_more = [&](Shown shown) {
         const bool more = !shown.windows.empty() &&
                           (most.windows.empty() || shown.windows.front().assured_m_s() >
                                                        most.windows.front().assured_m_s());
         if (more) most = std::move(shown);
     };
-    take_more(shown_by(screened, profile, profile.speed_source, Order::recording, config, gates));
+    take_more(shown_by(screened, profile, profile.speed_source, Order::recording, config, limits));
     if (!velocities_may_show_more(screened, profile)) return most;
     Profile by_path = profile;
     by_path.definition = SpeedDefinition::path_length;
     for (const Order order : {Order::time, Order::recording})
-        take_more(shown_by(screened, by_path, SpeedSource::velocity, order, config, gates));
+        take_more(shown_by(screened, by_path, SpeedSource::velocity, order, config, limits));
     return most;
 }
 
@@ -290,8 +297,9 @@ WindowRows rows_of(const ScreenedTable& screened, const Shown& shown, std::size_
 
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
-                                                 const std::optional<SurveyedCourse>& gates) {
-    const Shown shown = most_shown(screened, profile, config, gates);
+                                                 const std::optional<SurveyedCourse>& gates,
+                                                 const std::optional<WindowPart>& part) {
+    const Shown shown = most_shown(screened, profile, config, {.gates = gates, .part = part});
     const std::vector<FoundWindow>& found = shown.windows;
     if (found.empty()) return std::nullopt;
     const std::vector<std::size_t>& rows = shown.series.rows[found.front().series];

@@ -61,15 +61,22 @@ void add_recorded(SampleSeries& series, ElapsedTime time, double speed_m_s) {
     series.speeds_m_s.push_back(speed_m_s);
 }
 
+std::optional<Eigen::Vector3d> recorded_position(const ScreenedEpoch& row) {
+    if (!row.east_m || !row.north_m) return std::nullopt;
+    return Eigen::Vector3d(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
+}
+
 SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                         const ArcRows& arc, const std::vector<std::int64_t>& obstacles,
-                        const Profile& profile) {
+                        const Profile& profile, SeriesPositions positions) {
     SampleSeries series;
     Eigen::Vector3d offset = Eigen::Vector3d::Zero();
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < arc.rows.size(); ++k) {
         const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
-        const Eigen::Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
+        Eigen::Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
+        if (positions == SeriesPositions::recorded)
+            position = recorded_position(screened.rows[arc.rows[k]]).value_or(position);
         if (k > 0 && begins_after_step(row))
             offset += position - before - motion_over(trajectory.rows[arc.rows[k - 1]], row);
         before = position;
@@ -269,12 +276,12 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
-                                             const Profile& profile) {
+                                             const Profile& profile, SeriesPositions positions) {
     const std::vector<std::int64_t> obstacles = obstacles_in(screened, trajectory, profile);
     std::vector<SampleSeries> series;
     series.reserve(arcs.size());
     for (const ArcRows& arc : arcs) {
-        series.push_back(arc_series(screened, trajectory, arc, obstacles, profile));
+        series.push_back(arc_series(screened, trajectory, arc, obstacles, profile, positions));
         if (profile.speed_source == SpeedSource::velocity)
             move_to_moments(series.back(), delay_of_velocities(screened));
     }
@@ -341,6 +348,17 @@ IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& 
         add_indicated(screened, profile, recorded[k], time, begins, indicated);
     }
     return indicated.jumps.empty() ? IndicatedSeries{} : indicated;
+}
+
+void restrict_to(const std::optional<WindowPart>& part, const ScreenedTable& screened,
+                 IndicatedSeries& indicated) {
+    for (std::size_t k = 0; k < indicated.series.size(); ++k) {
+        std::vector<ElapsedTime> times;
+        times.reserve(indicated.rows[k].size());
+        for (const std::size_t row : indicated.rows[k])
+            times.push_back(screened.rows[row].time);
+        restrict_to(part, times, indicated.series[k]);
+    }
 }
 
 }  // namespace runcert

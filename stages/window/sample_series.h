@@ -6,6 +6,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/best_window.h"
+#include "stages/window/counted_part.h"
 #include "witness/certifiable.h"
 
 namespace runcert {
@@ -31,6 +32,10 @@ struct RecordedSpeed {
 /// where a needed value is missing.
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension);
 
+/// Which positions a series has: those of the smoothed trajectory, or those recorded at the same
+/// epochs.
+enum class SeriesPositions { smoothed, recorded };
+
 /// The arcs of a trajectory as series of the quantities that the profile counts, in order.
 ///
 /// From the smoothed trajectory they are positions without the offsets of bridged steps, and
@@ -41,7 +46,8 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
-                                             const Profile& profile);
+                                             const Profile& profile,
+                                             SeriesPositions positions = SeriesPositions::smoothed);
 
 /// The recording as it is, without obstacles: rows with the values that the profile counts. Single
 /// positions that their neighbours contradict are ignored, as are epochs that repeat another.
@@ -64,5 +70,10 @@ IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& p
 /// jump.
 IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& profile,
                                   double gap_factor);
+
+/// Lets windows of recorded series begin and end only in the part (`restrict_to`), by the times of
+/// their rows.
+void restrict_to(const std::optional<WindowPart>& part, const ScreenedTable& screened,
+                 IndicatedSeries& indicated);
 
 }  // namespace runcert

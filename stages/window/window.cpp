@@ -195,15 +195,21 @@ struct Candidates {
 
 Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                          const std::vector<ArcRows>& rows, const Profile& profile,
-                         const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
-    return {.screened = screened,
-            .trajectory = trajectory,
-            .rows = rows,
-            .profile = profile,
-            .gates = gates,
-            .rule = window_criteria(profile, config.duration_tolerance_s,
-                                    trajectory.facts.nominal_interval_s),
-            .series = certifiable_series(screened, trajectory, rows, profile)};
+                         const WindowConfig& config, const std::optional<SurveyedCourse>& gates,
+                         const std::optional<WindowPart>& part,
+                         SeriesPositions positions = SeriesPositions::smoothed) {
+    Candidates among{.screened = screened,
+                     .trajectory = trajectory,
+                     .rows = rows,
+                     .profile = profile,
+                     .gates = gates,
+                     .rule = window_criteria(profile, config.duration_tolerance_s,
+                                             trajectory.facts.nominal_interval_s),
+                     .series = certifiable_series(screened, trajectory, rows, profile, positions)};
+    if (part)
+        for (SampleSeries& series : among.series)
+            restrict_to(part, std::vector(series.times), series);
+    return among;
 }
 
 /// The passages over a course, choosing the highest assured speeds.
@@ -388,6 +394,49 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
         entry.further.push_back(beside(windows[i]));
 }
 
+/// The mean speed of windows, and the span of the first. Empty where there are too few.
+std::optional<RuleScore> score_over(const ScreenedTable& screened,
+                                    const std::vector<FoundWindow>& chosen,
+                                    const std::vector<std::size_t>& rows, std::int64_t count) {
+    if (chosen.empty() || std::ssize(chosen) < count) return std::nullopt;
+    double sum = 0.0;
+    for (const FoundWindow& window : chosen)
+        sum += window.speed_m_s;
+    const FoundWindow& first = chosen.front();
+    return RuleScore{
+        .span = window_span(screened.facts, screened.rows[rows[first.first]].epoch,
+                            screened.rows[rows[first.last]].epoch, first.start, first.end),
+        .speed_m_s = sum / static_cast<double>(chosen.size())};
+}
+
+/// The speed by the body's own arithmetic: the fastest window of the usable epochs as recorded; if
+/// there is none, of all that show a speed.
+std::optional<RuleScore> score_of(const Candidates& certifiable, const WindowConfig& config,
+                                  const std::optional<WindowPart>& part) {
+    const std::optional<RuleArithmetic>& arithmetic = certifiable.profile.arithmetic;
+    if (!arithmetic) return std::nullopt;
+    const ScreenedTable& screened = certifiable.screened;
+    Profile by_body = certifiable.profile;
+    by_body.speed_source = arithmetic->source;
+    by_body.definition = arithmetic->definition;
+    const Candidates among =
+        candidates_of(screened, certifiable.trajectory, certifiable.rows, by_body, config,
+                      certifiable.gates, part, SeriesPositions::recorded);
+    if (const std::vector<FoundWindow> chosen = choose(among).chosen; !chosen.empty())
+        return score_over(screened, chosen, among.rows[chosen.front().series].rows,
+                          by_body.windows);
+    if (among.rule.kind == WindowKind::course) return std::nullopt;
+    IndicatedSeries recorded = indicated_series(screened, by_body, config.gap_factor);
+    restrict_to(part, screened, recorded);
+    const std::vector<FoundWindow> chosen =
+        best_windows(recorded.series, among.rule, static_cast<std::size_t>(by_body.windows));
+    if (chosen.empty()) return std::nullopt;
+    auto score =
+        score_over(screened, chosen, recorded.rows[chosen.front().series], by_body.windows);
+    if (score) score->screened = false;
+    return score;
+}
+
 ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                           const Certifier& certifier, const Profile& profile,
                           const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
@@ -398,13 +447,21 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
                          .best = std::nullopt,
                          .fastest = std::nullopt,
                          .further = {},
-                         .indicated = fastest_indicated(screened, profile, config, gates)};
+                         .part = counted_part(screened, trajectory, profile, config.part, gates),
+                         .score = std::nullopt,
+                         .indicated = std::nullopt};
+    entry.indicated = fastest_indicated(screened, profile, config, gates, entry.part);
+    if (entry.part && !entry.part->from) {
+        entry.missing = fmt::format("{}", fmt::join(entry.part->missing, "; "));
+        return entry;
+    }
     if (profile.dimension != Dimension::horizontal && !certifier.has_heights()) {
         entry.missing = "the recording has no heights that could be estimated";
         return entry;
     }
     const Candidates among =
-        candidates_of(screened, trajectory, certifier.rows(), profile, config, gates);
+        candidates_of(screened, trajectory, certifier.rows(), profile, config, gates, entry.part);
+    entry.score = score_of(among, config, entry.part);
     const Choice choice = choose(among);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
@@ -445,6 +502,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
     config.gap_factor = attempt.parameters.screen.gap_factor;
     if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
     config.rotation_bound_deg = receiver.rotation_bound_deg;
+    config.part = {.ground_height_m = attempt.ground_height_m, .part = attempt.part};
     config.velocity_accuracy_claimed =
         receiver.accuracy && receiver.accuracy->velocity_m_s.has_value();
     return config;

@@ -8,6 +8,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
+#include "stages/window/counted_part.h"
 #include "stages/window/witnesses.h"
 #include "witness/certifiable.h"
 
@@ -22,6 +23,7 @@ struct WindowConfig : WindowParameters {
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, because the recording states none
+    PartStatements part = {};                ///< what the attempt states of the part that counts
 };
 
 /// The parameters that the attempt states, with the schema's defaults elsewhere.
@@ -48,14 +50,13 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                      const std::optional<Course>& course = std::nullopt,
                      const WitnessRecords& beside = {});
 
-struct SurveyedCourse;
-
 /// The window that shows most in the unscreened recording, certifiable or not, offsets of bridged
 /// steps included. It is judged by its positions or its recorded velocities and their stated
 /// standard deviations. A sentence gives each reason why it cannot be certified. A bridged step is
-/// such a reason where the profile refuses them.
+/// such a reason where the profile refuses them. It lies in the part of the recording that counts.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
-                                                 const std::optional<SurveyedCourse>& gates);
+                                                 const std::optional<SurveyedCourse>& gates,
+                                                 const std::optional<WindowPart>& part = {});
 
 }  // namespace runcert

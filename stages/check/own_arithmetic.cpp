@@ -1,0 +1,90 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "core/rounding.h"
+#include "core/speed_unit.h"
+#include "core/text.h"
+#include "reports/words/figures.h"
+#include "stages/check/requirements.h"
+
+namespace runcert {
+namespace {
+
+std::string written_by_body(double speed_m_s, const DecimalRule& rule) {
+    const int decimals = static_cast<int>(rule.decimals);
+    const double steps = speed_m_s / metres_per_second(rule.unit) * power_of_ten(decimals);
+    // A conversion leaves a few units of the last binary place.
+    const double tolerance = kBinaryNoise * std::abs(steps);
+    const StepRounding mode =
+        rule.mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest;
+    return format_fixed(whole_steps(steps, tolerance, mode) / power_of_ten(decimals), decimals);
+}
+
+std::string per_unit(double speed_m_s, const DecimalRule& rule) {
+    return fmt::format(
+        "{} {}",
+        format_fixed(speed_m_s / metres_per_second(rule.unit), static_cast<int>(rule.decimals)),
+        rule.unit);
+}
+
+/// Why the measured speed is another than that of the body's arithmetic.
+std::vector<std::string> reasons_of(const ClauseContext& context, const RuleScore& score) {
+    const CertifiableWindow& best = *context.windows.best;
+    const DecimalRule& unit = context.profile.arithmetic->rounding;
+    std::vector<std::string> reasons;
+    if (score.span.first_epoch != best.span.first_epoch ||
+        score.span.last_epoch != best.span.last_epoch)
+        reasons.push_back(fmt::format("its window is another, {}", beginning_text(best.span)));
+    if (const auto& selection = best.selection;
+        selection && selection->treatment == SelectionTreatment::subtracted &&
+        selection->bias_m_s > 0.0)
+        reasons.push_back(fmt::format("the selection bias of {} is taken off",
+                                      per_unit(selection->bias_m_s, unit)));
+    if (context.profile.speed_source == SpeedSource::position)
+        reasons.emplace_back("noise of single samples is smoothed");
+    else if (reasons.empty())
+        reasons.emplace_back("the body rounds otherwise");
+    return reasons;
+}
+
+}  // namespace
+
+OwnArithmetic own_arithmetic(const ClauseContext& context) {
+    const std::optional<RuleArithmetic>& rule = context.profile.arithmetic;
+    if (!rule)
+        return {.speed_m_s = std::nullopt,
+                .shown = {},
+                .text = "How the body itself computes a speed from samples is not known."};
+    const auto& score = context.windows.score;
+    if (!score)
+        return {.speed_m_s = std::nullopt,
+                .shown = {},
+                .text = rule->text + " In this recording it gives no speed."};
+    OwnArithmetic own;
+    const bool less_current = context.profile.current == CurrentUse::subtracted && context.current;
+    const double speed_m_s = score->speed_m_s - (less_current ? context.current->along_m_s : 0.0);
+    own.speed_m_s = speed_m_s;
+    const std::string figure = written_by_body(speed_m_s, rule->rounding);
+    own.shown = fmt::format("{} {}", figure, rule->rounding.unit);
+    own.text = rule->text;
+    if (!score->screened) own.text += " Samples that screening left out are in it.";
+    if (!context.shown) return own;
+    // As the two stand on the page: both in one unit, as written.
+    const double factor =
+        metres_per_second(context.shown->unit) / metres_per_second(rule->rounding.unit);
+    const double measured = parse_double(context.shown->speed).value() * factor;
+    const double less = parse_double(figure).value() - measured;
+    const int decimals = static_cast<int>(rule->rounding.decimals);
+    const std::string apart = format_fixed(std::abs(less), decimals);
+    if (parse_double(apart).value() == 0.0)
+        own.text += " The measured speed is the same.";
+    else
+        own.text += fmt::format(" The measured speed is {} {} {}: {}.", apart, rule->rounding.unit,
+                                less > 0.0 ? "lower" : "higher",
+                                fmt::join(reasons_of(context, *score), "; "));
+    return own;
+}
+
+}  // namespace runcert

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+
+#include "core/prose.h"
+#include "core/speed_unit.h"
+#include "reports/words/figures.h"
+#include "stages/check/requirements.h"
+
+namespace runcert {
+namespace {
+
+std::string_view event_words(WindowEvent event) {
+    switch (event) {
+        case WindowEvent::exit:
+            return "exit";
+        case WindowEvent::below_start:
+            return "the stated height below its beginning";
+        case WindowEvent::above_ground:
+            return "the stated height above the ground";
+        case WindowEvent::at_height:
+            return "the stated height";
+        case WindowEvent::course_start:
+            return "the course's first line";
+        case WindowEvent::course_finish:
+            return "the course's second line";
+        case WindowEvent::stated:
+            return "the stated instant";
+    }
+    return {};
+}
+
+std::string end_text(const FoundEvent& end, const ClauseContext& context) {
+    const ElapsedTime time{std::llround(end.time_s * 1e9)};
+    return fmt::format("{} (epoch {}{}, {})", event_words(end.event), end.epoch,
+                       end.height_m ? fmt::format(", {:.0f} m", *end.height_m) : std::string(),
+                       instant_text(context.input.judged.facts.first_epoch, time));
+}
+
+std::string ground_text(const WindowPart& part) {
+    if (!part.ground_height_m) return {};
+    return fmt::format("ground at {:.0f} m by {}", *part.ground_height_m,
+                       part.ground == GroundSource::attempt ? "the attempt" : "the recording");
+}
+
+}  // namespace
+
+Finding computation::counted_part(const Clause&, const ClauseContext& context) {
+    const auto& part = context.windows.part;
+    if (!part) return unknown("no part of the recording was looked for");
+    if (!part->from)
+        return {RequirementStatus::not_met, fmt::format("{}", fmt::join(part->missing, "; "))};
+    std::string evidence = fmt::format(
+        "it begins at {} and ends at {}", end_text(*part->from, context),
+        part->to ? end_text(*part->to, context) : std::string("the end of the recording"));
+    if (const std::string ground = ground_text(*part); !ground.empty()) evidence += "; " + ground;
+    for (const std::string& missing : part->missing)
+        evidence += "; " + missing;
+    const bool whole = part->to && part->missing.empty();
+    return {whole ? RequirementStatus::met : RequirementStatus::attest, std::move(evidence)};
+}
+
+Finding computation::start_height(const Clause& clause, const ClauseContext& context) {
+    const auto& part = context.windows.part;
+    if (!part || !part->from) return unknown("where the part that counts begins was not found");
+    if (!part->from->height_m) return unknown("no height was recorded where the part begins");
+    if (!part->ground_height_m)
+        return unknown(
+            fmt::format("it begins at {:.0f} m as recorded, and nothing tells how high "
+                        "the ground lies",
+                        *part->from->height_m));
+    return against_limit({.name = "height above the ground where the part begins",
+                          .value = *part->from->height_m - *part->ground_height_m,
+                          .note = ground_text(*part)},
+                         clause);
+}
+
+Finding computation::validation_accuracy(const Clause& clause, const ClauseContext& context) {
+    const auto& part = context.windows.part;
+    if (!part || !part->validated) return unknown("the samples to be validated were not found");
+    const ValidatedSamples& samples = *part->validated;
+    if (!samples.worst_m_s)
+        return unknown(fmt::format("epoch {} does not state how accurate its height is",
+                                   samples.worst_epoch.value_or(0)));
+    return against_limit({.name = "worst accuracy of a sample in the validation window",
+                          .value = *samples.worst_m_s / metres_per_second(clause.unit),
+                          .note = fmt::format("epoch {} of {}", samples.worst_epoch.value_or(0),
+                                              counted(samples.epochs, "sample"))},
+                         clause);
+}
+
+}  // namespace runcert

@@ -97,6 +97,41 @@ void require_sound_clauses(const YamlValue& list, const Profile& profile) {
     if (profile.clauses.empty()) list.fail("the rule requires nothing", "List its requirements");
 }
 
+/// A question has an id of its own, also beside the clauses: readers name both alike.
+void require_sound_questions(const YamlValue& list, const Profile& profile) {
+    std::set<std::string> ids;
+    for (const Clause& clause : profile.clauses)
+        ids.insert(clause.id);
+    for (std::size_t i = 0; i < profile.questions.size(); ++i)
+        if (!ids.insert(profile.questions[i].id).second)
+            list.list()[i]["id"].fail(fmt::format("another question or clause has the id \"{}\"",
+                                                  escape_for_message(profile.questions[i].id)),
+                                      "Give each an id of its own");
+}
+
+/// What measures nothing has no figure, and nothing that a recording decides.
+void require_sound_evidence(const YamlValue& document) {
+    for (const char* const key : {"window", "runs", "opposite_runs", "accuracy", "margin",
+                                  "rounding", "result", "decision", "current", "uncertainty"})
+        if (document[key].exists())
+            document[key].fail("a rule of evidence measures nothing", "Remove it");
+    for (const YamlValue& clause : document["clauses"].list())
+        if (clause["decided_by"].text() != to_text(Computation::attest))
+            clause["decided_by"].fail("a rule of evidence measures nothing that could decide it",
+                                      "Write attest: an official answers for the clause");
+}
+
+/// What every rule has that measures something.
+void require_measure(const YamlValue& document) {
+    for (const auto& [key, remedy] :
+         {std::pair{"window", "Add window: {duration_s, definition}, or another kind of window"},
+          {"margin", "Add margin: {kind, value, unit}; value: 0 where any higher speed counts"}})
+        if (!document[key].exists())
+            document.fail(fmt::format("the key \"{}\" is missing ({})", key,
+                                      profile_schema().find(key)->description),
+                          remedy);
+}
+
 /// What the rule leaves out has its default.
 void complete_floors(ErrorFloors& floors) {
     constexpr std::string_view path = "uncertainty.error_floor_m.";
@@ -231,6 +266,17 @@ void require_sound_margin(const YamlValue& margin, const Profile& profile) {
         margin["kind"].fail("a margin of time belongs to a course", "Use absolute or relative");
 }
 
+/// What every rule has that measures something, and combinations of it that make sense.
+void require_sound_measure(const YamlValue& document, const Profile& profile) {
+    require_measure(document);
+    require_length(document["window"], profile);
+    require_sound_window(document["window"], profile);
+    require_sound_part(document["window"]["within"], profile);
+    require_sound_arithmetic(document["arithmetic"], profile);
+    require_sound_runs(document, profile);
+    require_sound_margin(document["margin"], profile);
+}
+
 }  // namespace
 
 ClauseLimit limit_of(Computation computation) {
@@ -287,18 +333,17 @@ Profile read_profile(std::string_view text, const std::string& where) {
     profile.sha256 = sha256_hex(text);
     profile.written = document;
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
-    require_length(document["window"], profile);
-    require_sound_window(document["window"], profile);
-    require_sound_part(document["window"]["within"], profile);
-    require_sound_arithmetic(document["arithmetic"], profile);
-    require_sound_runs(document, profile);
+    if (profile.evidence)
+        require_sound_evidence(document);
+    else
+        require_sound_measure(document, profile);
     if (profile.accuracy_limit)
         profile.accuracy_limit_m_s =
             *profile.accuracy_limit * metres_per_second(profile.accuracy_unit);
-    require_sound_margin(document["margin"], profile);
-    profile.margin = profile.margin_value * (profile.margin_kind == MarginKind::absolute
-                                                 ? metres_per_second(profile.margin_unit)
-                                                 : 1.0);
+    profile.margin =
+        profile.margin_value * (!profile.evidence && profile.margin_kind == MarginKind::absolute
+                                    ? metres_per_second(profile.margin_unit)
+                                    : 1.0);
     if (profile.current == CurrentUse::subtracted &&
         (profile.windows > 1 || profile.opposite_runs_within_s))
         document["current"].fail(
@@ -308,6 +353,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
     require_correlation_times(document["uncertainty"], profile.uncertainty);
     complete_floors(profile.uncertainty.error_floor_m);
     require_sound_clauses(document["clauses"], profile);
+    require_sound_questions(document["questions"], profile);
     for (const YamlValue& clause : document["clauses"].list())
         if (clause["decided_by"].text() == to_text(Computation::claims))
             clause["decided_by"].fail("claims is what this program asks beside every rule",

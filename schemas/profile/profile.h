@@ -67,6 +67,9 @@ std::string_view builtin_profile(std::string_view name);
 /// What the program itself asks under every rule, beside the rule's clauses.
 const std::vector<Clause>& own_clauses();
 
+/// The source of every clause that the program asks itself, in whatever rule it stands.
+inline constexpr std::string_view own_source = "this program's own requirement";
+
 /// The names of all of them, in alphabetical order.
 std::vector<std::string> builtin_profiles();
 

@@ -408,17 +408,26 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
     return verdict;
 }
 
+/// Keeps the row where the window holds it. The rows are in order of time, which need not be that
+/// of their numbers.
+void keep_inside(const WindowSpan& window, const ScreenedEpoch& row,
+                 std::vector<ScreenedEpoch>& epochs) {
+    const bool begins = row.epoch == window.first_epoch;
+    const bool inside = !epochs.empty() && epochs.back().epoch != window.last_epoch;
+    if (begins || inside) epochs.push_back(row);
+}
+
 }  // namespace
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
-    // The rows are in order of time, which need not be that of their numbers.
     for (const ProfileWindows& entry : windows.profiles) {
         if (!entry.best) continue;
-        std::vector<ScreenedEpoch>& epochs = window_epochs[entry.profile];
-        const bool begins = row.epoch == entry.best->span.first_epoch;
-        const bool inside = !epochs.empty() && epochs.back().epoch != entry.best->span.last_epoch;
-        if (begins || inside) epochs.push_back(row);
+        keep_inside(entry.best->span, row, window_epochs[entry.profile]);
+        auto& others = further_epochs[entry.profile];
+        others.resize(entry.further.size());
+        for (std::size_t i = 0; i < others.size(); ++i)
+            keep_inside(entry.further[i].span, row, others[i]);
     }
 }
 

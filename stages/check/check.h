@@ -36,6 +36,8 @@ struct ReceiverFindings {
     std::vector<TrajectoryEpoch> trajectory = {};
     /// The screened epochs of each profile's best window, by the profile's id.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
+    /// The same of each of the windows that make the figure with it.
+    std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs = {};
 
     const std::vector<ScreenedEpoch>& epochs_of(const std::string& profile) const {
         static const std::vector<ScreenedEpoch> none;
@@ -49,6 +51,8 @@ struct ScreenedSelection {
     ScreeningSummary summary;
     /// The epochs of each profile's best window, by the profile's id.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
+    /// The same of each of the windows that make the figure with it.
+    std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs;
 
     void add(const ScreenedEpoch& row, const Windows& windows);
 };

@@ -47,7 +47,8 @@ ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
             .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
-            .window_epochs = std::move(selection.window_epochs)};
+            .window_epochs = std::move(selection.window_epochs),
+            .further_epochs = std::move(selection.further_epochs)};
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {
@@ -60,11 +61,9 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
 
 void check_run(StageRun& run) {
     run.note_attempt();
-    std::vector<Profile> profiles;
-    for (const std::string& claimed : run.attempt().profiles) {
-        profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
+    const std::vector<Profile> profiles = read_claimed_rules(run.run_dir(), run.attempt());
+    for (const std::string& claimed : run.attempt().profiles)
         run.read_text("profile", profile_copy_name(claimed));
-    }
     std::vector<ReceiverFindings> receivers;
     for (const Receiver& receiver : run.attempt().receivers)
         receivers.push_back(gather(run, receiver));

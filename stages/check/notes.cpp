@@ -172,6 +172,12 @@ void add_unconfirmed(const ClauseContext& context, Notes& notes) {
             say(notes, "Not confirmed: {}: {}", clause.id, clause.text);
 }
 
+/// Notes what nobody who reads the rule's sources can know, and the body can say.
+void add_questions(const ClauseContext& context, Notes& notes) {
+    for (const RuleQuestion& question : context.profile.questions)
+        say(notes, "Question for the body: {} ({})", question.text, question.id);
+}
+
 void add_flow_figures(const FlowInWindow& flow, const std::string& what, const char* from,
                       bool heading_known, std::vector<Figure>& figures) {
     figures.push_back({.name = "mean " + what, .value = flow.mean_m_s, .unit = "m/s"});
@@ -213,6 +219,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_rule(context, notes);
     add_overrides(context, notes);
     add_unconfirmed(context, notes);
+    add_questions(context, notes);
     return notes;
 }
 

@@ -74,6 +74,8 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
         finding.status = RequirementStatus::attest;
         finding.evidence += "; it rests on what nobody observed: " + stated_text(stated);
     }
+    // What the program asks itself is no text that has editions.
+    const bool of_program = clause.source == own_source;
     std::optional<AnsweredBy> answered_by;
     if (finding.status == RequirementStatus::attest)
         answered_by = {.role = clause.answered_by.role, .count = clause.answered_by.count};
@@ -82,6 +84,11 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .evidence = finding.evidence,
             .text = clause.text,
             .source = clause.source,
+            .edition = of_program ? "" : clause.edition,
+            .where = of_program ? "" : clause.where,
+            .looked_at = of_program                 ? ""
+                         : clause.looked_at.empty() ? context.profile.looked_at
+                                                    : clause.looked_at,
             .certainty = clause.certainty,
             .decided_by = clause.decided_by,
             .figures = std::move(finding.figures),

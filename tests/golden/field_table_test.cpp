@@ -52,6 +52,8 @@ const Names without_unit{
     "decision.risk", "results[].probability", "results[].level", "best.probability", "best.level",
     "clauses[].limit", "figures[].value", "figures[].expanded_uncertainty", "course[].value",
     "course[].expanded_uncertainty", "overrides[].rule", "overrides[].used",
+    // of a device, where the unit stands beside
+    "device_deduction.speed",
     // of a wheel
     "wheel.scale", "wheel.expanded_uncertainty_scale"};
 

@@ -14,6 +14,9 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.id, "urban-car_2");
     EXPECT_EQ(attempt.place, "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b (Nagoya)");
     EXPECT_EQ(attempt.date, "2022-03-18");
+    EXPECT_EQ(attempt.craft.sail_area_m2, 7.75);
+    EXPECT_EQ(attempt.receivers.at(0).device_deduction->speed, 0.25);
+    EXPECT_EQ(attempt.receivers.at(0).device_deduction->unit, "kn");
     EXPECT_EQ(attempt.receivers.at(0).frame->utm_zone->zone, 53);
     EXPECT_TRUE(attempt.receivers.at(0).frame->utm_zone->northern);
     EXPECT_EQ(attempt.receivers.at(0).columns.size(), 12U);
@@ -177,6 +180,7 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.windows, 1);
     EXPECT_EQ(profile.proximity_m, 25.0);
     EXPECT_EQ(profile.turn_deg, 120.0);
+    EXPECT_EQ(profile.alpha, AlphaChoice::any);
     EXPECT_EQ(profile.runs.start_m_s, 4.0);
     EXPECT_EQ(profile.runs.stop_m_s, 0.5);
     EXPECT_EQ(profile.runs.stop_s, 2.5);
@@ -188,7 +192,7 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.result->unit, "mph");
     EXPECT_EQ(profile.result->decimals, 1);
     EXPECT_EQ(profile.decision_probability, 0.95);
-    ASSERT_EQ(profile.clauses.size(), 18U);
+    ASSERT_EQ(profile.clauses.size(), 23U);
     const struct {
         std::size_t clause;
         const char *computation, *unit;
@@ -204,7 +208,12 @@ TEST(GoldenProfile, OfAStretch) {
                     {14, "current", "mph", 1.0},
                     {15, "sampling_rate", "Hz", 5.0},
                     {16, "sample_accuracy", "m/s", 3.0},
-                    {17, "opposite_runs", "", std::nullopt}};
+                    {17, "opposite_runs", "", std::nullopt},
+                    {18, "acceleration", "m/s2", 5.0},
+                    {19, "satellites", "satellites", 5.0},
+                    {20, "least_speed", "kn", 5.0},
+                    {21, "device_deduction", "", std::nullopt},
+                    {22, "sail_area", "", std::nullopt}};
     for (const auto& each : expected) {
         EXPECT_EQ(to_text(profile.clauses[each.clause].decided_by), each.computation);
         EXPECT_EQ(profile.clauses[each.clause].unit, each.unit);
@@ -222,6 +231,26 @@ TEST(GoldenProfile, OfACourse) {
     EXPECT_EQ(profile.margin, 0.0125);
     EXPECT_EQ(profile.current, CurrentUse::subtracted);
     EXPECT_EQ(profile.decision_probability, 0.975);
+}
+
+TEST(GoldenProfile, WhereItIsKnownFromAndHowLongItHolds) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.looked_at, "2026-11-27");
+    EXPECT_EQ(profile.valid_from, "2025-03-01");
+    EXPECT_EQ(profile.superseded_by, "my-next-rule");
+    EXPECT_EQ(profile.clauses.at(0).edition, "2026");
+    EXPECT_EQ(profile.clauses.at(0).where, "2.3.1");
+    EXPECT_EQ(profile.clauses.at(0).looked_at, "2026-11-20");
+    EXPECT_EQ(profile.clauses.at(1).where, "");
+    ASSERT_EQ(profile.questions.size(), 1U);
+    EXPECT_EQ(profile.questions[0].id, "rounding");
+    EXPECT_FALSE(profile.evidence);
+}
+
+TEST(GoldenProfile, OfEvidence) {
+    const Profile profile = read_profile(text_of("v1.0/profile.evidence.yaml"), "f");
+    EXPECT_TRUE(profile.evidence);
+    EXPECT_EQ(profile.clauses.at(0).answered_by, (Answerer{.role = "witness", .count = 2}));
 }
 
 TEST(GoldenProfile, Signatures) {

@@ -229,9 +229,13 @@ TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
                  {"wind_gust", {"m/s", "km/h", "kn", "mph"}},
                  {"current", {"m/s", "km/h", "kn", "mph"}},
                  {"sampling_rate", {"Hz"}},
-                 {"sample_accuracy", {"m/s", "km/h", "kn", "mph"}}};
+                 {"sample_accuracy", {"m/s", "km/h", "kn", "mph"}},
+                 {"acceleration", {"m/s2"}},
+                 {"satellites", {"satellites"}},
+                 {"least_speed", {"m/s", "km/h", "kn", "mph"}}};
     for (const auto& c : cases)
-        for (const std::string unit : {"m", "deg", "Hz", "\"%\"", "km/h", "m/s", "kn", "mph"}) {
+        for (const std::string unit :
+             {"m", "deg", "Hz", "\"%\"", "km/h", "m/s", "kn", "mph", "m/s2", "satellites"}) {
             const std::string text =
                 replaced(newest, "attest", c.computation + ", limit: 1.5, unit: " + unit);
             if (std::ranges::find(c.units, unit) == c.units.end()) {
@@ -244,13 +248,34 @@ TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
             }
         }
     for (const char* none : {"window_complete", "margin", "georeferenced", "secondary_method",
-                             "standing_start", "attest"}) {
+                             "standing_start", "device_deduction", "sail_area", "attest"}) {
         EXPECT_NO_THROW(read_profile(replaced(newest, "attest", none), "p"));
         EXPECT_TRUE(failure_of([&] {
                         read_profile(replaced(newest, "attest", std::string(none) + ", limit: 1"),
                                      "p");
                     }).contains(std::string(none) + " compares with no limit. Remove it"));
     }
+}
+
+TEST(ProfileRule, OfEvidenceHasNoMeasureAndEveryOtherHasOne) {
+    const std::string evidence =
+        "schema: profile/1.0\nid: e\nbody: b\ntitle: t\nevidence: true\nclauses:\n"
+        "  - {id: film, text: It was filmed., source: s, certainty: secondary, decided_by: "
+        "attest}\n";
+    EXPECT_TRUE(read_profile(evidence, "p").evidence);
+    const auto says = [&](const std::string& from, const std::string& to, const char* what) {
+        const auto said = failure_of([&] { read_profile(replaced(evidence, from, to), "p"); });
+        EXPECT_TRUE(said.contains(what)) << to << "\n" << said.problem;
+    };
+    says("evidence: true\n", "", "\"window\" is missing");
+    says("evidence: true\n", "window: {duration_s: 3, definition: displacement}\n",
+         "\"margin\" is missing");
+    says("title: t\n", "title: t\nmargin: {kind: relative, value: 0}\n",
+         "a rule of evidence measures nothing. Remove it");
+    says("decided_by: attest", "decided_by: margin", "measures nothing that could decide it");
+    says("decided_by: attest}\n",
+         "decided_by: attest}\nquestions:\n  - {id: film, text: \"Must it?\", source: s}\n",
+         "another question or clause has the id \"film\"");
 }
 
 TEST(ProfileRule, SaysWhoAnswersForAClause) {

@@ -1,10 +1,11 @@
-#include "stages/window/best_window_sums.h"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
+#include <optional>
 
 #include "core/angle.h"
+#include "stages/window/best_window_sums.h"
 #include "witness/certifiable.h"
 
 namespace runcert {
@@ -20,9 +21,11 @@ WindowSearch time_between_epochs(const SummedSeries& series, const WindowCriteri
     const auto ends = window_ends(
         series.samples->times, rule.duration_s, rule.duration_tolerance_s,
         rule.exact ? rule.duration_tolerance_s + nanosecond_s : rule.nominal_interval_s);
+    // One speed is no mean.
+    const std::size_t least_steps = rule.definition == SpeedDefinition::mean_n ? 2 : 1;
     WindowSearch search;
     for (std::size_t first = 0; first < ends.size(); ++first)
-        if (ends[first] && *ends[first] > first)
+        if (ends[first] && *ends[first] >= first + least_steps)
             add(window_between(series, first, *ends[first], rule.definition), search);
     search.steps += static_cast<std::int64_t>(series.size());
     return search;
@@ -109,7 +112,7 @@ WindowSearch straight_between_epochs(const SummedSeries& series, const WindowCri
 
 /// Direction of travel at each sample, a unit vector (`direction_reach_m`). At the ends of the
 /// series it is one-sided. Zero where the craft turned round on the spot.
-std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
+std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series, double reach_m) {
     const std::vector<double>& path = series.path_m;
     const auto& positions = series.samples->positions;
     std::vector<Eigen::Vector3d> directions;
@@ -117,9 +120,9 @@ std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
     std::size_t before = 0;
     std::size_t after = 0;
     for (std::size_t k = 0; k < path.size(); ++k) {
-        while (before + 1 < k && path[k] - path[before + 1] >= direction_reach_m)
+        while (before + 1 < k && path[k] - path[before + 1] >= reach_m)
             ++before;
-        while (after + 1 < path.size() && path[after] - path[k] < direction_reach_m)
+        while (after + 1 < path.size() && path[after] - path[k] < reach_m)
             ++after;
         const Eigen::Vector3d travel = positions[after] - positions[before];
         const double length_m = travel.norm();
@@ -129,26 +132,89 @@ std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
     return directions;
 }
 
-WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
+bool earlier(const FoundWindow& a, const FoundWindow& b) {
+    return a.start != b.start ? a.start < b.start : a.end < b.end;
+}
+
+/// Whether two samples lie close enough for the ends of an alpha, in directions that differ enough.
+class AlphaEnds {
+  public:
+    AlphaEnds(const SummedSeries& series, const WindowCriteria& rule, double reach_m)
+        : positions_(series.samples->positions),
+          directions_(directions_along(series, reach_m)),
+          proximity_m_(rule.proximity_m),
+          cosine_(std::cos(rule.turn_deg * radians_per_degree)) {}
+
+    bool meet(std::size_t first, std::size_t last) const {
+        const Eigen::Vector3d &from = directions_[first], &to = directions_[last];
+        return distance_between(positions_[first], positions_[last]) <= proximity_m_ &&
+               !from.isZero(0.0) && !to.isZero(0.0) && from.dot(to) <= cosine_;
+    }
+
+  private:
+    const std::vector<Eigen::Vector3d>& positions_;
+    std::vector<Eigen::Vector3d> directions_;
+    double proximity_m_, cosine_;
+};
+
+WindowSearch longest_alphas(const SummedSeries& series, const WindowCriteria& rule) {
     const std::vector<double>& path = series.path_m;
-    const auto& positions = series.samples->positions;
-    const std::vector<Eigen::Vector3d> directions = directions_along(series);
-    const double cosine = std::cos(rule.turn_deg * radians_per_degree);
-    const auto turned = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
-        return !from.isZero(0.0) && !to.isZero(0.0) && from.dot(to) <= cosine;
-    };
+    const AlphaEnds ends(series, rule, direction_reach_m);
     WindowSearch search;
     std::size_t first = 0;
     for (std::size_t last = 1; last < series.size(); ++last) {
         while (path[last] - path[first] > rule.distance_m + path_rounding_m)
             ++first;
         const bool whole = path[last] - path.front() >= rule.distance_m - path_rounding_m;
-        if (whole && distance_between(positions[first], positions[last]) <= rule.proximity_m &&
-            turned(directions[first], directions[last]))
+        if (whole && ends.meet(first, last))
             add(window_between(series, first, last, rule.definition), search);
     }
     search.steps += static_cast<std::int64_t>(series.size() + first);
     return search;
+}
+
+/// Longer alphas (s) are slower than half of the fastest of these.
+double longest_time_s(const std::vector<FoundWindow>& alphas, double distance_m) {
+    double fastest_m_s = 0.0;
+    for (const FoundWindow& alpha : alphas)
+        fastest_m_s = std::max(fastest_m_s, alpha.speed_m_s);
+    return fastest_m_s > 0.0 ? 2.0 * distance_m / fastest_m_s
+                             : std::numeric_limits<double>::infinity();
+}
+
+WindowSearch alphas_of_any_length(const SummedSeries& series, const WindowCriteria& rule) {
+    const std::vector<double>& path = series.path_m;
+    const auto& times = series.samples->times;
+    const AlphaEnds ends(series, rule, any_direction_reach_m);
+    WindowSearch search = longest_alphas(series, rule);
+    const std::vector<FoundWindow> longest = std::move(search.windows);
+    search.windows.clear();
+    const double limit_s = longest_time_s(longest, rule.distance_m);
+    const double shortest_m = 2.0 * rule.proximity_m - path_rounding_m;
+    auto of_end = longest.begin();
+    for (std::size_t last = 1; last < series.size(); ++last) {
+        std::optional<FoundWindow> fastest;
+        for (std::size_t first = last; first-- > 0; ++search.steps) {
+            const double length_m = path[last] - path[first];
+            if (length_m > rule.distance_m + path_rounding_m ||
+                times[last].seconds() - times[first].seconds() > limit_s)
+                break;
+            if (length_m < shortest_m || !ends.meet(first, last)) continue;
+            const auto window = window_between(series, first, last, rule.definition);
+            if (window && (!fastest || preferred(*window, *fastest))) fastest = window;
+        }
+        while (of_end != longest.end() && of_end->last < last)
+            ++of_end;
+        if (!fastest && of_end != longest.end() && of_end->last == last) fastest = *of_end;
+        if (fastest) search.windows.push_back(*fastest);
+    }
+    std::ranges::sort(search.windows, earlier);
+    return search;
+}
+
+WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
+    return rule.alpha == AlphaChoice::any ? alphas_of_any_length(series, rule)
+                                          : longest_alphas(series, rule);
 }
 
 /// The end of a path of this length, searched from a sample on. Empty if beyond the series.
@@ -165,10 +231,6 @@ std::optional<SeriesInstant> start_of_path(const SummedSeries& series, SeriesIns
     const double path_m = path_at(series, end) - distance_m;
     if (path_m < -path_rounding_m) return std::nullopt;
     return last_instant_at_path(series, std::max(path_m, 0.0), from);
-}
-
-bool earlier(const FoundWindow& a, const FoundWindow& b) {
-    return a.start != b.start ? a.start < b.start : a.end < b.end;
 }
 
 bool same_ends(const FoundWindow& a, const FoundWindow& b) {

@@ -223,6 +223,7 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
     rule.distance_m = profile.distance_m;
     rule.proximity_m = profile.proximity_m;
     rule.turn_deg = profile.turn_deg;
+    rule.alpha = profile.alpha;
     return rule;
 }
 

@@ -276,6 +276,11 @@ std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
         return fmt::format(
             "the recording has an epoch every {} s, and the rule asks for one every {} s",
             significant_text(interval_s, 3), significant_text(*longest_s, 3));
+    if (profile.definition == SpeedDefinition::mean_n && interval_s >= profile.duration_s)
+        return fmt::format(
+            "a mean of the speeds after the first over {} s needs two of them, and the recording "
+            "has an epoch every {} s",
+            significant_text(profile.duration_s, 3), significant_text(interval_s, 3));
     return {};
 }
 

@@ -102,8 +102,10 @@ class ExhaustiveSearch {
                 last = counts || path > 2.0 * rule_.distance_m;
             } else {
                 last = path > rule_.distance_m + 1e-6;
-                counts = !last && no_sample_earlier(s, i, path) && straight <= rule_.proximity_m &&
-                         turned(s, i, j);
+                const bool long_enough = rule_.alpha == AlphaChoice::any
+                                             ? path >= 2.0 * rule_.proximity_m - 1e-6
+                                             : no_sample_earlier(s, i, path);
+                counts = !last && long_enough && straight <= rule_.proximity_m && turned(s, i, j);
             }
             if (counts && bounds(series, j)) {
                 const auto n = static_cast<double>(j - i);
@@ -127,9 +129,10 @@ class ExhaustiveSearch {
     Eigen::Vector3d direction(std::size_t s, std::size_t k) const {
         const auto& positions = track_.series[s].positions;
         std::size_t before = k, after = k;
-        for (double path = 0.0; before > 0 && path < 0.1; --before)
+        const double reach_m = rule_.alpha == AlphaChoice::any ? 5.0 : 0.1;
+        for (double path = 0.0; before > 0 && path < reach_m; --before)
             path += (positions[before] - positions[before - 1]).norm();
-        for (double path = 0.0; after + 1 < positions.size() && path < 0.1; ++after)
+        for (double path = 0.0; after + 1 < positions.size() && path < reach_m; ++after)
             path += (positions[after + 1] - positions[after]).norm();
         return positions[after] - positions[before];
     }

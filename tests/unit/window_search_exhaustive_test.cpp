@@ -9,6 +9,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::alpha;
+using test::any_alpha;
 using test::displacement;
 using test::exactly;
 using test::ExhaustiveSearch;
@@ -97,6 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
                     NamedRule{"five_straight_100_m", over_distance(100.0, displacement), 5},
                     NamedRule{"any_500_m", over_distance(500.0, path_length, WindowEnds::any), 3},
                     NamedRule{"alpha_500", alpha(500.0)},
+                    NamedRule{"any_alpha_500", any_alpha(500.0)},
+                    NamedRule{"any_alpha_250", any_alpha(250.0)},
                     NamedRule{"three_alphas_of_250", alpha(250.0), 3}),
     [](const auto& instance) { return std::string(instance.param.name); });
 

@@ -161,4 +161,10 @@ inline WindowCriteria alpha(double distance_m) {
     return rule;
 }
 
+inline WindowCriteria any_alpha(double distance_m) {
+    WindowCriteria rule = alpha(distance_m);
+    rule.alpha = AlphaChoice::any;
+    return rule;
+}
+
 }  // namespace runcert::test

@@ -10,6 +10,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::alpha;
+using test::any_alpha;
 using test::displacement;
 using test::options_of;
 using test::over_distance;
@@ -138,6 +139,64 @@ TEST(RuleSearch, AnAlphaNeedsATurnAndEndsNearOneAnother) {
     EXPECT_TRUE(alphas_begin(steady(10.0, 700), rule).empty()) << "there is no turn";
     rule.turn_deg = 0.0;
     EXPECT_EQ(alphas_begin(steady(10.0, 700), rule), from_to(0, 199));
+}
+
+/// 250 m out and back with 60 m at a tenth of the speed at the beginning, which an alpha need not
+/// hold: the longest one, of 500 m, does.
+TEST(RuleSearch, AnAlphaOfAnyLengthLeavesOutWhereTheCraftWasSlow) {
+    SampleSeries series = there_and_back(240);
+    for (std::size_t k = 0; k < 60; ++k)
+        for (std::size_t after = k + 1; after < series.times.size(); ++after)
+            series.times[after].nanoseconds += 900'000'000;
+    const auto longest = best_windows({series}, alpha(490.0), 1);
+    const auto any = best_windows({series}, any_alpha(490.0), 1);
+    ASSERT_TRUE(longest.size() == 1 && any.size() == 1);
+    EXPECT_NEAR(longest[0].length_m, 490.0, 1e-9);
+    EXPECT_LT(longest[0].speed_m_s, 6.0);
+    EXPECT_NEAR(any[0].speed_m_s, 10.0, 1e-9);
+    EXPECT_GE(any[0].first, 60U);
+    EXPECT_LE(any[0].length_m, 490.0 + path_rounding_m);
+    const double apart_m = (series.positions[any[0].last] - series.positions[any[0].first]).norm();
+    EXPECT_LE(apart_m, 50.0);
+}
+
+/// Half a turn at full speed, its ends 50 m apart, is no way out and back.
+TEST(RuleSearch, AnAlphaOfAnyLengthIsAtLeastTwiceItsProximity) {
+    SampleSeries series = there_and_back(300);
+    for (std::size_t k = 290; k < 330; ++k)  // ten times as fast about the turn
+        for (std::size_t after = k + 1; after < series.times.size(); ++after)
+            series.times[after].nanoseconds -= 90'000'000;
+    const auto all = allowed_and_best({series}, any_alpha(500.0), 1);
+    ASSERT_EQ(all.best.size(), 1U);
+    EXPECT_NEAR(all.best[0].length_m, 100.0, 1e-9);
+    for (const FoundWindow& one : all.all)
+        EXPECT_GE(one.length_m, 100.0 - path_rounding_m);
+    EXPECT_TRUE(std::ranges::is_sorted(all.all, {}, &FoundWindow::start));
+}
+
+/// Hours at rest, whose scatter makes a path, are not looked through for each sample.
+TEST(RuleSearch, AnAlphaOfAnyLengthCostsNoMoreWhereTheCraftRests) {
+    SampleSeries series = there_and_back(300);
+    const std::size_t moving = series.times.size();
+    for (std::size_t k = 0; k < 20'000; ++k) {
+        series.times.push_back({series.times.back().nanoseconds + 100'000'000});
+        series.positions.push_back(series.positions[moving - 1] +
+                                   Eigen::Vector3d(k % 2 == 0 ? 0.01 : 0.0, 0.0, 0.0));
+    }
+    const WindowSearch search = search_windows({series}, any_alpha(500.0), 1);
+    ASSERT_EQ(search.windows.size(), 1U);
+    // 500 m at 10 m/s take 50 s: twice that are 1000 samples.
+    EXPECT_LT(search.steps, 1'010 * static_cast<std::int64_t>(series.times.size()));
+}
+
+/// A mean of one speed is none.
+TEST(RuleSearch, AMeanWithoutTheFirstSpeedNeedsTwoMore) {
+    SampleSeries series = steady(10.0, 100);
+    WindowCriteria rule = over_time(0.1, SpeedDefinition::mean_n);
+    EXPECT_TRUE(best_windows({series}, rule, 1).empty());
+    rule.duration_s = 0.2;
+    EXPECT_EQ(best_windows({series}, rule, 1).size(), 1U);
+    EXPECT_EQ(best_windows({series}, over_time(0.1, SpeedDefinition::mean_n_plus_1), 1).size(), 1U);
 }
 
 TEST(RuleSearch, AnAlphaIsAsLongAsWholeSamplesAllow) {

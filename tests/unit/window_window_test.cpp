@@ -220,6 +220,25 @@ TEST(WindowSearch, ATrajectoryOfOtherArcsIsRefused) {
     EXPECT_NE(refusal_of(screened, trajectory).find("arcs"), std::string::npos);
 }
 
+/// One speed after the first is no mean, and the sentence says so.
+TEST(WindowSearch, AMeanOfOneSpeedIsRefused) {
+    const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    const TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
+    const auto mean_over = [&](double duration_s) {
+        Profile rule = test::rule_over(duration_s);
+        rule.definition = SpeedDefinition::mean_n;
+        return find_windows(screened, trajectory, {rule}, test::few_draws()).profiles.at(0);
+    };
+    EXPECT_FALSE(mean_over(0.1).best);
+    EXPECT_EQ(mean_over(0.1).missing,
+              "a mean of the speeds after the first over 0.1 s needs two of them, and the "
+              "recording has an epoch every 0.1 s");
+    EXPECT_TRUE(mean_over(0.2).best);
+    EXPECT_EQ(mean_over(0.2).missing, "");
+}
+
 TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
     const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
     EstimationModel model;

@@ -91,6 +91,9 @@ TEST(GoldenAttempt, OnTheEarth) {
     EXPECT_EQ(attempt.course->finish.left.geodetic->longitude.degrees(), 136.980375);
     EXPECT_EQ(attempt.course->finish.right.geodetic->latitude.degrees(), 35.1385);
     EXPECT_EQ(parameters_of(attempt, "screen")->at("noise_scale_min"), 0.25);
+    EXPECT_EQ(attempt.ground_height_m, 42.5);
+    EXPECT_EQ(to_iso(attempt.part->to), "2022-03-18T08:52:18.250");
+    EXPECT_EQ(attempt.part->source, "the judges' log");
     EXPECT_EQ(attempt.wind->file, "weather/wind.csv");
     EXPECT_EQ(attempt.wind->source, "mast at the start");
     EXPECT_EQ(attempt.current->expanded_uncertainty_m_s, 0.0625);
@@ -192,7 +195,7 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.result->unit, "mph");
     EXPECT_EQ(profile.result->decimals, 1);
     EXPECT_EQ(profile.decision_probability, 0.95);
-    ASSERT_EQ(profile.clauses.size(), 23U);
+    ASSERT_EQ(profile.clauses.size(), 26U);
     const struct {
         std::size_t clause;
         const char *computation, *unit;
@@ -213,12 +216,29 @@ TEST(GoldenProfile, OfAStretch) {
                     {19, "satellites", "satellites", 5.0},
                     {20, "least_speed", "kn", 5.0},
                     {21, "device_deduction", "", std::nullopt},
-                    {22, "sail_area", "", std::nullopt}};
+                    {22, "sail_area", "", std::nullopt},
+                    {23, "counted_part", "", std::nullopt},
+                    {24, "start_height", "m", 4277.0},
+                    {25, "validation_accuracy", "m/s", 3.0}};
     for (const auto& each : expected) {
         EXPECT_EQ(to_text(profile.clauses[each.clause].decided_by), each.computation);
         EXPECT_EQ(profile.clauses[each.clause].unit, each.unit);
         EXPECT_EQ(profile.clauses[each.clause].limit, each.limit);
     }
+}
+
+TEST(GoldenProfile, OfAPartAndItsBodysArithmetic) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.within->from.event, WindowEvent::exit);
+    EXPECT_EQ(profile.within->from.speed_m_s, 12.5);
+    ASSERT_EQ(profile.within->to.size(), 2U);
+    EXPECT_EQ(profile.within->to[1].event, WindowEvent::above_ground);
+    EXPECT_EQ(profile.within->to[1].height_m, 1707.0);
+    EXPECT_EQ(profile.within->validation_m, 1006.0);
+    EXPECT_EQ(profile.arithmetic->source, SpeedSource::position);
+    EXPECT_EQ(profile.arithmetic->definition, SpeedDefinition::displacement);
+    EXPECT_EQ(profile.arithmetic->rounding.mode, DecimalMode::truncate);
+    EXPECT_EQ(profile.arithmetic->rounding.decimals, 1);
 }
 
 TEST(GoldenProfile, OfACourse) {

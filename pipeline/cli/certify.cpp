@@ -8,6 +8,8 @@
 
 #include "commands.h"
 #include "core/text.h"
+#include "reports/words/attempt.h"
+#include "reports/words/decision.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "run/attempt_files.h"
@@ -54,6 +56,8 @@ void print_speed(const ProfileVerdict& verdict) {
     fmt::print("           conformance probability {} (at least {} required)\n",
                probability_text(verdict.decision->probability),
                level_text(verdict.decision->level));
+    for (const std::string& more : decision_sentences(verdict, speed_unit(shown.unit)))
+        fmt::print("           {}\n", more);
 }
 
 void print_window(const WindowSpan& span) {
@@ -89,9 +93,12 @@ std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementSt
 }
 
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
-bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
+bool print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
     fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
     print_speed(verdict);
+    if (verdict.decision)
+        fmt::print("           {}\n",
+                   plain_text(agreement_text(attempt.decision_rule_agreed, verdict.window)));
     if (verdict.window) print_window(*verdict.window);
     for (const std::string& witness : verdict.witnesses)
         fmt::print("  witness  {}\n", plain_text(witness));
@@ -115,11 +122,11 @@ Verdict verdict_in(const fs::path& run_dir) {
     return read_verdict(read_file(file), file.string());
 }
 
-bool print_verdicts(const Verdict& verdict, const fs::path& run_dir, bool signed_report,
-                    bool rendered) {
+bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir,
+                    bool signed_report, bool rendered) {
     bool all_beaten = true;
     for (const ProfileVerdict& profile : verdict.profiles)
-        all_beaten = print_verdict(profile, run_dir) && all_beaten;
+        all_beaten = print_verdict(profile, attempt, run_dir) && all_beaten;
     if (!verdict.georeferenced)
         fmt::print(
             "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
@@ -199,7 +206,7 @@ int certify(const CertifyOptions& options) {
     const Verdict verdict = verdict_in(staging.path());
     const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
-    return print_verdicts(verdict, run_dir, is_signed, !options.no_render) ? 0 : 1;
+    return print_verdicts(verdict, attempt, run_dir, is_signed, !options.no_render) ? 0 : 1;
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include "core/text.h"
 #include "reports/audit/screening.h"
 #include "reports/audit/sections.h"
+#include "reports/words/attempt.h"
+#include "reports/words/decision.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
@@ -15,7 +17,16 @@ std::string status_text(RequirementStatus status) {
                                                 : std::string(words_of(status));
 }
 
-Facts decision_facts(const ProfileVerdict& verdict) {
+/// The decision rule: who agreed on it, its guard band and what it leaves to chance.
+void add_decision_rule(const ProfileVerdict& verdict, const Attempt& attempt, Facts& facts) {
+    std::string rule = agreement_text(attempt.decision_rule_agreed, verdict.window);
+    const SpeedUnit& unit = speed_unit(verdict.shown ? verdict.shown->unit : "km/h");
+    for (const std::string& more : decision_sentences(verdict, unit))
+        rule += " " + more;
+    facts.add("Decision rule", std::move(rule));
+}
+
+Facts decision_facts(const ProfileVerdict& verdict, const Attempt& attempt) {
     Facts facts{{{"Outcome", outcome_words(state_of(verdict)).title},
                  {"Standing", standing_text(verdict.standing)},
                  {"Rule", fmt::format("{}; SHA-256 of its text {}", rule_identity_text(verdict),
@@ -43,6 +54,7 @@ Facts decision_facts(const ProfileVerdict& verdict) {
                                   level_text(verdict.decision->level), shown.acceptance_limit,
                                   shown.unit));
     }
+    if (verdict.decision) add_decision_rule(verdict, attempt, facts);
     if (verdict.current_subtracted_m_s)
         facts.add("Current", file_speed_text(*verdict.current_subtracted_m_s) + " subtracted");
     return facts;
@@ -76,10 +88,10 @@ void add_list(Section& part, const char* heading, const std::vector<std::string>
     part.add(Entries{.items = items});
 }
 
-Section rule_verdict(const ProfileVerdict& verdict) {
+Section rule_verdict(const ProfileVerdict& verdict, const Attempt& attempt) {
     Section part{
         .title = fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body),
-        .blocks = {decision_facts(verdict)}};
+        .blocks = {decision_facts(verdict, attempt)}};
     if (verdict.overrides.empty())
         part.add(Paragraph{"The attempt replaced no figure of the rule."});
     else
@@ -114,7 +126,7 @@ Section check_section(const RunRecord& record, bool all) {
         all);
     section.add(parameter_blocks(record.attempt, verdict.header, all));
     for (const ProfileVerdict& each : verdict.profiles)
-        section.parts.push_back(rule_verdict(each));
+        section.parts.push_back(rule_verdict(each, record.attempt));
     if (!verdict.statements.empty())
         section.parts.push_back({.title = "What holds for the whole measurement",
                                  .blocks = {Entries{.items = verdict.statements}}});

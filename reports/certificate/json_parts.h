@@ -47,8 +47,9 @@ std::string rule_words(const Profile& profile);
 void set_rule(Json& json, const Profile& profile);
 /// The record to beat, with its speed in each unit and in words.
 Json record_json(const RecordToBeat& record);
-/// Sets the record, how the outcome was decided, and the rule of decision in words.
-void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& profile);
+/// Sets the record, how the outcome was decided, and the rule of decision in words, with who agreed
+/// on it. Of the profile of that index in the verdict.
+void set_decision(Json& json, const ReportInputs& inputs, std::size_t index);
 /// Sets what must be read with the verdict: notes, replaced figures, clauses that could not be
 /// confirmed. Nothing where there are none.
 void set_reservations(Json& json, const ProfileVerdict& verdict);

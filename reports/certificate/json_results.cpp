@@ -6,6 +6,7 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/words/decision.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
@@ -96,6 +97,7 @@ void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profi
           uncertainty, SpeedRow::uncertainty},
          {"Measured speed less expanded uncertainty", lower},
          {"Acceptance limit", acceptance, SpeedRow::limit},
+         {"Guard band w", guard_band_m_s(verdict), SpeedRow::uncertainty},
          {"Required speed", verdict.required_speed_m_s, SpeedRow::limit},
          {"Standing record",
           verdict.record ? std::optional(verdict.record->speed_m_s) : std::nullopt,
@@ -171,7 +173,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
               {"qualification", requirement_counts(verdict)}};
     json["rule_words"] = rule_words(profile);
     set_rule(json, profile);
-    set_decision(json, verdict, profile);
+    set_decision(json, inputs, index);
     set_reservations(json, verdict);
     set_results(json, verdict, profile);
     const ProfileWindows* windows = windows_of(inputs.receivers.front().windows, verdict.profile);

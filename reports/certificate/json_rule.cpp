@@ -3,6 +3,8 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/words/attempt.h"
+#include "reports/words/decision.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
@@ -58,11 +60,13 @@ std::string ends_words(const Profile& profile) {
 
 std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
+    const std::string silent = silent_rule_text(profile);
     return fmt::format(
-        "Conformance probability: that the true speed reaches the required speed. At least {} "
-        "counts as beaten, at most {} as not beaten, and anything between as not proven (guarded "
-        "acceptance and rejection, JCGM 106).",
-        level_text(level), level_text(1.0 - level));
+               "Decision rule: it goes by the conformance probability, that the true speed reaches "
+               "the required speed. At least {} counts as beaten, at most {} as not beaten, and "
+               "anything between as not proven (guarded acceptance and rejection, JCGM 106).",
+               level_text(level), level_text(1.0 - level)) +
+           (silent.empty() ? "" : " " + silent);
 }
 
 std::string record_words(const RecordToBeat& record) {
@@ -90,14 +94,15 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
     if (decision.attempts_made > 1)
         words += fmt::format(" As the best of {} attempts it needs {}.", decision.attempts_made,
                              level_text(decision.level));
-    if (decision.risk)
-        words += fmt::format(" Probability that this outcome is wrong: {}.",
-                             probability_text(*decision.risk));
+    for (const std::string& more : decision_sentences(verdict, unit))
+        words += " " + more;
     return words;
 }
 
 Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
     Json json = members_json(*verdict.decision);
+    if (const auto guard_m_s = guard_band_m_s(verdict))
+        json["guard_band_m_s"] = rounded(*guard_m_s, 6);
     json["decision_words"] = decision_words(verdict, unit);
     return json;
 }
@@ -184,8 +189,12 @@ void set_rule(Json& json, const Profile& profile) {
     if (profile.windows != 1) json["rule_windows"] = profile.windows;
 }
 
-void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
+void set_decision(Json& json, const ReportInputs& inputs, std::size_t index) {
+    const ProfileVerdict& verdict = inputs.verdict.profiles[index];
+    const Profile& profile = inputs.profiles[index];
     json["decision_rule"] = decision_rule(verdict, profile);
+    json["decision_rule_agreed"] =
+        agreement_text(inputs.attempt.decision_rule_agreed, verdict.window);
     if (verdict.record) json["record"] = record_json(*verdict.record);
     if (verdict.decision) json["decision"] = decision_json(verdict, rule_unit(profile));
     if (verdict.own_arithmetic) {

@@ -5,6 +5,8 @@
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
+#include "reports/words/attempt.h"
+#include "reports/words/decision.h"
 #include "reports/words/outcome.h"
 
 namespace runcert {
@@ -161,12 +163,19 @@ std::string comparison_text(const ProfileView& view) {
     if (verdict.decision) {
         text += labelled("Conformance", probability_text(verdict.decision->probability) +
                                             " that the true speed reaches the required speed.");
-        text += labelled("Level", level_sentence(*verdict.decision));
+        const std::string silent = silent_rule_text(view.profile);
+        text += labelled("Decision rule",
+                         level_sentence(*verdict.decision) + (silent.empty() ? "" : " " + silent));
+        text += labelled("Agreement", agreement_text(view.options.rule_agreed, verdict.window));
         text += labelled("Acceptance limit",
                          fmt::format("{}: the lowest measured speed that would count as beaten "
                                      "with this uncertainty.",
                                      speed_beside(verdict, verdict.decision->acceptance_limit_m_s,
                                                   unit, SafeSide::up)));
+        if (const std::string guard = guard_band_text(verdict, speed_unit(unit)); !guard.empty())
+            text += labelled("Guard band", guard);
+        if (const std::string risk = risk_text(verdict); !risk.empty())
+            text += labelled("Risk", capitalised(risk));
     }
     return text;
 }
@@ -257,6 +266,8 @@ std::string decision_in_short(const ProfileView& view) {
         text += labelled("Conformance", fmt::format("probability {} (at least {} required)",
                                                     probability_text(verdict.decision->probability),
                                                     level_text(verdict.decision->level)));
+    if (verdict.decision)
+        text += labelled("Decision rule", agreement_text(view.options.rule_agreed, verdict.window));
     return text + labelled("Why", sentence(verdict.reason));
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "schemas/attempt/declared.h"
 #include "schemas/profile/profile.h"
 #include "schemas/verdict/declared.h"
 
@@ -18,6 +20,8 @@ struct ExplainOptions {
     /// Of "PROFILE/CLAUSE", what became of it and who answered, a line each.
     std::map<std::string, std::vector<std::string>> answers = {};
     bool vouched = false;  ///< the verdict's standing counts keys of the reader's roster
+    /// Who agreed on the decision rule, as the attempt states.
+    std::optional<DecisionRuleAgreement> rule_agreed = std::nullopt;
 };
 
 /// The verdict in plain words, in lines of at most 100 characters: one clause of the rules in full,

@@ -69,6 +69,7 @@ std::string explain_run(const Options& options) {
     const std::vector<std::string> missing = check_inputs(run, verdict);
     ExplainOptions what = options.what;
     add_answers(verdict, options, what);
+    what.rule_agreed = run.attempt().decision_rule_agreed;
     std::string text = explain_text(verdict, profiles, what);
     if (!missing.empty())
         text += "\n" + wrapped(fmt::format("Not checked, since the folder does not hold it: {}.",

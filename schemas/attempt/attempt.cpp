@@ -45,12 +45,32 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other : {"id", "recording", "base", "navigation", "phase", "antenna_height_m",
-                              "lever_arm_m", "rotation_bound_deg"})
+                              "lever_arm_m", "rotation_bound_deg", "calibration"})
         stated.erase(other);
     return stated;
 }
 
+/// An uncertainty is of something, and in a unit of that.
+void require_sound_calibration(const YamlValue& map, const Calibration& calibration) {
+    const bool stated = calibration.expanded_uncertainty.has_value();
+    if (stated != map["unit"].exists() || stated != map["of"].exists())
+        map.fail("the uncertainty of a calibration, its unit and what it is of belong together",
+                 "Give expanded_uncertainty, unit and of, or none of the three");
+    if (!stated) return;
+    const std::string own = calibration.quantity == "time"       ? "s"
+                            : calibration.quantity == "distance" ? "m"
+                                                                 : "";
+    const bool fits =
+        own.empty() ? calibration.unit != "s" && calibration.unit != "m" : calibration.unit == own;
+    if (!fits)
+        map["unit"].fail(
+            fmt::format("\"{}\" is no unit of a {}", calibration.unit, calibration.quantity),
+            own.empty() ? "Give km/h, m/s, kn or mph" : "Give " + own);
+}
+
 void require_sound(const YamlValue& entry, const Receiver& receiver) {
+    if (receiver.calibration)
+        require_sound_calibration(entry["calibration"], *receiver.calibration);
     if (receiver.rotation_bound_deg && !receiver.lever_arm)
         entry["rotation_bound_deg"].fail(
             "the craft's rotation is bounded, but no lever arm is given for it to act on",

@@ -16,12 +16,14 @@ attempt:
   officials: [{role: measurer, name: A. Person}, {role: timekeeper}]
   signatures: [{role: measurer, count: 1}]
   amends: {report_id: 0123456789abcdef, sha256: 0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef, reason: a slip}
+  decision_rule_agreed: {date: "2026-10-01", by: the board and the team}
   receivers:
     - id: primary
       recording: a.pos
       antenna_height_m: 1.5
       lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
       rotation_bound_deg: 4
+      calibration: {certificate: a number, laboratory: a laboratory, date: "2026-09-01", expanded_uncertainty: 0.05, unit: km/h, of: speed}
     - {id: second, recording: b.pos}
   origin: {latitude_deg: -22.92, longitude_deg: 14.41, height_m: 30.0}
   record: {speed: 50, unit: kn, source: a list}
@@ -129,6 +131,7 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: "signatures[].role", set: {/attempt/signatures/0/role: judge}}
 - {key: amends.report_id, set: {/attempt/amends/report_id: 0123456789abcdee}}
 - {key: amends.sha256, set: {/attempt/amends/sha256: 1123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef}}
+- {key: decision_rule_agreed.date, set: {/attempt/decision_rule_agreed/date: "2026-10-02"}}
 - {key: record.unit, set: {/attempt/record/unit: mph}}
 - {key: record.expanded_uncertainty, set: {/attempt/record/expanded_uncertainty: 0.3}}
 - {key: "rules[].profile", set: {/attempt/rules/0/profile: course}}
@@ -176,6 +179,9 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].accuracy.velocity_mps", set: {/attempt/receivers/0/accuracy: {velocity_mps: 0.2}}, redoes: "import window"}
 - {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
 - {key: "receivers[].solution", set: {/attempt/receivers/0/solution: float}, redoes: import}
+- {key: "receivers[].calibration.date", set: {/attempt/receivers/0/calibration/date: "2026-09-02"}}
+- {key: "receivers[].calibration.unit", set: {/attempt/receivers/0/calibration/unit: kn}, redoes: window}
+- {key: "receivers[].calibration.of", set: {/attempt/receivers/0/calibration/of: time, /attempt/receivers/0/calibration/unit: s}, redoes: window}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
 )yaml";
 

@@ -54,8 +54,8 @@ const Names without_unit{
     "course[].expanded_uncertainty", "overrides[].rule", "overrides[].used",
     // of a device, where the unit stands beside
     "device_deduction.speed",
-    // of a wheel
-    "wheel.scale", "wheel.expanded_uncertainty_scale"};
+    // of a calibration, and of a wheel
+    "calibration.expanded_uncertainty", "wheel.scale", "wheel.expanded_uncertainty_scale"};
 
 /// Whether the path, or its end after a point, stands in that list.
 bool may_lack_unit(const std::string& path) {

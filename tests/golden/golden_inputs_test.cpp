@@ -26,6 +26,20 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.overrides.size(), 43U);
 }
 
+TEST(GoldenAttempt, AgreementAndCalibration) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.decision_rule_agreed->date, "2022-03-01");
+    EXPECT_EQ(attempt.decision_rule_agreed->by, "the measurer, for the board and the team");
+    const Calibration& calibration = attempt.receivers.at(0).calibration.value();
+    EXPECT_EQ(calibration.certificate, "K-4711");
+    EXPECT_EQ(calibration.laboratory, "a laboratory");
+    EXPECT_EQ(calibration.date, "2022-02-03");
+    EXPECT_EQ(calibration.expanded_uncertainty, 0.0625);
+    EXPECT_EQ(calibration.unit, "km/h");
+    EXPECT_EQ(calibration.quantity, "speed");
+    EXPECT_FALSE(attempt.receivers.at(1).calibration);
+}
+
 TEST(GoldenAttempt, RecordingsAndRawObservations) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
     EXPECT_EQ(attempt.receivers.at(0).utc_offset_h, 9.0);

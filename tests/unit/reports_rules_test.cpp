@@ -101,6 +101,11 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
         nalsa["decision"]["decision_words"],
         "Conformance probability: 99.9987 % (at least 95 % required). It includes the standard "
         "uncertainty of the record itself, 0.025 km/h of the required speed.");
+    expect_in(nalsa["decision"]["decision_words"],
+              "Guard band w = 0.044 km/h (acceptance limit less required speed). Risk of false "
+              "acceptance: 0.0013 % (that the true speed is below the required speed).");
+    EXPECT_EQ(nalsa["decision"]["guard_band_m_s"], 0.011949);
+    EXPECT_EQ(nalsa["decision_rule_agreed"], "No agreement on the decision rule is stated.");
     EXPECT_EQ(nalsa["record"]["record_words"],
               "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
     EXPECT_EQ(nalsa["headline"]["headline_required_speed"], "204.51");
@@ -113,6 +118,21 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
               "Speed rounded down; uncertainty, required speed and acceptance limit rounded up.");
     expect_in(page, "99.9987 %");
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
+}
+
+TEST(Decision, WhoAgreedOnItsRuleStandsBesideIt) {
+    sample::Run run = sample::make_run();
+    run.inputs.attempt.decision_rule_agreed =
+        DecisionRuleAgreement{.date = "2022-03-01", .by = "the board & the team"};
+    expect_in(page_of(run),
+              "<bdi>The decision rule was agreed on 2022-03-01 by the board &amp; the team.</bdi>");
+}
+
+TEST(Decision, ThatIsNegativeHasARiskOfFalseRejection) {
+    sample::Run run = sample::make_run();
+    verdict_of(run).outcome = Outcome::not_proven;
+    verdict_of(run).decision->risk = 0.42;
+    expect_in(page_of(run), "Risk of false rejection: 42.00 % (that the true speed reaches the");
 }
 
 TEST(Decision, OfASpeedThatCannotBeCertifiedItSaysThatItDoesNotCount) {

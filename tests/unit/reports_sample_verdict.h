@@ -61,7 +61,8 @@ inline void fill_verdict(ProfileVerdict& verdict, const RecordToBeat& record,
     verdict.decision = Decision{.probability = 0.9999876,
                                 .level = 0.95,
                                 .required_speed_standard_uncertainty_m_s = 0.006944,
-                                .acceptance_limit_m_s = 56.8201};
+                                .acceptance_limit_m_s = 56.8201,
+                                .risk = 1.24e-5};
     verdict.shown = ShownFigures{.unit = "km/h",
                                  .speed = "216.00",
                                  .expanded_uncertainty = "0.019",

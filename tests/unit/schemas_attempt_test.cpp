@@ -152,6 +152,39 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     EXPECT_FALSE(second.frame->utm_zone || second.accuracy->vertical_m || second.lever_arm);
 }
 
+TEST(Attempt, ACalibrationStatesAnUncertaintyWithUnitAndQuantityOrNone) {
+    const auto with = [](const std::string& more) {
+        return replaced(
+            least, "r.csv}",
+            "r.csv, calibration: {certificate: c, laboratory: l, date: 2026-01-02" + more + "}}");
+    };
+    EXPECT_FALSE(read_attempt(with(""), "f").receivers.at(0).calibration->expanded_uncertainty);
+    for (const char* unit : {"km/h", "m/s", "kn", "mph"})
+        EXPECT_EQ(
+            read_attempt(with(std::string(", expanded_uncertainty: 0.5, of: speed, unit: ") + unit),
+                         "f")
+                .receivers.at(0)
+                .calibration->unit,
+            unit);
+    EXPECT_NO_THROW(read_attempt(with(", expanded_uncertainty: 1, of: time, unit: s"), "f"));
+    EXPECT_NO_THROW(read_attempt(with(", expanded_uncertainty: 1, of: distance, unit: m"), "f"));
+    for (const auto& [more, said] :
+         {std::pair{", expanded_uncertainty: 1", "belong together"},
+          {", unit: km/h, of: speed", "belong together"},
+          {", expanded_uncertainty: 1, of: speed", "belong together"},
+          {", expanded_uncertainty: 1, unit: s, of: speed", "\"s\" is no unit of a speed"},
+          {", expanded_uncertainty: 1, unit: km/h, of: time", "\"km/h\" is no unit of a time"},
+          {", expanded_uncertainty: 1, unit: s, of: distance", "\"s\" is no unit of a distance"},
+          {", expanded_uncertainty: 0, unit: s, of: time", "below"}}) {
+        const auto failure = failure_of([&, text = more] { read_attempt(with(text), "f"); });
+        EXPECT_TRUE(failure.where.starts_with("f:5:")) << failure.where;
+        EXPECT_TRUE(failure.contains(said)) << failure.problem;
+    }
+    const auto day = failure_of(
+        [] { read_attempt(least + "decision_rule_agreed: {date: March, by: us}\n", "f"); });
+    EXPECT_EQ(day.where, "f:7:30");
+}
+
 TEST(Attempt, EveryFrameHasAWord) {
     for (const char* word : {"geodetic", "ecef", "local_plane"}) {
         const std::string text =

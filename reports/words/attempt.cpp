@@ -1,0 +1,35 @@
+#include "reports/words/attempt.h"
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "reports/words/figures.h"
+
+namespace runcert {
+
+bool begins_after(const std::string& day, GpsTime instant) {
+    // Where the date changes first, local time is 14 hours ahead.
+    constexpr double ahead_s = 14.0 * 3600.0;
+    return parse_gps_iso(day + "T00:00:00").seconds_since(instant) > ahead_s;
+}
+
+std::string agreement_text(const std::optional<DecisionRuleAgreement>& agreed,
+                           const std::optional<WindowSpan>& window) {
+    if (!agreed) return "No agreement on the decision rule is stated.";
+    std::string text =
+        sentence(fmt::format("The decision rule was agreed on {} by {}", agreed->date, agreed->by));
+    if (window && window->start_gps && begins_after(agreed->date, *window->start_gps))
+        text += " That is after the window, and ISO/IEC 17025 (7.1.3) asks for it before.";
+    return text;
+}
+
+std::string calibration_text(const Calibration& calibration) {
+    std::string text = fmt::format("certificate {} of {} by {}", calibration.certificate,
+                                   calibration.date, calibration.laboratory);
+    if (calibration.expanded_uncertainty)
+        text += fmt::format("; expanded uncertainty of {} {} (k = 2)", calibration.quantity,
+                            number_text(*calibration.expanded_uncertainty, calibration.unit));
+    return text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/gps_time.h"
+#include "schemas/attempt/declared.h"
+#include "schemas/common/window_span.h"
+
+// What an attempt states, in words.
+
+namespace runcert {
+
+/// Whether a day, "2026-03-14", begins after an instant wherever on the Earth it is.
+bool begins_after(const std::string& day, GpsTime instant);
+
+/// "The decision rule was agreed on 2026-03-01 by the board and the team."; where that day is after
+/// the window, that it is; without an agreement, that none is stated.
+std::string agreement_text(const std::optional<DecisionRuleAgreement>& agreed,
+                           const std::optional<WindowSpan>& window);
+
+/// "certificate 4711 of 2026-02-03 by Laboratory; expanded uncertainty of speed 0.05 km/h (k = 2)".
+std::string calibration_text(const Calibration& calibration);
+
+}  // namespace runcert

@@ -1,0 +1,58 @@
+#include "reports/words/decision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/prose.h"
+
+namespace runcert {
+
+std::optional<double> guard_band_m_s(const ProfileVerdict& verdict) {
+    if (!verdict.decision || !verdict.required_speed_m_s) return std::nullopt;
+    return std::max(0.0, verdict.decision->acceptance_limit_m_s - *verdict.required_speed_m_s);
+}
+
+std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const auto guard_m_s = guard_band_m_s(verdict);
+    if (!guard_m_s) return {};
+    return fmt::format("w = {} {} (acceptance limit less required speed).",
+                       uncertainty_rounded_up(*guard_m_s * unit.per_m_s), unit.name);
+}
+
+std::string risk_text(const ProfileVerdict& verdict) {
+    if (!verdict.decision || !verdict.decision->risk || verdict.outcome == Outcome::not_certifiable)
+        return {};
+    const std::string risk = probability_text(*verdict.decision->risk);
+    return verdict.outcome == Outcome::beaten
+               ? fmt::format(
+                     "of false acceptance: {} (that the true speed is below the "
+                     "required speed).",
+                     risk)
+               : fmt::format(
+                     "of false rejection: {} (that the true speed reaches the "
+                     "required speed).",
+                     risk);
+}
+
+std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    std::vector<std::string> sentences;
+    if (const std::string guard = guard_band_text(verdict, unit); !guard.empty())
+        sentences.push_back("Guard band " + guard);
+    if (const std::string risk = risk_text(verdict); !risk.empty())
+        sentences.push_back("Risk " + risk);
+    return sentences;
+}
+
+std::string silent_rule_text(const Profile& profile) {
+    const bool says =
+        profile.written["decision"].exists() || profile.margin_above == MarginBase::upper_limit;
+    if (says) return {};
+    return std::string(profile.accuracy_limit_m_s
+                           ? "The rule's limit of the expanded uncertainty is no guard band. "
+                           : "") +
+           "The rule does not say how uncertainty counts in the decision. Read literally, that is "
+           "simple acceptance, with w = 0: this program asks for more.";
+}
+
+}  // namespace runcert

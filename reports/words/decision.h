@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reports/words/figures.h"
+#include "schemas/profile/profile.h"
+
+// The decision rule, and what it leaves to chance, in the words of ISO/IEC 17025 and [JCGM106].
+
+namespace runcert {
+
+/// The guard band w in m/s: acceptance limit less required speed ([JCGM106] 8.3). Empty where
+/// nothing was decided.
+std::optional<double> guard_band_m_s(const ProfileVerdict& verdict);
+
+/// "w = 0.17 km/h (acceptance limit less required speed)."; empty where there is none.
+std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit);
+
+/// The specific risk of the outcome: of false acceptance where it is beaten, else of false
+/// rejection. "of false acceptance: 0.3 % (that the true speed is below the required speed).";
+/// empty where nothing was decided, or the speed cannot be certified.
+std::string risk_text(const ProfileVerdict& verdict);
+
+/// Both as sentences, as far as there are any: "Guard band w = 0.17 km/h (...). Risk of ...".
+std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit);
+
+/// What it means that a rule does not say how uncertainty counts in the decision; empty for a rule
+/// that does.
+std::string silent_rule_text(const Profile& profile);
+
+}  // namespace runcert

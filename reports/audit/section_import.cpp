@@ -5,6 +5,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/sections.h"
+#include "reports/words/attempt.h"
 #include "reports/words/recording.h"
 
 namespace runcert {
@@ -114,6 +115,8 @@ Facts declared(const Receiver& receiver) {
                                                      quantity_text((*receiver.lever_arm)[0]),
                                                      quantity_text((*receiver.lever_arm)[1]),
                                                      quantity_text((*receiver.lever_arm)[2])));
+    if (receiver.calibration)
+        add("Calibration, by the attempt", calibration_text(*receiver.calibration));
     add("Antenna height, by the attempt", metres(receiver.antenna_height_m));
     add("Height, by the attempt", metres(receiver.height_m));
     add("Start date, by the attempt", receiver.start_date);

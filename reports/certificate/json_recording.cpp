@@ -6,6 +6,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/words/attempt.h"
 #include "reports/words/recording.h"
 
 namespace runcert {
@@ -94,6 +95,19 @@ Json official_json(const Official& official) {
     return json;
 }
 
+Json calibration_json(const Calibration& calibration) {
+    Json json{{"certificate_number", calibration.certificate},
+              {"laboratory", calibration.laboratory},
+              {"calibration_date", calibration.date}};
+    if (calibration.expanded_uncertainty) {
+        json["expanded_uncertainty"] = *calibration.expanded_uncertainty;
+        json["unit"] = calibration.unit;
+        json["of"] = calibration.quantity;
+    }
+    json["calibration_words"] = calibration_text(calibration);
+    return json;
+}
+
 /// What is stated of the receiver in the attempt.
 Json stated_json(const Receiver& receiver) {
     Json json = Json::object();
@@ -106,6 +120,7 @@ Json stated_json(const Receiver& receiver) {
     set("accuracy_horizontal_m", accuracy.horizontal_m);
     set("accuracy_vertical_m", accuracy.vertical_m);
     set("accuracy_velocity_m_s", accuracy.velocity_m_s);
+    if (receiver.calibration) json["calibration"] = calibration_json(*receiver.calibration);
     return json;
 }
 
@@ -157,6 +172,9 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     add_stated("Vertical accuracy stated", "accuracy_vertical_m");
     add_stated("Accuracy of velocities stated by the attempt", "accuracy_velocity_m_s", " m/s");
     add_stated("Antenna above the ground", "antenna_height_m");
+    add("Calibration", stated.contains("calibration")
+                           ? stated["calibration"]["calibration_words"].get<std::string>()
+                           : "none is stated");
     return facts;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/gps_time.h"
+#include "reports/words/attempt.h"
 #include "reports/words/recording.h"
 #include "stages/check/course.h"
 #include "stages/check/requirements.h"
@@ -121,6 +122,28 @@ Finding computation::recording_date(const Clause&, const ClauseContext& context)
                                  "receiver's firmware, or what converted its file, is older than "
                                  "the day; hand in what a current version writes"
                                : "; hand in the recording of that day, or name its day")};
+}
+
+Finding computation::calibration(const Clause&, const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    const auto& receivers = context.input.attempt.receivers;
+    const auto receiver = std::ranges::find(receivers, judged.receiver, &Receiver::id);
+    if (receiver == receivers.end() || !receiver->calibration)
+        return {
+            RequirementStatus::attest,
+            fmt::format("the attempt states no calibration of receiver \"{}\"", judged.receiver)};
+    const std::string& day = receiver->calibration->date;
+    if (!judged.facts.first_epoch)
+        return {RequirementStatus::attest,
+                fmt::format("calibrated on {}; the recording has no date to compare it with", day)};
+    const std::string recorded = to_utc_iso(*judged.facts.first_epoch, 0).substr(0, day.size());
+    if (begins_after(day, *judged.facts.first_epoch))
+        return {RequirementStatus::not_met,
+                fmt::format("calibrated on {}, after the recording of {}: state the calibration "
+                            "that held on that day",
+                            day, recorded)};
+    return {RequirementStatus::met,
+            fmt::format("calibrated on {}; the recording is of {}", day, recorded)};
 }
 
 Finding computation::claims(const Clause& clause, const ClauseContext& context) {

@@ -311,6 +311,15 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
             .note = std::move(note)};
 }
 
+std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
+    const auto& uncertainty_m_s = config.calibration_standard_uncertainty_m_s;
+    if (!uncertainty_m_s) return std::nullopt;
+    return speed_row("q", "calibration of the receiver", "B", *uncertainty_m_s,
+                     independent_of_other_rows,
+                     "half the expanded uncertainty (k = 2) that its certificate states, as the "
+                     "attempt has it; added to the other rows, of which it reduces none");
+}
+
 std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     std::vector<BudgetRow> rows;
     add_position_rows(input, rows);
@@ -321,6 +330,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     if (auto height = height_row(input)) rows.push_back(*std::move(height));
     if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
     rows.push_back(antenna_row(input));
+    if (auto calibration = calibration_row(input.config)) rows.push_back(*std::move(calibration));
     rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));
     return rows;
@@ -337,11 +347,17 @@ double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>&
 
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows) {
     std::vector<InputQuantity> inputs;
+    double calibration_m_s = 0.0;
     for (const BudgetRow& row : rows)
-        inputs.push_back({.standard_uncertainty = row.standard_uncertainty,
-                          .sensitivity = row.sensitivity,
-                          .degrees_of_freedom = row.degrees_of_freedom});
-    return combine(std::span<const InputQuantity>(inputs));
+        if (row.symbol == "q")
+            calibration_m_s = row.contribution_m_s;
+        else
+            inputs.push_back({.standard_uncertainty = row.standard_uncertainty,
+                              .sensitivity = row.sensitivity,
+                              .degrees_of_freedom = row.degrees_of_freedom});
+    CombinedUncertainty combined = combine(std::span<const InputQuantity>(inputs));
+    combined.standard_uncertainty = std::hypot(combined.standard_uncertainty, calibration_m_s);
+    return combined;
 }
 
 }  // namespace runcert

@@ -62,6 +62,10 @@ BudgetRow time_row(const BudgetInput& input);
 /// steered by satellites.
 BudgetRow clock_row(const BudgetInput& input);
 
+/// Row q: what the receiver's certificate of calibration states of a speed. Empty where it states
+/// nothing. Witnesses do not reduce it: it is not known what of it they share.
+std::optional<BudgetRow> calibration_row(const WindowConfig& config);
+
 /// The uncertainty budget of the measured speed, with one row for each source. Sources without a
 /// contribution are included, with the reason. The sources are independent of one another. What is
 /// correlated (the positions of the epochs) is combined beforehand, from their joint covariance.
@@ -69,7 +73,8 @@ BudgetRow clock_row(const BudgetInput& input);
 /// The symbols, in this order: w white noise, b time-correlated error, j motion, o choice of the
 /// motion model, t time stamps, k clock rate, r resolution, m frame or plumb line, h stated height
 /// (only where heights were not measured), c surveyed length (only where there is one), a antenna,
-/// d undetected error, f choice of the fastest window. Each row has the unit of its own quantity;
+/// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
+/// choice of the fastest window. Each row has the unit of its own quantity;
 /// all contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the
@@ -78,7 +83,9 @@ BudgetRow clock_row(const BudgetInput& input);
 std::vector<BudgetRow> budget_of(const BudgetInput& input);
 
 /// The rows combined as independent quantities by the law of propagation of uncertainty ([GUM]
-/// (10)), in m/s, with effective degrees of freedom ([GUM] (G.2b)). Failure as for `combine` in
+/// (10)), in m/s, with effective degrees of freedom ([GUM] (G.2b)). Row q does not count in these:
+/// its infinite ones would make the coverage factor smaller, and a certificate that the claimant
+/// types may not make the expanded uncertainty smaller. Failure as for `combine` in
 /// core/uncertainty.h.
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 

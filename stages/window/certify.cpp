@@ -214,11 +214,11 @@ double bias_beside(const SelectionBias& selection, double share, double differen
 }
 
 /// Standard uncertainty from effects common to positions and witnesses: frame, clock, height,
-/// course, antenna.
+/// course, antenna, calibration.
 double common_uncertainty(const std::vector<BudgetRow>& rows) {
     double square = 0.0;
     for (const BudgetRow& row : rows)
-        if (std::string_view("kmhcaf").find(row.symbol) != std::string_view::npos)
+        if (std::string_view("kmhcaqf").find(row.symbol) != std::string_view::npos)
             square += row.contribution_m_s * row.contribution_m_s;
     return std::sqrt(square);
 }

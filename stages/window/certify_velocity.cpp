@@ -211,6 +211,8 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
     const double step_m_s = resolution_m_s(estimate.compared);
     rows.push_back(bounded_row("r", "resolution of the recorded speeds", 0.5 * step_m_s, "m / s",
                                1.0, fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
+    if (auto calibration = calibration_row(estimate.config))
+        rows.push_back(*std::move(calibration));
     rows.push_back(speed_row(
         "d", "undetected error", "B", 0.0, independent_of_other_rows,
         "not quantified: screening tests positions; velocities are only compared with them"));

@@ -11,6 +11,7 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
+#include "core/speed_unit.h"
 #include "reports/words/figures.h"
 #include "stages/window/allowance.h"
 #include "stages/window/certify.h"
@@ -508,6 +509,10 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
     if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
     config.rotation_bound_deg = receiver.rotation_bound_deg;
     config.part = {.ground_height_m = attempt.ground_height_m, .part = attempt.part};
+    if (const auto& calibration = receiver.calibration;
+        calibration && calibration->quantity == "speed")
+        config.calibration_standard_uncertainty_m_s =
+            *calibration->expanded_uncertainty / 2.0 * metres_per_second(calibration->unit);
     config.velocity_accuracy_claimed =
         receiver.accuracy && receiver.accuracy->velocity_m_s.has_value();
     return config;

@@ -126,6 +126,60 @@ std::string with_limit(const char* computation, double limit, const char* unit) 
         clause_text(computation, fmt::format(", limit: {}, unit: \"{}\"", limit, unit)));
 }
 
+/// The scene's recording is of 2022-03-07.
+Requirement calibrated(const std::string& calibration) {
+    RuleScene scene(profile_text(clause_text("calibration")));
+    scene.attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r" +
+            calibration +
+            "}]\nprofiles: [nalsa]\nrecord: {speed: 202.9, unit: km/h, source: published}\n",
+        "attempt");
+    return scene.clause("calibration");
+}
+
+TEST(CalibrationClause, HoldsACertificateOfADayBeforeTheRunForAPersonToAttest) {
+    const Requirement requirement =
+        calibrated(", calibration: {certificate: K-4711, laboratory: PTB, date: 2022-03-07}");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(requirement.evidence,
+                         "calibrated on 2022-03-07; the recording is of 2022-03-07; it rests on "
+                         "what nobody observed: receivers.primary.calibration.certificate: K-4711"))
+        << requirement.evidence;
+}
+
+TEST(CalibrationClause, IsNotMetByACalibrationAfterTheRun) {
+    const Requirement requirement =
+        calibrated(", calibration: {certificate: K-4711, laboratory: PTB, date: 2022-03-09}");
+    EXPECT_EQ(requirement.status, RequirementStatus::not_met);
+    EXPECT_TRUE(contains(requirement.evidence,
+                         "calibrated on 2022-03-09, after the recording of 2022-03-07"))
+        << requirement.evidence;
+}
+
+TEST(CalibrationClause, IsLeftToAPersonWhereNoneIsStated) {
+    const Requirement requirement = calibrated("");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
+    EXPECT_EQ(requirement.evidence, "the attempt states no calibration of receiver \"primary\"");
+}
+
+TEST(CalibrationClause, IsTheProgramsOwnWhereTheRuleHasNone) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    EXPECT_TRUE(scene.clause("calibration-as-stated").clause.empty());
+    scene.attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\nreceivers:\n"
+        "  - {id: primary, recording: r, calibration: {certificate: c, laboratory: l, date: "
+        "2022-01-02}}\nprofiles: [nalsa]\n"
+        "decision_rule_agreed: {date: 2022-03-01, by: the board}\n",
+        "attempt");
+    EXPECT_EQ(scene.clause("calibration-as-stated").status, RequirementStatus::attest);
+    const Requirement agreed = scene.clause("decision-rule");
+    EXPECT_EQ(agreed.status, RequirementStatus::attest);
+    EXPECT_EQ(agreed.evidence,
+              "decision_rule_agreed.date: 2022-03-01; decision_rule_agreed.by: the board");
+    EXPECT_EQ(agreed.answered_by->role, "judge");
+}
+
 TEST(Heights, ThatAreMissingLeaveFlatnessAndSlopeToAPerson) {
     RuleScene scene(with_limit("flatness", 1.0, "m"));
     ASSERT_EQ(scene.clause("flatness").status, RequirementStatus::met);

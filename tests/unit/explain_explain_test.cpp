@@ -50,6 +50,7 @@ Profile profile() {
                        clause("margin"),
                        clause("georeferenced"),
                        clause("secondary_method"),
+                       clause("calibration"),
                        clause("attest"),
                        clause("flatness", 1.0, "m"),
                        clause("slope", 2.0, "%"),
@@ -98,7 +99,8 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
     entry.decision = Decision{.probability = 0.97499,
                               .level = 0.975,
                               .required_speed_standard_uncertainty_m_s = 0.05 * mph,
-                              .acceptance_limit_m_s = 56.9};
+                              .acceptance_limit_m_s = 56.9,
+                              .risk = 0.02501};
     entry.shown = ShownFigures{.unit = "mph",
                                .speed = "134.22",
                                .expanded_uncertainty = "0.02",

@@ -91,6 +91,45 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
         EXPECT_EQ(Scene().row(symbol).contribution_m_s, 0.0) << symbol;
 }
 
+TEST(Budget, ACalibrationAddsItsStandardUncertaintyAndOnlyEnlarges) {
+    Scene scene;
+    const CombinedUncertainty without = combine(scene.rows());
+    scene.config.calibration_standard_uncertainty_m_s = 0.006;
+    const BudgetRow row = scene.row("q");
+    EXPECT_EQ(row.contribution_m_s, 0.006);
+    EXPECT_EQ(row.type, "B");
+    const CombinedUncertainty with = combine(scene.rows());
+    EXPECT_NEAR(with.standard_uncertainty, std::hypot(without.standard_uncertainty, 0.006), 1e-15);
+    EXPECT_EQ(with.effective_degrees_of_freedom, without.effective_degrees_of_freedom);
+    // Few degrees of freedom: by Welch and Satterthwaite, U would be smaller with the row.
+    scene.fit().measurement_scale.relative_uncertainty = 0.7;
+    scene.noise.correlated_m_s = 0.0;
+    const auto expanded = [&] {
+        const CombinedUncertainty combined = combine(scene.rows());
+        return combined.standard_uncertainty *
+               equivalent_coverage_factor(2.0, combined.effective_degrees_of_freedom);
+    };
+    scene.config.calibration_standard_uncertainty_m_s = 0.0005;
+    const double beside_m_s = expanded();
+    scene.config.calibration_standard_uncertainty_m_s.reset();
+    EXPECT_GT(beside_m_s, expanded());
+}
+
+TEST(Budget, OnlyAnUncertaintyOfSpeedIsARow) {
+    const auto stated = [](const std::string& uncertainty) {
+        const Attempt attempt = read_attempt(
+            "schema: attempt/1.0\nid: a\ncraft: {name: x, class: car}\nreceivers:\n"
+            "  - id: one\n    recording: a.pos\n    calibration: {certificate: c, laboratory: l, "
+            "date: 2026-01-02" +
+                uncertainty + "}\nprofiles: [nalsa]\n",
+            "f");
+        return window_config(attempt, attempt.receivers[0]).calibration_standard_uncertainty_m_s;
+    };
+    EXPECT_NEAR(stated(", expanded_uncertainty: 0.72, unit: km/h, of: speed").value(), 0.1, 1e-15);
+    EXPECT_FALSE(stated(", expanded_uncertainty: 0.72, unit: s, of: time"));
+    EXPECT_FALSE(stated(""));
+}
+
 TEST(Budget, WhatScreeningLeftCountsAsOftenAsItHappens) {
     // The root mean square of an error that is uniform up to 0.97 m/s in one window of 500.
     Scene scene;

@@ -85,7 +85,7 @@ constexpr Form skydiver{.file = "speed_skydive/flysight1_good.csv",
                         .end = 'Z',
                         .receiver = "name: logger",
                         .craft = "skydiver",
-                        .profile = "fai-speed-skydiving"};
+                        .profile = "fai-speed-skydiving-2026"};
 
 /// The recording joined to itself; its stamps up to `uneven_ms` off the even ones.
 std::string joined(const std::string& recorded, const Form& form, std::int64_t uneven_ms) {

@@ -26,7 +26,7 @@ attempts:
   - {id: race-car, recording: race_car_vbo/run_a.vbo, craft: {name: race car, class: car}}
   - {id: "standing-*", recording: "nmea_gst/static_*.nmea", craft: {name: standing still, class: board}}
   - {id: walk-rinex, recording: rinex_pair/yamatogawa_rover.obs, base: rinex_pair/yamatogawa_master.obs, navigation: rinex_pair/yamatogawa_rover.nav, craft: {name: walk, class: board}}
-  - {id: "jump-*", recording: "speed_skydive/flysight*.csv", craft: {name: jump, class: skydiver}, profiles: [fai-speed-skydiving]}
+  - {id: "jump-*", recording: "speed_skydive/flysight*.csv", craft: {name: jump, class: skydiver}, profiles: [fai-speed-skydiving-2026]}
 )";
 
 TEST(BatchOfRealRecordings, IsProcessedWithAllItsFormats) {

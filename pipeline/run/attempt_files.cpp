@@ -72,6 +72,38 @@ void require_course(const Profile& profile, const Attempt& attempt, const Attemp
                       "Use a profile of that length, or correct length_m");
 }
 
+/// The rule that replaces another; empty where it is not at hand.
+std::optional<Profile> successor_of(const Profile& profile, const std::string& claimed,
+                                    const AttemptSource& source) {
+    const std::string& id = profile.superseded_by;
+    if (const std::string_view text = builtin_profile(id); !text.empty())
+        return read_profile(text, id + ".yaml");
+    const fs::path beside = fs::path(claimed).parent_path() / (id + ".yaml");
+    const fs::path path = inside_folder(beside.string(), source, source.file.string());
+    if (!fs::exists(path)) return std::nullopt;
+    return read_profile(read_handwritten(path), path.string());
+}
+
+/// A new attempt is judged by the rule that was in force on its day.
+void require_in_force(const Profile& profile, const std::string& claimed, const Attempt& attempt,
+                      const AttemptSource& source) {
+    if (profile.superseded_by.empty() || source.earlier_run) return;
+    const std::optional<Profile> successor = successor_of(profile, claimed, source);
+    const std::string from = successor ? successor->valid_from : std::string();
+    if (!from.empty() && !attempt.date.empty() && attempt.date < from) return;
+    throw Failure(
+        source.file.string(),
+        fmt::format("the rule {} is superseded by {}{}{}", profile.id, profile.superseded_by,
+                    from.empty() ? "" : fmt::format(", which holds for runs from {}", from),
+                    attempt.date.empty() ? ", and the attempt names no date"
+                                         : fmt::format("; the run is of {}", attempt.date)),
+        from.empty()
+            ? fmt::format("Claim {} in profiles", profile.superseded_by)
+            : fmt::format(
+                  "Claim {} in profiles; for a run before {}, name its date: in the attempt",
+                  profile.superseded_by, from));
+}
+
 }  // namespace
 
 std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
@@ -161,13 +193,17 @@ std::string find_series(const AttemptFile& file, const AttemptSource& source) {
 
 void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
                     const fs::path& run_dir) {
+    std::vector<Profile> rules;
     for (const std::string& claimed : attempt.profiles) {
         const std::string profile = find_profile(claimed, source);
-        Profile rule = read_profile(profile, claimed);
+        Profile& rule = rules.emplace_back(read_profile(profile, claimed));
         require_own_id(rule, claimed);
-        require_course(with_replaced_figures(std::move(rule), attempt), attempt, source);
+        require_in_force(rule, claimed, attempt, source);
+        rule = with_replaced_figures(std::move(rule), attempt);
+        if (!rule.evidence) require_course(rule, attempt, source);
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
+    (void)with_evidence(std::move(rules), source.file.string());
     for (const AttemptFile& file : series_files(attempt)) {
         const std::string series = find_series(file, source);
         // What is no such series is said before anything is computed. Whether its times fit those
@@ -201,6 +237,39 @@ Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::st
                                   profile.id, profile_name(claimed)),
                       "Give the file the name of the id");
     return with_replaced_figures(std::move(profile), attempt);
+}
+
+std::vector<Profile> with_evidence(std::vector<Profile> claimed, const std::string& where) {
+    std::vector<Profile> evidence;
+    for (const Profile& profile : claimed)
+        if (profile.evidence) evidence.push_back(profile);
+    std::erase_if(claimed, [](const Profile& profile) { return profile.evidence; });
+    if (claimed.empty())
+        throw Failure(where, "the attempt claims evidence alone, which measures nothing",
+                      "Add to profiles the rule whose record is claimed, e.g. nalsa");
+    for (Profile& rule : claimed)
+        for (const Profile& more : evidence) {
+            for (const Clause& clause : more.clauses) {
+                if (std::ranges::count(rule.clauses, clause.id, &Clause::id) > 0)
+                    throw Failure(where,
+                                  fmt::format("the rules {} and {} both have a clause \"{}\"",
+                                              rule.id, more.id, escape_for_message(clause.id)),
+                                  "Give the clause of your own rule another id");
+                rule.clauses.push_back(clause);
+                if (clause.looked_at.empty()) rule.clauses.back().looked_at = more.looked_at;
+            }
+            rule.questions.insert(rule.questions.end(), more.questions.begin(),
+                                  more.questions.end());
+            rule.signatures = combined(std::move(rule.signatures), more.signatures);
+        }
+    return claimed;
+}
+
+std::vector<Profile> read_claimed_rules(const fs::path& run_dir, const Attempt& attempt) {
+    std::vector<Profile> claimed;
+    for (const std::string& one : attempt.profiles)
+        claimed.push_back(read_claimed_profile(run_dir, one, attempt));
+    return with_evidence(std::move(claimed), (run_dir / attempt_copy_name).string());
 }
 
 }  // namespace runcert

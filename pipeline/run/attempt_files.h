@@ -68,8 +68,9 @@ std::string find_series(const AttemptFile& file, const AttemptSource& source);
 
 /// Brings what is neither a recording nor made of one into a run folder: the series that
 /// it names, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
-/// cannot be found, where a series cannot be read, and where a profile needs a course that the
-/// attempt does not give.
+/// cannot be found, where a series cannot be read, where a profile needs a course that the attempt
+/// does not give, and where another rule was in force on the attempt's date. An earlier run is
+/// taken as it is: the rule that was in force when it was made is the rule that it is verified by.
 void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
                     const std::filesystem::path& run_dir);
 
@@ -81,5 +82,13 @@ Profile with_replaced_figures(Profile profile, const Attempt& attempt);
 /// its file's name, or that of a rule that comes with the program and has another text.
 Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed,
                              const Attempt& attempt);
+
+/// The rules that an attempt is judged by, as the run folder holds them: all that it claims and
+/// that measure something, each with the clauses of those that are evidence behind its own. Failure
+/// where nothing is left to measure by, and where a rule and evidence have a clause of the same id.
+std::vector<Profile> read_claimed_rules(const std::filesystem::path& run_dir,
+                                        const Attempt& attempt);
+/// The same of profiles that were read.
+std::vector<Profile> with_evidence(std::vector<Profile> claimed, const std::string& where);
 
 }  // namespace runcert

@@ -58,7 +58,7 @@ std::vector<Profile> StageRun::read_profiles() {
         texts.push_back(profiles.back().written);
     }
     read_["profiles"] = profiles_of_stage(texts, stage_);
-    return profiles;
+    return with_evidence(std::move(profiles), (run_dir_ / attempt_copy_name).string());
 }
 
 void StageRun::note(const InputFile& input) {

@@ -146,9 +146,8 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
 void compare_required(const fs::path& run_dir, const ReportFacts& report, const Attempt& attempt,
                       Comparison& compare) {
     std::vector<RoleSignatures> needed;
-    for (const std::string& claimed : attempt.profiles)
-        needed =
-            combined(std::move(needed), read_claimed_profile(run_dir, claimed, attempt).signatures);
+    for (Profile& rule : read_claimed_rules(run_dir, attempt))
+        needed = combined(std::move(needed), rule.signatures);
     for (const RoleSignatures& one : combined(std::move(needed), attempt.signatures)) {
         std::int64_t stated = 0;
         for (const RequiredSignatures& required : report.required)

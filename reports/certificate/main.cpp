@@ -73,10 +73,9 @@ ReportInputs gather(StageRun& run) {
     ReportInputs inputs;
     inputs.attempt = run.attempt();
     run.note_attempt();
-    for (const std::string& claimed : run.attempt().profiles) {
-        inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
+    inputs.profiles = read_claimed_rules(run.run_dir(), run.attempt());
+    for (const std::string& claimed : run.attempt().profiles)
         run.note_file("profile", profile_copy_name(claimed));
-    }
     for (const AttemptFile& file : series_files(run.attempt()))
         run.note_file(file.role, file.name,
                       std::filesystem::path(file.original).filename().string());

@@ -173,7 +173,7 @@ void require_error_times(const YamlValue& smooth, const SmoothParameters& resolv
 
 /// What a name claims: itself, or the profiles of one body that are claimed together.
 std::vector<std::string> claimed_by(const std::string& name) {
-    if (name != "gps-speed-sailing") return {name};
+    if (name != "gps-speed-sailing" && name != "gps-ice-sailing") return {name};
     std::vector<std::string> all;
     for (const char* const rule :
          {"2s", "10s", "5x10s", "500m", "nautical-mile", "1h", "alpha-500"})

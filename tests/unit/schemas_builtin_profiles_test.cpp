@@ -23,6 +23,13 @@ const Clause& clause_of(const Profile& profile, const std::string& id) {
     return *found;
 }
 
+std::vector<std::string> question_ids(const Profile& profile) {
+    std::vector<std::string> ids;
+    for (const RuleQuestion& question : profile.questions)
+        ids.push_back(question.id);
+    return ids;
+}
+
 TEST(BuiltinProfiles, AreThoseOfTheFolderEachNamedAsItsFile) {
     const std::filesystem::path folder = std::string(RUNCERT_SOURCE_DIR) + "/stages/check/profiles";
     std::vector<std::string> names;
@@ -35,12 +42,28 @@ TEST(BuiltinProfiles, AreThoseOfTheFolderEachNamedAsItsFile) {
     }
     std::ranges::sort(names);
     EXPECT_EQ(builtin_profiles(), names);
-    EXPECT_EQ(names,
-              (std::vector<std::string>{
-                  "fai-speed-skydiving", "fisly", "gps-speed-sailing-10s", "gps-speed-sailing-1h",
-                  "gps-speed-sailing-2s", "gps-speed-sailing-500m", "gps-speed-sailing-5x10s",
-                  "gps-speed-sailing-alpha-500", "gps-speed-sailing-nautical-mile", "nalsa",
-                  "wssrc-500m", "wssrc-nautical-mile"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"evidence-general",
+                                               "fai-speed-skydiving",
+                                               "fisly",
+                                               "gps-ice-sailing-10s",
+                                               "gps-ice-sailing-1h",
+                                               "gps-ice-sailing-2s",
+                                               "gps-ice-sailing-500m",
+                                               "gps-ice-sailing-5x10s",
+                                               "gps-ice-sailing-alpha-250",
+                                               "gps-ice-sailing-alpha-500",
+                                               "gps-ice-sailing-nautical-mile",
+                                               "gps-speed-sailing-10s",
+                                               "gps-speed-sailing-1h",
+                                               "gps-speed-sailing-2s",
+                                               "gps-speed-sailing-500m",
+                                               "gps-speed-sailing-5x10s",
+                                               "gps-speed-sailing-alpha-250",
+                                               "gps-speed-sailing-alpha-500",
+                                               "gps-speed-sailing-nautical-mile",
+                                               "nalsa",
+                                               "wssrc-500m",
+                                               "wssrc-nautical-mile"}));
     EXPECT_EQ(builtin_profile("none"), "");
     EXPECT_EQ(builtin_profile(""), "");
 }
@@ -90,6 +113,7 @@ TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
             }
             EXPECT_EQ(clause.limit.has_value(), !clause.unit.empty());
         }
+        if (profile.evidence) continue;
         // Each says over what, and by how much; a limit of accuracy where it has one is compared.
         EXPECT_TRUE(computations.contains(Computation::window_complete));
         EXPECT_TRUE(computations.contains(Computation::margin));
@@ -119,6 +143,21 @@ TEST(OwnClauses, StandBesideThoseOfEveryRule) {
                                              "stated_solution", "recorded_speeds"}));
 }
 
+/// What is merely not known is a question for the body: no official could attest it.
+TEST(BuiltinProfiles, WhatIsNotKnownIsAQuestionUnlessItIsDecided) {
+    for (const std::string& name : builtin_profiles()) {
+        if (name.starts_with("fai-speed-skydiving")) continue;
+        SCOPED_TRACE(name);
+        for (const Clause& clause : builtin(name).clauses) {
+            if (clause.certainty != Certainty::unconfirmed) continue;
+            EXPECT_TRUE(clause.decided_by != Computation::attest || clause.id == "flat-course")
+                << clause.id;
+        }
+        for (const RuleQuestion& question : builtin(name).questions)
+            EXPECT_NE(question.text.find('?'), std::string::npos) << question.id;
+    }
+}
+
 TEST(BuiltinProfiles, Nalsa) {
     const Profile profile = builtin("nalsa");
     EXPECT_EQ(profile.window_kind, WindowKind::time);
@@ -134,14 +173,14 @@ TEST(BuiltinProfiles, Nalsa) {
     EXPECT_EQ(clause_of(profile, "flat-course").limit, 1.0);
     EXPECT_EQ(clause_of(profile, "flat-course").unit, "m");
     EXPECT_EQ(clause_of(profile, "own-start").decided_by, Computation::standing_start);
-    EXPECT_EQ(clause_of(profile, "rounding").certainty, Certainty::unconfirmed);
     std::vector<std::string> ids;
     for (const Clause& clause : profile.clauses)
         ids.push_back(clause.id);
     EXPECT_EQ(ids, (std::vector<std::string>{"average-over-3-s", "accuracy", "margin",
                                              "positions-on-the-earth", "secondary-method",
                                              "flat-course", "own-start", "wind-power-only",
-                                             "observers", "measurement-plan", "rounding"}));
+                                             "observers", "measurement-plan"}));
+    EXPECT_EQ(question_ids(profile), (std::vector<std::string>{"rounding", "decision-rule"}));
 }
 
 TEST(BuiltinProfiles, Fisly) {
@@ -156,10 +195,14 @@ TEST(BuiltinProfiles, Fisly) {
         EXPECT_EQ(rule.unit, "km/h");
         EXPECT_EQ(rule.decimals, 2);
     }
-    EXPECT_EQ(profile.clauses.size(), 6U);
-    // 222.43 km/h and 0.2 % are 222.87486, which gives 222.87 either way: so the clause says.
+    EXPECT_EQ(profile.clauses.size(), 9U);
+    EXPECT_EQ(clause_of(profile, "own-start").decided_by, Computation::standing_start);
+    EXPECT_EQ(clause_of(profile, "flat-course").decided_by, Computation::attest);
+    // 222.43 km/h and 0.2 % are 222.87486, which gives 222.87 either way: so the question says.
     EXPECT_EQ(std::floor(222.43 * 1.002 * 100.0), std::round(222.43 * 1.002 * 100.0));
-    EXPECT_NE(clause_of(profile, "margin").text.find("does not prove"), std::string::npos);
+    EXPECT_EQ(question_ids(profile),
+              (std::vector<std::string>{"accuracy", "rounding", "flatness"}));
+    EXPECT_NE(profile.questions[1].text.find("does not prove"), std::string::npos);
 }
 
 TEST(BuiltinProfiles, Wssrc) {
@@ -181,7 +224,14 @@ TEST(BuiltinProfiles, Wssrc) {
         EXPECT_EQ(clause_of(profile, "current").limit, 1.0);
         EXPECT_EQ(clause_of(profile, "current").unit, "kn");
         EXPECT_EQ(clause_of(profile, "surveyed-course").decided_by, Computation::attest);
-        EXPECT_EQ(clause_of(profile, "rounding").certainty, Certainty::unconfirmed);
+        EXPECT_EQ(clause_of(profile, "sail-area").decided_by, Computation::sail_area);
+        for (const char* of_edition :
+             {"hundredths-by-ratified-gear", "course-on-water", "commissioner",
+              "timing-certificate", "video", "one-person", "human-power", "floats-at-rest",
+              "no-wave-riding", "sail-area"})
+            EXPECT_EQ(clause_of(profile, of_edition).edition, "2019") << of_edition;
+        EXPECT_EQ(question_ids(profile),
+                  (std::vector<std::string>{"accuracy", "rounding", "divisions"}));
     }
     EXPECT_EQ(clause_of(builtin("wssrc-500m"), "margin").certainty, Certainty::secondary);
     EXPECT_EQ(clause_of(builtin("wssrc-nautical-mile"), "margin").certainty,
@@ -207,6 +257,36 @@ TEST(BuiltinProfiles, SpeedSkydiving) {
     EXPECT_EQ(profile.uncertainty.error_floor_m.at("single"), 0.5);
 }
 
+/// The rules on ice are those on water.
+void expect_same_rule(const Profile& one, const Profile& other) {
+    EXPECT_EQ(one.window_kind, other.window_kind);
+    EXPECT_EQ(one.duration_s + one.distance_m, other.duration_s + other.distance_m);
+    EXPECT_EQ(one.definition, other.definition);
+    EXPECT_EQ(one.windows, other.windows);
+    EXPECT_EQ(one.alpha, other.alpha);
+    EXPECT_EQ(one.speed_source, other.speed_source);
+    EXPECT_EQ(one.margin, other.margin);
+    ASSERT_EQ(one.clauses.size(), other.clauses.size());
+    for (std::size_t i = 0; i < one.clauses.size(); ++i) {
+        const Clause &a = one.clauses[i], &b = other.clauses[i];
+        EXPECT_EQ(a.id, b.id);
+        EXPECT_EQ(a.text, b.text);
+        EXPECT_EQ(a.source, b.source);
+        EXPECT_EQ(a.decided_by, b.decided_by);
+        EXPECT_EQ(a.limit, b.limit);
+    }
+    EXPECT_EQ(question_ids(one), question_ids(other));
+}
+
+TEST(BuiltinProfiles, Evidence) {
+    const Profile profile = builtin("evidence-general");
+    EXPECT_TRUE(profile.evidence);
+    EXPECT_EQ(clause_of(profile, "two-witnesses").answered_by,
+              (Answerer{.role = "witness", .count = 2}));
+    for (const Clause& clause : profile.clauses)
+        EXPECT_EQ(clause.decided_by, Computation::attest);
+}
+
 TEST(BuiltinProfiles, GpsSpeedSailing) {
     const struct {
         const char *name, *kind, *definition;
@@ -219,11 +299,20 @@ TEST(BuiltinProfiles, GpsSpeedSailing) {
         {"500m", "distance", "path_length", 500.0, 1},
         {"nautical-mile", "distance", "path_length", 1852.0, 1},
         {"1h", "time", "mean_n", 3600.0, 1},
+        {"alpha-250", "alpha", "path_length", 250.0, 1},
         {"alpha-500", "alpha", "path_length", 500.0, 1},
     };
     for (const auto& each : expected) {
         SCOPED_TRACE(each.name);
         const Profile profile = builtin(std::string("gps-speed-sailing-") + each.name);
+        const Profile on_ice = builtin(std::string("gps-ice-sailing-") + each.name);
+        expect_same_rule(profile, on_ice);
+        EXPECT_EQ(clause_of(profile, "acceleration").limit, 5.0);
+        EXPECT_EQ(clause_of(profile, "satellites").decided_by, Computation::satellites);
+        EXPECT_EQ(clause_of(profile, "distance-above-5-kn").unit, "kn");
+        EXPECT_EQ(clause_of(profile, "error-deduction").decided_by, Computation::device_deduction);
+        EXPECT_EQ(profile.alpha, profile.window_kind == WindowKind::alpha ? AlphaChoice::any
+                                                                          : AlphaChoice::longest);
         EXPECT_EQ(to_text(profile.window_kind), each.kind);
         EXPECT_EQ(to_text(profile.definition), each.definition);
         EXPECT_EQ(profile.duration_s + profile.distance_m, each.length);

@@ -116,6 +116,10 @@ TEST(RuleInput, OneNameClaimsAllOfGpsSpeedSailing) {
         EXPECT_EQ(said.where, where) << list;
         EXPECT_TRUE(said.contains("the profile is claimed twice. Name each profile once")) << list;
     }
+    std::vector<std::string> on_ice = seven;
+    for (std::string& name : on_ice)
+        name.replace(0, std::string("gps-speed").size(), "gps-ice");
+    EXPECT_EQ(profiles("[gps-ice-sailing]"), on_ice);
     // A record, and a figure, belong to one of the seven.
     const Attempt attempt = read_attempt(
         replaced(with("records:\n  - {profile: gps-speed-sailing-1h, speed: 30, unit: km/h, "

@@ -11,6 +11,7 @@ struct ExplainOptions {
     std::string profile;
     std::string roster;
     bool profiles = false;
+    bool clauses = false;
     bool inputs = false;
 };
 
@@ -18,6 +19,7 @@ int explain(const ExplainOptions& options) {
     require_own_roster(options.roster, options.run_dir);
     std::vector<std::string> arguments;
     if (options.profiles) arguments.emplace_back("--profiles");
+    if (options.clauses) arguments.emplace_back("--clauses");
     if (options.inputs) arguments.emplace_back("--inputs");
     for (const std::string& word : {options.run_dir, options.clause})
         if (!word.empty()) arguments.push_back(word);
@@ -38,6 +40,8 @@ void add_explain(CLI::App& app, Command& chosen) {
     command->add_option("--roster", options->roster, "whose answers and signatures count");
     command->add_flag("--profiles", options->profiles,
                       "list the profiles that come with the program");
+    command->add_flag("--clauses", options->clauses,
+                      "with --profiles: a table of their clauses, and where each is known from");
     command->add_flag("--inputs", options->inputs,
                       "list who says what of an attempt, and who answers for it");
     command->footer(

@@ -111,6 +111,7 @@ Json requirement_json(const Requirement& requirement) {
     Json json = members_json(requirement);
     json["status_words"] = words_of(requirement.status);
     json["certainty_words"] = words_of(requirement.certainty);
+    json["source_words"] = source_text(requirement);
     json["figures"] = quantities_json(requirement.figures);
     return json;
 }

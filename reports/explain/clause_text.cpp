@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
 #include "core/speed_unit.h"
+#include "core/text.h"
 #include "reports/explain/parts.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 namespace {
@@ -42,7 +44,8 @@ std::string margin_clause_words(const Profile& profile) {
 
 std::string bound_words(Computation computation) {
     const ClauseLimit limit = limit_of(computation);
-    if (limit.units.empty()) return {};
+    // Its own words say when it is met: below its limit nothing is refused.
+    if (limit.units.empty() || computation == Computation::least_speed) return {};
     return fmt::format(
         " Met where it is {0} the limit with all of its expanded uncertainty, not met where it is "
         "{1} the limit with all of it. In between the recording does not decide it, and an "
@@ -135,7 +138,7 @@ std::string clause_text(const ClauseView& view) {
     std::string text = heading(words_of(requirement.status),
                                fmt::format("{}/{}", view.of.verdict.profile, requirement.clause));
     text += labelled("The rule", requirement.text);
-    text += labelled("Its source", fmt::format("{} {}", sentence(requirement.source),
+    text += labelled("Its source", fmt::format("{} {}", sentence(source_text(requirement)),
                                                certainty_words(requirement.certainty)));
     text += labelled("Decided by", computation_words(view));
     for (std::size_t i = 0; i < requirement.figures.size(); ++i)

@@ -40,6 +40,13 @@ std::string answered_in(const FieldOrigin& origin) {
     return fmt::format("{}", fmt::join(clauses, ", "));
 }
 
+/// What a rule averages over.
+std::string measures_words(const Profile& profile) {
+    if (profile.evidence) return "Evidence, asked under every other rule of the attempt.";
+    return fmt::format("Speed over {}{}.", window_words(profile),
+                       profile.windows == 1 ? "" : fmt::format(", mean of {}", profile.windows));
+}
+
 std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
                                   const ExplainOptions& options) {
     const std::string& wanted = options.profile;
@@ -181,12 +188,36 @@ std::string profiles_text(const std::vector<Profile>& profiles) {
         text += wrapped(profile.id, 0);
         text += "    " + wrapped(sentence(profile.title), 4, 4);
         text += "    " + wrapped(sentence(profile.body), 4, 4);
-        text += "    " + wrapped(fmt::format("Speed over {}{}.", window_words(profile),
-                                             profile.windows == 1
-                                                 ? ""
-                                                 : fmt::format(", mean of {}", profile.windows)),
-                                 4, 4);
+        text += "    " + wrapped(measures_words(profile), 4, 4);
+        if (!profile.looked_at.empty())
+            text +=
+                "    " + wrapped(fmt::format("Texts looked at until {}.", profile.looked_at), 4, 4);
+        if (!profile.valid_from.empty())
+            text += "    " + wrapped(fmt::format("For runs from {}.", profile.valid_from), 4, 4);
+        if (!profile.superseded_by.empty())
+            text += "    " + wrapped(fmt::format("Superseded by {}.", profile.superseded_by), 4, 4);
     }
+    return text;
+}
+
+std::string citations_text(const std::vector<Profile>& profiles) {
+    std::string text =
+        "| rule | clause | source | edition | where | certainty | decided by |\n"
+        "|---|---|---|---|---|---|---|\n";
+    const auto add = [&](std::string_view rule, const Clause& clause) {
+        text += fmt::format("| {} | {} | {} | {} | {} | {} | {} |\n", rule, clause.id,
+                            clause.source, clause.edition, clause.where, to_text(clause.certainty),
+                            to_text(clause.decided_by));
+    };
+    for (const Profile& profile : profiles) {
+        for (const Clause& clause : profile.clauses)
+            add(profile.id, clause);
+        for (const RuleQuestion& question : profile.questions)
+            text += fmt::format("| {} | {} | {} | | | not known | question for the body |\n",
+                                profile.id, question.id, question.source);
+    }
+    for (const Clause& own : own_clauses())
+        add("every rule", own);
     return text;
 }
 

@@ -38,7 +38,12 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
 /// field that does not stand here has what the one that it is in has.
 std::string inputs_table_text();
 
-/// Id, title and body of each, and what it averages over.
+/// Id, title and body of each, what it averages over, and until when its texts were looked at.
 std::string profiles_text(const std::vector<Profile>& profiles);
+
+/// A table, in Markdown, of where every clause of these rules is known from: source, edition,
+/// place, certainty and what decides it; also of what is not known of them, and, last, of the
+/// clauses that this program asks under every rule.
+std::string citations_text(const std::vector<Profile>& profiles);
 
 }  // namespace runcert

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "reports/explain/explain.h"
 #include "reports/explain/parts.h"
 #include "run/attempt_files.h"
@@ -23,6 +24,7 @@ struct Options {
     ExplainOptions what;
     std::string roster;
     bool profiles = false;
+    bool clauses = false;
     bool inputs = false;
 };
 
@@ -61,11 +63,9 @@ std::string explain_run(const Options& options) {
     StageRun run = open_run("explain", run_dir);
     run.note_attempt();
     Verdict verdict = run.read(products::verdict, read_verdict);
-    std::vector<Profile> profiles;
-    for (const std::string& claimed : run.attempt().profiles) {
+    const std::vector<Profile> profiles = read_claimed_rules(run_dir, run.attempt());
+    for (const std::string& claimed : run.attempt().profiles)
         run.note_file("profile", profile_copy_name(claimed));
-        profiles.push_back(read_claimed_profile(run_dir, claimed, run.attempt()));
-    }
     const std::vector<std::string> missing = check_inputs(run, verdict);
     ExplainOptions what = options.what;
     add_answers(verdict, options, what);
@@ -78,11 +78,19 @@ std::string explain_run(const Options& options) {
     return text;
 }
 
-std::string builtin_profiles_text() {
+/// The rules that come with the program, or the one of that id.
+std::string builtin_profiles_text(const Options& options) {
+    const std::string& wanted = options.what.profile;
     std::vector<Profile> profiles;
     for (const std::string& name : builtin_profiles())
-        profiles.push_back(read_profile(builtin_profile(name), name + ".yaml"));
-    return profiles_text(profiles);
+        if (wanted.empty() || name == wanted)
+            profiles.push_back(read_profile(builtin_profile(name), name + ".yaml"));
+    if (profiles.empty())
+        throw Failure(
+            "--profile",
+            fmt::format("no profile \"{}\" comes with the program", escape_for_message(wanted)),
+            fmt::format("Use one of: {}", fmt::join(builtin_profiles(), ", ")));
+    return options.clauses ? citations_text(profiles) : profiles_text(profiles);
 }
 
 }  // namespace
@@ -99,16 +107,22 @@ int main(int argc, char** argv) {
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
             line.exclude("--profiles", "RUN_DIR");
+            line.flag("--clauses", options.clauses,
+                      "with --profiles: a table of their clauses, and where each is known from");
+            line.exclude("--clauses", "RUN_DIR");
             line.flag("--inputs", options.inputs,
                       "list who says what of an attempt, and who answers for it");
             line.exclude("--inputs", "RUN_DIR");
         },
         [&]() -> int {
+            if (options.clauses && !options.profiles)
+                throw Failure("--clauses", "it is about the profiles that come with the program",
+                              "Give --profiles, too");
             if (!options.profiles && !options.inputs && options.run_dir.empty())
                 throw Failure("the command line", "no run folder is named",
                               "Name a folder that `runcert certify` wrote, or give --profiles or "
                               "--inputs");
-            fmt::print("{}", options.profiles ? builtin_profiles_text()
+            fmt::print("{}", options.profiles ? builtin_profiles_text(options)
                              : options.inputs ? inputs_table_text()
                                               : explain_run(options));
             return 0;

@@ -134,6 +134,14 @@ OutcomeWords outcome_words(const OutcomeState& state) {
     return {"Not certifiable" + under(state), "⊘", "refused"};
 }
 
+std::string source_text(const Requirement& requirement) {
+    std::string text = requirement.source;
+    if (!requirement.edition.empty()) text += ", edition " + requirement.edition;
+    if (!requirement.where.empty()) text += ", " + requirement.where;
+    if (!requirement.looked_at.empty()) text += "; looked at " + requirement.looked_at;
+    return text;
+}
+
 std::string rule_identity_text(const ProfileVerdict& verdict) {
     if (verdict.rule.origin == RuleOrigin::built_in)
         return fmt::format("rule “{}”, revision {}", verdict.profile, verdict.rule.revision);

@@ -9,6 +9,9 @@
 
 namespace runcert {
 
+/// Where a requirement is known from: "WSSRC rules, edition 2019, 3.2; looked at 2026-11-27".
+std::string source_text(const Requirement& requirement);
+
 /// Counts what people must still answer for: requirements to be attested among these, and the
 /// signatures that attempt and rule require of a report (a verdict has none yet).
 Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t signatures);

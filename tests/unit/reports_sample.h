@@ -327,9 +327,15 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
 inline std::vector<Requirement> requirements(const Profile& profile, bool certified) {
     std::vector<Requirement> list;
     for (const Clause& clause : profile.clauses) {
-        Requirement entry{clause.id,   RequirementStatus::met, "",
-                          clause.text, clause.source,          clause.certainty};
-        entry.decided_by = clause.decided_by;
+        Requirement entry{.clause = clause.id,
+                          .status = RequirementStatus::met,
+                          .text = clause.text,
+                          .source = clause.source,
+                          .edition = clause.edition,
+                          .where = clause.where,
+                          .looked_at = profile.looked_at,
+                          .certainty = clause.certainty,
+                          .decided_by = clause.decided_by};
         if (clause.decided_by == Computation::attest) entry.status = RequirementStatus::attest;
         if (clause.decided_by == Computation::window_complete)
             entry.evidence = certified

@@ -233,8 +233,8 @@ TEST(WindowSearch, AMeanOfOneSpeedIsRefused) {
     };
     EXPECT_FALSE(mean_over(0.1).best);
     EXPECT_EQ(mean_over(0.1).missing,
-              "a mean of the speeds after the first over 0.1 s needs two of them, and the "
-              "recording has an epoch every 0.1 s");
+              "a mean of the speeds after the first over 0.100 s needs two of them, and the "
+              "recording has an epoch every 0.100 s");
     EXPECT_TRUE(mean_over(0.2).best);
     EXPECT_EQ(mean_over(0.2).missing, "");
 }

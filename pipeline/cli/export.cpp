@@ -37,7 +37,7 @@ void add_export(CLI::App& app, Command& chosen) {
                         "file to write, - for standard output (default: the attempt's id with "
                         "the format's ending, here)");
     command->add_option("--table", options->table,
-                        "of csv: observations, enu, screened or trajectory (default)");
+                        "of csv: observations, enu, screened, trajectory (default) or rule_speeds");
     command->add_option("--receiver", options->receiver,
                         "id of the receiver (default: the first of the attempt, the one judged)");
     command->add_option("--every", options->every,
@@ -48,7 +48,10 @@ void add_export(CLI::App& app, Command& chosen) {
         "faster\n"
         "ones that were refused, marked so; the course's lines. GPX: the track alone. CSV: a "
         "table\n"
-        "of the run, one header row, no comments. Positions are WGS 84; heights are above the\n"
+        "of the run, one header row, no comments. Its table rule_speeds has, for each epoch and "
+        "rule,\n"
+        "the speed over the rule's time or distance that ends there, by the smoothed trajectory.\n"
+        "Positions are WGS 84; heights are above the\n"
         "ellipsoid, not above sea level (in KML the lines lie on the ground). A run in "
         "engineering\n"
         "coordinates is on no map: of it, only CSV. Hashes are checked.");

@@ -3,6 +3,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/sections.h"
+#include "reports/run_speeds/run_speeds.h"
 #include "reports/words/screening.h"
 
 namespace runcert {
@@ -162,7 +163,29 @@ FactTable budget_table(const std::vector<BudgetRow>& budget) {
     return table;
 }
 
-Section rule_windows(const ProfileWindows& windows) {
+/// The speeds by each method at the window's epochs, as [DHD22] prints them; no block where none of
+/// them has all.
+void add_methods(const TrajectoryTable& trajectory, const WindowSpan& span, Section& part) {
+    const auto methods = method_speeds(trajectory, span.first_epoch, span.last_epoch);
+    if (methods.empty()) return;
+    FactTable table{
+        .caption = fmt::format("Horizontal speeds at the {} epochs of the window, by method: mean, "
+                               "standard deviation s of one speed, and the interval of 1.96 s, as "
+                               "[DHD22] prints them. The interval is not the uncertainty of the "
+                               "mean, which the budget has",
+                               methods.front().epochs),
+        .heads = {"method", "mean", "s", "95 % interval"}};
+    for (const MethodSpeeds& one : methods)
+        table.rows.push_back(
+            {std::string(one.method), file_speed_text(one.mean_m_s),
+             file_speed_text(one.standard_deviation_m_s),
+             fmt::format("{} to {}", format_fixed(one.mean_m_s - one.half_width_m_s(), 6),
+                         file_speed_text(one.mean_m_s + one.half_width_m_s()))});
+    part.add(std::move(table));
+}
+
+Section rule_windows(const ProfileWindows& windows,
+                     const std::optional<TrajectoryTable>& trajectory) {
     Section part{.title = fmt::format("Rule {}", windows.profile)};
     Facts facts{{{"Looked for", rule_text(windows.rule)},
                  {"Compared", counted(windows.candidates, "certifiable window")},
@@ -181,6 +204,7 @@ Section rule_windows(const ProfileWindows& windows) {
         if (Facts checks = checks_of(*windows.best); !checks.facts.empty())
             part.add(std::move(checks));
         if (!windows.best->budget.empty()) part.add(budget_table(windows.best->budget));
+        if (trajectory) add_methods(*trajectory, windows.best->span, part);
     }
     return part;
 }
@@ -196,7 +220,7 @@ Section window_section(const RunRecord& record, const ReceiverRecord& one, bool 
     section.add(parameter_blocks(record.attempt, windows.header, all));
     if (!windows.witness_notes.empty()) section.add(Entries{.items = windows.witness_notes});
     for (const ProfileWindows& each : windows.profiles)
-        section.parts.push_back(rule_windows(each));
+        section.parts.push_back(rule_windows(each, one.trajectory));
     return section;
 }
 

@@ -315,6 +315,8 @@ Json figures_json(const ReportInputs& inputs, const Json& profiles) {
             add_phase_speed(figure, *judged.phase_view);
         figures.push_back(std::move(figure));
     }
+    for (Json& figure : average_figures(inputs, profiles))
+        figures.push_back(std::move(figure));
     figures.push_back(speed_figure(judged, profiles));
     figures.push_back(track_figure(inputs, profiles));
     for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})

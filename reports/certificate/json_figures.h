@@ -17,6 +17,9 @@ using Json = nlohmann::ordered_json;
 
 /// The track on its course, in the plane.
 Json track_figure(const ReportInputs& inputs, const Json& profiles);
+/// The speed over each rule's length all along the run ([DHD22] (27), figure 11): a figure for each
+/// dimension that a rule counts, of the rules that have such a speed.
+std::vector<Json> average_figures(const ReportInputs& inputs, const Json& profiles);
 /// Measured less smoothed positions; null where no epoch has both.
 Json residual_figure(const ReceiverResults& results);
 /// The statistics of screening's tests over their thresholds; null where there are none.

@@ -23,6 +23,9 @@ struct Options {
     bool force = false;
 };
 
+/// The table that no stage writes.
+constexpr const char* of_rule_speeds = "rule_speeds";
+
 /// The product that holds a table; the trajectory where none was asked for.
 const ProductFile& product_of(const std::string& table) {
     for (const ProductFile& product : products::all)
@@ -30,7 +33,17 @@ const ProductFile& product_of(const std::string& table) {
     return products::trajectory;
 }
 
+std::vector<Profile> claimed_profiles(const StageRun& run) {
+    std::vector<Profile> profiles;
+    for (const std::string& claimed : run.attempt().profiles)
+        profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
+    return profiles;
+}
+
 std::string table_text(StageRun& run, const Receiver& receiver, const Options& options) {
+    if (options.table == of_rule_speeds)
+        return rule_speeds_csv(run.read(products::trajectory, receiver, read_trajectory),
+                               claimed_profiles(run));
     const std::string file = run.file_of(product_of(options.table), receiver);
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
 }
@@ -61,7 +74,10 @@ std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
     if (!options.out.empty()) return options.out;
     std::string name = attempt.id;
     if (receiver.id != attempt.receivers.front().id) name += "." + receiver.id;
-    if (options.format == "csv") name += "." + std::string(product_of(options.table).name);
+    if (options.format == "csv")
+        name +=
+            "." + (options.table == of_rule_speeds ? options.table
+                                                   : std::string(product_of(options.table).name));
     return name + "." + options.format;
 }
 
@@ -107,7 +123,7 @@ int main(int argc, char** argv) {
                       {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
             line.text("--out", options.out, "file to write, - for standard output");
             line.word("--table", options.table, "of csv: which table",
-                      {"observations", "enu", "screened", "trajectory"});
+                      {"observations", "enu", "screened", "trajectory", of_rule_speeds});
             line.text("--receiver", options.receiver, "which receiver (default: the first)");
             line.integer("--every", options.every, "of a map: every so many epochs", 1,
                          1'000'000'000);

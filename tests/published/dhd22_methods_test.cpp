@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "dhd22_data.h"
+#include "reports/run_speeds/run_speeds.h"
 
 namespace runcert::published::RUNCERT_FILE {
 namespace {
@@ -66,6 +67,57 @@ TEST(Dhd22, StatisticsFromUnroundedValues) {
     const Statistics v2 = statistics_of(errors(speed_v2(appendix_a()), false));
     EXPECT_EQ(format_fixed(v2.mean, 6), "0.000592");
     EXPECT_EQ(format_fixed(std::sqrt(v2.variance), 6), "0.030283");
+}
+
+/// The run with these as its speeds.
+TrajectoryTable with_speeds(const std::vector<std::optional<double>>& speeds) {
+    TrajectoryTable table;
+    table.facts.nominal_interval_s = 0.1;
+    for (std::size_t k = 0; k < speeds.size(); ++k) {
+        TrajectoryEpoch& row = table.rows.emplace_back();
+        row.epoch = static_cast<std::int64_t>(k) + 1;
+        row.time = {row.epoch * 100'000'000 - 100'000'000};
+        row.east_m = row.north_m = 0.0;
+        row.speed_m_s = speeds[k];
+        if (speeds[k]) row.arc = 1;
+    }
+    return table;
+}
+
+TEST(Dhd22, StatisticsOfTheAuditAreThePrintedOnes) {
+    const auto differences = [](const std::vector<std::optional<double>>& speeds) {
+        const std::vector<double> errors_m_s = errors(speeds, true);
+        return method_speeds(with_speeds({errors_m_s.begin(), errors_m_s.end()}), 1, 41).at(0);
+    };
+    const MethodSpeeds v1 = differences(speed_v1(appendix_a()));
+    EXPECT_EQ(v1.epochs, 41);
+    EXPECT_EQ(format_fixed(v1.mean_m_s, 6), "0.001338");
+    EXPECT_EQ(format_fixed(v1.standard_deviation_m_s, 6), "0.062677");
+    const MethodSpeeds v2 = differences(speed_v2(appendix_a()));
+    EXPECT_EQ(format_fixed(v2.mean_m_s, 6), "0.000679");
+    EXPECT_EQ(format_fixed(v2.standard_deviation_m_s, 6), "0.030247");
+}
+
+// (27): A[k] = A[k-1] + (v[k] - v[k-31]) / 31.
+TEST(Dhd22, TheSpeedOverARulesLengthIsTheMovingAverage) {
+    const struct {
+        std::vector<std::optional<double>> speeds;
+        double best_m_s;
+    } methods[] = {{speed_v1(appendix_a()), 60.0068}, {speed_v2(appendix_a()), 60.0045}};
+    Profile rule;
+    rule.duration_s = 3.0;
+    for (const auto& [speeds, best_m_s] : methods) {
+        const auto averages = speeds_over_length(with_speeds(speeds), rule);
+        double largest_m_s = 0.0;
+        for (std::size_t k = 31; k < averages.size(); ++k) {
+            if (!averages[k]) continue;
+            largest_m_s = std::max(largest_m_s, *averages[k]);
+            if (!averages[k - 1]) continue;
+            EXPECT_NEAR(*averages[k], *averages[k - 1] + (*speeds[k] - *speeds[k - 31]) / 31.0,
+                        1e-11);
+        }
+        EXPECT_NEAR(largest_m_s, best_m_s, 0.5e-4);
+    }
 }
 
 TEST(Dhd22, PrintedKalmanStates) {

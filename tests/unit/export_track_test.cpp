@@ -34,6 +34,36 @@ TEST(PlainText, WhatDisplaysWronglyIsReplaced) {
     EXPECT_EQ(plain_text("a\xe2\x80").size(), 7u);
 }
 
+TEST(RuleSpeeds, AreAColumnForEachRuleThatHasALength) {
+    TrajectoryTable table;
+    table.facts.nominal_interval_s = 1.0;
+    table.facts.first_epoch = parse_gps_iso("2026-03-14T03:20:18.000");
+    for (std::int64_t k = 0; k < 4; ++k) {
+        TrajectoryEpoch& row = table.rows.emplace_back();
+        row.epoch = k + 1;
+        row.time = {k * 1'000'000'000};
+        row.east_m = row.north_m = 0.0;
+        row.speed_m_s = 10.0 + static_cast<double>(k);
+        if (k < 3) row.arc = 1;
+    }
+    table.rows[3].speed_m_s.reset();
+    std::vector<Profile> profiles(3);
+    profiles[0].id = "two";
+    profiles[0].duration_s = 2.0;
+    profiles[1].id = "course";
+    profiles[1].window_kind = WindowKind::course;
+    profiles[2].id = "one";
+    profiles[2].duration_s = 1.0;
+    EXPECT_EQ(rule_speeds_csv(table, profiles),
+              "epoch,time_s,utc,speed_m_s,speed_two_m_s,speed_one_m_s\n"
+              "1,0.000000000,2026-03-14T03:20:00.000Z,10.000000,,\n"
+              "2,1.000000000,2026-03-14T03:20:01.000Z,11.000000,,10.500000\n"
+              "3,2.000000000,2026-03-14T03:20:02.000Z,12.000000,11.000000,11.500000\n"
+              "4,3.000000000,2026-03-14T03:20:03.000Z,,,\n");
+    table.facts.first_epoch.reset();
+    EXPECT_TRUE(holds(rule_speeds_csv(table, profiles), "\n1,0.000000000,,10.000000,,\n"));
+}
+
 TEST(CsvCell, AFormulaIsText) {
     for (const char* formula : {"=cmd()", "+1", "-1", "@SUM(A1)"})
         EXPECT_EQ(csv_cell(formula), std::string("'") + formula);

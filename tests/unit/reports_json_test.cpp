@@ -81,7 +81,7 @@ TEST(ReportJson, WithoutAWindowThereIsNoSpeed) {
             EXPECT_FALSE(profile.contains(absent)) << absent;
         EXPECT_TRUE(profile.contains("indicated"));
     }
-    EXPECT_EQ(predicate["figures"].size(), 4U);
+    EXPECT_EQ(predicate["figures"].size(), 5U);
 }
 
 TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
@@ -89,6 +89,28 @@ TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
     for (TrajectoryEpoch& row : run.inputs.receivers[0].trajectory.rows)
         row.arc.reset();
     EXPECT_TRUE(report_json(run.inputs)["predicate"]["figures"].empty());
+}
+
+// [DHD22] figure 11: a curve for each length, whose first point stands at the end of that.
+// that.
+TEST(ReportJson, TheSpeedOverEachRulesLengthIsDrawn) {
+    sample::Run run = sample::make_run();
+    const Json drawn = report_json(run.inputs)["predicate"]["figures"][2];
+    EXPECT_EQ(drawn["figure"], "average");
+    ASSERT_EQ(drawn["curves"].size(), 2U);  // 3 s and 2 s
+    EXPECT_EQ(drawn["curves"][0]["curve_name"], "speed over 3 s");
+    const TrajectoryTable& table = run.inputs.receivers[0].trajectory;
+    EXPECT_EQ(drawn["curves"][0]["x"].size() + 30, table.rows.size());
+    double sum = 0.0;
+    for (std::size_t k = 0; k <= 30; ++k)
+        sum += *table.rows[k].speed_m_s;
+    EXPECT_NEAR(drawn["curves"][0]["y"][0].get<double>(), 3.6 * sum / 31.0, 1e-3);
+    EXPECT_EQ(drawn["levels"].size(), 2U);
+    EXPECT_EQ(drawn["spans"].size(), 2U);
+    for (Profile& profile : run.inputs.profiles)
+        profile.window_kind = WindowKind::course;
+    for (const Json& figure : report_json(run.inputs)["predicate"]["figures"])
+        EXPECT_NE(figure["figure"], "average");
 }
 
 TEST(ReportJson, LongRunsAreThinned) {
@@ -99,7 +121,7 @@ TEST(ReportJson, LongRunsAreThinned) {
             EXPECT_LE(curve["x"].size(), 1100U) << figure["figure"];
             EXPECT_EQ(curve["x"].size(), curve["y"].size());
         }
-    const Json& speed = figures[2];
+    const Json& speed = figures[3];
     EXPECT_EQ(speed["figure"], "speed");
     EXPECT_NE(speed["caption"].get<std::string>().find("One epoch in 29"), std::string::npos);
 }

@@ -42,7 +42,8 @@ std::string curve_of(const std::string& svg, const std::string& title) {
 TEST_F(Rendering, FiguresAreTheSameTwice) {
     const auto first = figures({});
     const auto second = figures({});
-    ASSERT_EQ(first.size(), 6U);  // two windows, speed, track, residuals, tests
+    // Two windows, the speeds over the rules' lengths, speed, track, residuals, tests.
+    ASSERT_EQ(first.size(), 7U);
     for (std::size_t i = 0; i < first.size(); ++i) {
         EXPECT_EQ(first[i], second[i]);
         EXPECT_TRUE(first[i].starts_with("<svg"));
@@ -63,7 +64,7 @@ TEST_F(Rendering, TextsAreNotInstructions) {
 }
 
 TEST_F(Rendering, ARunWithoutWindowHasFiguresToo) {
-    EXPECT_EQ(figures({.certified = false}).size(), 4U);
+    EXPECT_EQ(figures({.certified = false}).size(), 5U);
 }
 
 // Neither a line of the speed that counts nor one of the required speed: those are vertical.
@@ -71,12 +72,17 @@ TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
     sample::Run run = sample::make_run();
     const auto level = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_NE(level[0].find("speed that counts"), std::string::npos);
-    EXPECT_NE(level[2].find("required speed, nalsa"), std::string::npos);
+    const auto over_the_run = [](const std::vector<std::string>& drawings) {
+        return *std::ranges::find_if(drawings, [](const std::string& svg) {
+            return svg.find("<title>Horizontal speed over the whole run<") != std::string::npos;
+        });
+    };
+    EXPECT_NE(over_the_run(level).find("required speed, nalsa"), std::string::npos);
     run.inputs.profiles[0].dimension = Dimension::vertical;
     const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_EQ(drawn[0].find("speed that counts"), std::string::npos);
-    EXPECT_EQ(drawn[2].find("required speed, nalsa"), std::string::npos);
-    EXPECT_NE(drawn[2].find("required speed, fisly"), std::string::npos);
+    EXPECT_EQ(over_the_run(drawn).find("required speed, nalsa"), std::string::npos);
+    EXPECT_NE(over_the_run(drawn).find("required speed, fisly"), std::string::npos);
 }
 
 TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
@@ -91,16 +97,16 @@ TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
         windows.further = {{.span = other, .arc = 1, .speed_m_s = 58.0}};
         const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
         ASSERT_EQ(drawn.size(), before.size());
-        EXPECT_NE(drawn[2], before[2]) << to_text(kind);  // the further window is shaded
+        EXPECT_NE(drawn[3], before[3]) << to_text(kind);  // the further window is shaded
         EXPECT_EQ(drawn[0], before[0]) << to_text(kind);
     }
 }
 
 TEST_F(Rendering, APlaneRunHasNoNorthOfTheEarth) {
-    const std::string track = figures({.vertical = false, .georeferenced = false}).at(3);
+    const std::string track = figures({.vertical = false, .georeferenced = false}).at(4);
     EXPECT_EQ(track.find("<title>north</title>"), std::string::npos);
     EXPECT_NE(track.find("<title>second axis of the plane</title>"), std::string::npos);
-    EXPECT_NE(figures({}).at(3).find("<title>north</title>"), std::string::npos);
+    EXPECT_NE(figures({}).at(4).find("<title>north</title>"), std::string::npos);
 }
 
 TEST_F(Rendering, ALongRunWithGapsStaysSmall) {
@@ -114,8 +120,8 @@ TEST_F(Rendering, LinesBreakAtGaps) {
         const std::string curve = curve_of(svg, "smoothed speed");
         return std::count(curve.begin(), curve.end(), 'M');
     };
-    const auto whole = moves(figures({}).at(2));
-    const auto broken = moves(figures({.gap_every_s = 10}).at(2));
+    const auto whole = moves(figures({}).at(3));
+    const auto broken = moves(figures({.gap_every_s = 10}).at(3));
     EXPECT_GT(whole, 0);
     EXPECT_EQ(broken - whole, 4);  // at 10, 20, 30 and 40 s
 }

@@ -96,7 +96,7 @@ std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementSt
 bool print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
     fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
     print_speed(verdict);
-    if (verdict.decision)
+    if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
         fmt::print("           {}\n",
                    plain_text(agreement_text(attempt.decision_rule_agreed, verdict.window)));
     if (verdict.window) print_window(*verdict.window);

@@ -130,6 +130,19 @@ void compare_identity(const Profile& rule, const Verdict& verdict, VerificationS
                           shown(profile_copy_name(rule.id)), products::verdict_file));
 }
 
+/// What has become of a body's rule since: a newer revision of it, or another rule in its place.
+std::string since_then(const Profile& rule) {
+    const std::string_view text = builtin_profile(rule.id);
+    if (rule.origin == RuleOrigin::own || text.empty()) return {};
+    const Profile now = read_profile(text, rule.id);
+    std::string words;
+    if (now.revision > rule.revision)
+        words = fmt::format("; revision {} comes with this program", now.revision);
+    if (!now.superseded_by.empty())
+        words += fmt::format("; {} has superseded it", now.superseded_by);
+    return words;
+}
+
 void check_rules(const fs::path& run_dir, VerificationStep& step) {
     const fs::path file = run_dir / attempt_copy_name;
     const Attempt attempt = read_attempt(read_handwritten(file), file.string());
@@ -141,12 +154,13 @@ void check_rules(const fs::path& run_dir, VerificationStep& step) {
         if (!rule.evidence) compare_identity(rule, verdict, step);
         if (rule.origin == RuleOrigin::own) own.push_back(shown(rule.id));
         step.details.push_back(fmt::format(
-            "{}: revision {}, SHA-256 {}{}", shown(profile_copy_name(rule.id)), rule.revision,
+            "{}: revision {}, SHA-256 {}{}{}", shown(profile_copy_name(rule.id)), rule.revision,
             rule.sha256.substr(0, 16),
             rule.origin == RuleOrigin::own ? ", the attempt's own: no body's authority for it was "
                                              "checked"
             : rule.overrides.empty()       ? ""
-                                           : ", with figures replaced by the attempt"));
+                                           : ", with figures replaced by the attempt",
+            since_then(rule)));
     }
     if (!step.passed)
         step.finding = "the outcome does not rest on the rules in the folder";

@@ -4,6 +4,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "core/text.h"
 #include "handover_support.h"
 #include "schemas/trajectory/trajectory.h"
 
@@ -274,6 +275,24 @@ TEST_F(Export, TheSameBytesInEveryLocaleAndZone) {
         EXPECT_EQ(result.exit_status, 0) << result.errors;
         EXPECT_TRUE(read_file(out) == text_of("course", format)) << format;
     }
+}
+
+// The window of the first rule ends with the recording; the stage has its mean by itself.
+TEST_F(Export, SpeedsOverTheRulesLengthsAreATable) {
+    const std::string csv = text_of("salt_lake", "csv", {"--table", "rule_speeds"});
+    EXPECT_TRUE(csv.starts_with("epoch,time_s,utc,speed_m_s,speed_nalsa_m_s,speed_fisly_m_s\n"));
+    EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 602);
+    const std::string last = csv.substr(csv.rfind("\n601,60.000000000,") + 1);
+    std::istringstream row(last);
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(row, cell, ',');)
+        cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 6U) << last;
+    const std::string windows = read_file(folder_->path() / "salt_lake" / "5-windows.yaml");
+    const std::size_t mean = windows.find("smoothed_m_s: ") + 14;
+    EXPECT_NEAR(parse_double(cells[4]).value(),
+                parse_double(windows.substr(mean, windows.find('\n', mean) - mean)).value(), 1e-6);
+    expect_refused(run_export("salt_lake", "kml", {"--table", "rule_speeds"}), {"--table"});
 }
 
 TEST_F(Export, WhatCannotBeExportedIsRefused) {

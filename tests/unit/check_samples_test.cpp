@@ -44,6 +44,15 @@ TEST(SampleClauses, TheSpeedChangesByAtMostTheLimit) {
     EXPECT_EQ(clause.status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(clause.evidence, fmt::format("epoch {}", scene.rows()[7].epoch)))
         << clause.evidence;
+    // What the receiver states of its speeds may be all of it.
+    for (ScreenedEpoch& row : scene.rows())
+        row.sigma_recorded_velocity_east_m_s = 0.1;
+    clause = scene.clause("acceleration");
+    EXPECT_EQ(clause.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(clause.evidence, "within the 2.8 m/s2 (k = 2)")) << clause.evidence;
+    for (ScreenedEpoch& row : scene.rows())
+        row.sigma_recorded_velocity_east_m_s = 0.01;
+    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::not_met);
     scene.rows()[7].recorded_velocity_north_m_s = std::nullopt;
     EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::attest);
 }
@@ -126,9 +135,9 @@ TEST(SampleClauses, WithoutAWindowAreForAnOfficial) {
 }
 
 TEST(Questions, AreNotesForTheBodyAndNoRequirement) {
-    RuleScene scene(
-        profile_text(clause_text("window_complete"),
-                     "questions:\n  - {id: rounding, text: \"How is it rounded?\", source: none}\n"));
+    RuleScene scene(profile_text(
+        clause_text("window_complete"),
+        "questions:\n  - {id: rounding, text: \"How is it rounded?\", source: none}\n"));
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(
         std::ranges::count(verdict.notes, "Question for the body: How is it rounded? (rounding)"),

@@ -41,18 +41,10 @@ TEST(SampleClauses, TheSpeedChangesByAtMostTheLimit) {
     scene.rows()[7].recorded_velocity_north_m_s = 60.6;
     scene.rows()[8].recorded_velocity_north_m_s = 60.3;
     clause = scene.clause("acceleration");
-    EXPECT_EQ(clause.status, RequirementStatus::not_met);
+    EXPECT_EQ(clause.status, RequirementStatus::attest);
     EXPECT_TRUE(contains(clause.evidence, fmt::format("epoch {}", scene.rows()[7].epoch)))
         << clause.evidence;
-    // What the receiver states of its speeds may be all of it.
-    for (ScreenedEpoch& row : scene.rows())
-        row.sigma_recorded_velocity_east_m_s = 0.1;
-    clause = scene.clause("acceleration");
-    EXPECT_EQ(clause.status, RequirementStatus::attest);
-    EXPECT_TRUE(contains(clause.evidence, "within the 2.8 m/s2 (k = 2)")) << clause.evidence;
-    for (ScreenedEpoch& row : scene.rows())
-        row.sigma_recorded_velocity_east_m_s = 0.01;
-    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::not_met);
+    EXPECT_TRUE(contains(clause.evidence, "is for an official")) << clause.evidence;
     scene.rows()[7].recorded_velocity_north_m_s = std::nullopt;
     EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::attest);
 }
@@ -60,7 +52,7 @@ TEST(SampleClauses, TheSpeedChangesByAtMostTheLimit) {
 TEST(SampleClauses, HoldForEveryWindowThatMakesTheFigure) {
     SampleScene scene("acceleration", ", limit: 5, unit: m/s2");
     scene.other()[20].recorded_velocity_north_m_s = 61.0;
-    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::not_met);
+    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::attest);
     SampleScene seen("satellites", ", limit: 5, unit: satellites");
     seen.other()[20].satellites = std::int16_t{4};
     EXPECT_EQ(seen.clause("satellites").status, RequirementStatus::not_met);

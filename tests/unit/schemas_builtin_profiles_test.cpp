@@ -44,6 +44,8 @@ TEST(BuiltinProfiles, AreThoseOfTheFolderEachNamedAsItsFile) {
     EXPECT_EQ(builtin_profiles(), names);
     EXPECT_EQ(names, (std::vector<std::string>{"evidence-general",
                                                "fai-speed-skydiving",
+                                               "fai-speed-skydiving-2026",
+                                               "fai-speed-skydiving-record",
                                                "fisly",
                                                "gps-ice-sailing-10s",
                                                "gps-ice-sailing-1h",
@@ -146,7 +148,6 @@ TEST(OwnClauses, StandBesideThoseOfEveryRule) {
 /// What is merely not known is a question for the body: no official could attest it.
 TEST(BuiltinProfiles, WhatIsNotKnownIsAQuestionUnlessItIsDecided) {
     for (const std::string& name : builtin_profiles()) {
-        if (name.starts_with("fai-speed-skydiving")) continue;
         SCOPED_TRACE(name);
         for (const Clause& clause : builtin(name).clauses) {
             if (clause.certainty != Certainty::unconfirmed) continue;
@@ -255,6 +256,28 @@ TEST(BuiltinProfiles, SpeedSkydiving) {
     EXPECT_EQ(clause_of(profile, "sample-accuracy").limit, 3.0);
     EXPECT_EQ(clause_of(profile, "sample-accuracy").unit, "m/s");
     EXPECT_EQ(profile.uncertainty.error_floor_m.at("single"), 0.5);
+}
+
+TEST(BuiltinProfiles, SpeedSkydivingOf2026) {
+    const Profile score = builtin("fai-speed-skydiving-2026");
+    EXPECT_EQ(builtin("fai-speed-skydiving").superseded_by, score.id);
+    EXPECT_EQ(score.valid_from, "2026-03-01");
+    ASSERT_TRUE(score.within);
+    EXPECT_EQ(score.within->from.event, WindowEvent::exit);
+    EXPECT_EQ(score.within->from.speed_m_s, 10.0);
+    EXPECT_EQ(score.within->to.at(0).height_m, 2256.0);
+    EXPECT_EQ(score.within->to.at(1).height_m, 1707.0);
+    EXPECT_EQ(score.within->validation_m, 1006.0);
+    EXPECT_EQ(score.margin, 0.0);
+    EXPECT_EQ(score.rounding->mode, DecimalMode::nearest);
+    EXPECT_EQ(score.rounding->decimals, 2);
+    EXPECT_EQ(clause_of(score, "exit-at-most").limit, 4277.0);
+    EXPECT_EQ(clause_of(score, "validation-window").limit, 3.0);
+    const Profile record = builtin("fai-speed-skydiving-record");
+    EXPECT_EQ(record.margin, 0.02);
+    EXPECT_EQ(record.margin_above, MarginBase::upper_limit);
+    EXPECT_EQ(record.rounding->decimals, 0);
+    EXPECT_EQ(record.within->validation_m, score.within->validation_m);
 }
 
 /// The rules on ice are those on water.

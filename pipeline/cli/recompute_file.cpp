@@ -49,10 +49,17 @@ void widen(FileComparison& file, const std::optional<double>& ratio, const std::
     file.where_largest = where;
 }
 
+bool is_sentence(const std::string& text) {
+    constexpr std::ptrdiff_t least_blanks = 3;
+    return std::ranges::count(text, ' ') >= least_blanks;
+}
+
 void judge_values(FileComparison& file, const std::vector<ValueDifference>& values,
                   const std::string& in) {
     for (const ValueDifference& value : values) {
-        if (value.tolerated)
+        if (file.other_program && is_sentence(value.a) && is_sentence(value.b)) {
+            if (file.reworded++ == 0) file.first_reworded = in + value.path;
+        } else if (value.tolerated)
             widen(file, value.ratio, fmt::format("{}, {}{}", file.file, in, value.path));
         else if (!file.first)
             file.first = fmt::format("{}{}: {}", in, value.path, values_text(value.b, value.a));
@@ -93,6 +100,22 @@ void judge_table(FileComparison& file, const TableComparison& table) {
         file.first = fmt::format("line {}, column {}: {}", cell->row.line_b, cell->column,
                                  values_text(cell->b, cell->a));
     judge_values(file, table.header, "header ");
+}
+
+/// What this program says, as far as another one's file says anything of it.
+Json as_far_as_said(const Json& recomputed, const Json& in_folder) {
+    if (recomputed.is_object() && in_folder.is_object()) {
+        Json said = Json::object();
+        for (const auto& [name, value] : recomputed.items())
+            if (in_folder.contains(name)) said[name] = as_far_as_said(value, in_folder.at(name));
+        return said;
+    }
+    if (!recomputed.is_array() || !in_folder.is_array() || recomputed.size() != in_folder.size())
+        return recomputed;
+    Json said = Json::array();
+    for (std::size_t i = 0; i < recomputed.size(); ++i)
+        said.push_back(as_far_as_said(recomputed[i], in_folder[i]));
+    return said;
 }
 
 /// What must be the same to the letter: parameters are given, and a report follows from its files.
@@ -162,8 +185,11 @@ void judge_report(FileComparison& file, const std::string& old_text, const std::
     const bool drawn_here = old_report.value("page", Json::object()).value("drawn_by_sha256", "") ==
                             external_program_sha256("gnuplot");
     if (!made_here || !drawn_here) file.maker = "another program";
-    judge_exact(file, measurement_of(predicate_of(new_text, where), made_here, drawn_here),
-                measurement_of(old_report, made_here, drawn_here), "");
+    file.other_program = !made_here;
+    const Json recomputed = measurement_of(predicate_of(new_text, where), made_here, drawn_here);
+    const Json in_folder = measurement_of(old_report, made_here, drawn_here);
+    judge_exact(file, made_here ? recomputed : as_far_as_said(recomputed, in_folder), in_folder,
+                "");
 }
 
 /// Windows and verdict hold the figures that decide.
@@ -172,27 +198,32 @@ ComparisonRules rules_for(const std::string& name, bool same_arithmetic) {
             .deciding = same_arithmetic && name.ends_with(".yaml")};
 }
 
+void judge_results(FileComparison& file, const Json& recomputed, const Json& in_folder,
+                   const ComparisonRules& rules) {
+    judge_values(
+        file,
+        value_differences(!file.other_program ? recomputed : as_far_as_said(recomputed, in_folder),
+                          in_folder, rules),
+        "");
+}
+
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
            const std::string& old_where, const std::string& new_where, bool same_arithmetic) {
     if (file.file == report_file) return judge_report(file, old_text, new_text, old_where);
     file.maker = maker_of(old_text, old_where);
+    file.other_program = !file.maker.empty();
     const ComparisonRules rules = rules_for(file.file, same_arithmetic);
     if (file.file.ends_with(".ecsv"))
         judge_table(file, compare_tables(new_text, old_text, new_where, old_where, rules));
     else
-        judge_values(file,
-                     value_differences(results_of(new_text, new_where),
-                                       results_of(old_text, old_where), rules),
-                     "");
+        judge_results(file, results_of(new_text, new_where), results_of(old_text, old_where),
+                      rules);
     // Who made it does not count; by which parameters does. Another program may not have said all
     // that this one says, of what was the same.
     const Json old_given = given_in(header_of(old_text, old_where));
     const Json new_given = given_in(header_of(new_text, new_where));
-    Json compared = new_given;
-    if (!file.maker.empty())
-        for (const auto& [name, value] : new_given.items())
-            if (!old_given.contains(name)) compared.erase(name);
-    judge_exact(file, compared, old_given, "parameter ");
+    judge_exact(file, !file.other_program ? new_given : as_far_as_said(new_given, old_given),
+                old_given, "parameter ");
 }
 
 /// Whether two files were made from the same bytes, by the same programs of others.

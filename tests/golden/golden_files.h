@@ -116,6 +116,11 @@ inline constexpr GoldenKind kinds[] = {
          (void)read_profile(text, where);
          return std::string();
      }},
+    {"profile.part.yaml", "profile",
+     [](const std::string& text, const std::string& where) {
+         (void)read_profile(text, where);
+         return std::string();
+     }},
     {"simulation.yaml", "simulation",
      [](const std::string& text, const std::string& where) {
          (void)read_simulation(text, where);

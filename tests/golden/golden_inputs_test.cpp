@@ -243,9 +243,14 @@ TEST(GoldenProfile, OfAStretch) {
 
 TEST(GoldenProfile, OfAPartAndItsBodysArithmetic) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
-    EXPECT_EQ(profile.within->from.event, WindowEvent::exit);
-    EXPECT_EQ(profile.within->from.speed_m_s, 12.5);
+    EXPECT_EQ(profile.within->from.event, WindowEvent::at_height);
+    EXPECT_EQ(profile.within->from.height_m, 4250.0);
     ASSERT_EQ(profile.within->to.size(), 2U);
+    EXPECT_EQ(profile.within->to[0].speed_m_s, 12.5);
+    const Profile jump = read_profile(text_of("v1.0/profile.part.yaml"), "f");
+    EXPECT_EQ(jump.within->from.event, WindowEvent::exit);
+    EXPECT_EQ(jump.within->from.speed_m_s, 12.5);
+    EXPECT_FALSE(jump.within->validation_m);
     EXPECT_EQ(profile.within->to[1].event, WindowEvent::above_ground);
     EXPECT_EQ(profile.within->to[1].height_m, 1707.0);
     EXPECT_EQ(profile.within->validation_m, 1006.0);

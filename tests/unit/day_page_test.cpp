@@ -235,13 +235,14 @@ TEST(DayCsv, WhatComesFromOutsideIsACellAndNoFormula) {
                          "print(sorted({len(r) for r in rows}), len(rows),"
                          " sum(c[:1] in '=+@\\t\\r-' for c in texts if c))",
                          (folder.path() / "day.csv").string()});
-        EXPECT_EQ(result.output, "[32] 4 0\n") << result.errors;
+        EXPECT_EQ(result.output, "[33] 4 0\n") << result.errors;
     }
 }
 
 TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
     DayResults results = results_of({attempt("a", Outcome::beaten, 52.25, 0.125), failed("b")});
     results.attempts[0].results[0].start_utc = "2022-03-18T08:51:22.300Z";
+    results.attempts[0].results[0].own_arithmetic = "52.26 m/s";
     EXPECT_EQ(
         day_csv(results),
         "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
@@ -249,13 +250,13 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
         "uncertainty_m_s,coverage_factor,"
         "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
         "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
-        "failed_step,problem,where,remedy,notes,report_id,report\n"
+        "failed_step,problem,where,remedy,notes,report_id,report,own_arithmetic\n"
         "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,0,0,52.250000,0.125000,2.000000,"
         "50.000000,m/s,52.25,0.13,50.00,2022-03-18T08:51:22.300Z,,,because of "
         "a,,,,,,,0123456789abcdef,"
-        "a/report.json\n"
+        "a/report.json,52.26 m/s\n"
         "b,b.yaml,failed,,,,,,,,,,,,,,,,,,,,,,,import,line 7 is cut off,r.pos:7,"
-        "Give the whole recording,,,\n");
+        "Give the whole recording,,,,\n");
 }
 
 TEST(DayPage, IsItsOwnAndNeedsNoScript) {

@@ -109,7 +109,8 @@ TEST_F(RulesInForce, EvidenceAddsItsClausesToEveryOtherRule) {
     // The program's own fits every rule of the program.
     for (const std::string& name : builtin_profiles()) {
         const Profile rule = read_profile(builtin_profile(name), name);
-        if (rule.evidence || rule.window_kind == WindowKind::course) continue;
+        if (rule.evidence || rule.window_kind == WindowKind::course || !rule.superseded_by.empty())
+            continue;
         EXPECT_EQ(rules(fmt::format("[{}, evidence-general]", name)).at(0).clauses.size(),
                   rule.clauses.size() + 5)
             << name;

@@ -10,7 +10,7 @@ inline constexpr const char* course_case = R"yaml(
 attempt:
   schema: attempt/1.0
   id: base
-  craft: {name: sloop, class: sail-boat}
+  craft: {name: sloop, class: sail-boat, sail_area_m2: 9.5}
   place: canal
   date: "2026-10-20"
   officials: [{role: measurer, name: A. Person}, {role: timekeeper}]
@@ -23,6 +23,7 @@ attempt:
       antenna_height_m: 1.5
       lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
       rotation_bound_deg: 4
+      device_deduction: {speed: 0.1, unit: kn}
       calibration: {certificate: a number, laboratory: a laboratory, date: "2026-09-01", expanded_uncertainty: 0.05, unit: km/h, of: speed}
     - {id: second, recording: b.pos}
   origin: {latitude_deg: -22.92, longitude_deg: 14.41, height_m: 30.0}
@@ -40,6 +41,8 @@ attempt:
     finish:
       left: {latitude_deg: -22.919728742, longitude_deg: 14.420722968}
       right: {latitude_deg: -22.920270534, longitude_deg: 14.420723010}
+  ground_height_m: 30
+  part: {from_utc: "2026-10-20T10:59:00.000", to_utc: "2026-10-20T11:30:00.000", source: a log}
   wind: {file: wind.csv, source: anemometer}
   current: {file: current.csv, source: float, expanded_uncertainty_m_s: 0.01}
   wheel: {file: wheel.csv, source: rear wheel, scale: 1.01, expanded_uncertainty_scale: 0.002}
@@ -54,6 +57,8 @@ rules:
     revision: 1
     body: a body
     title: a title
+    looked_at: "2026-01-01"
+    valid_from: "2026-01-01"
     window: {kind: time, duration_s: 3, definition: displacement, dimension: horizontal, source: position, ends: epochs, exact: false, count: 1, repaired_steps: false}
     runs: {start_m_s: 2, stop_m_s: 1, stop_s: 5, turn_deg: 90}
     accuracy: {limit: 0.8, unit: km/h, coverage_factor: 2}
@@ -65,12 +70,13 @@ rules:
     uncertainty: {correlation_time_min_s: 0.5, correlation_time_max_s: 10, selection_bias: covered, fault_probability: 0.002, error_floor_m: {fixed: 0.02, float: 0.2}}
     signatures: [{role: measurer, count: 1}]
     clauses:
-      - {id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}
+      - {id: window, text: an average, source: a book, edition: first, where: page 1, looked_at: "2026-01-01", certainty: quoted, decided_by: window_complete}
       - {id: accuracy, text: a limit, source: a book, certainty: quoted, decided_by: accuracy}
       - {id: rate, text: enough samples, source: a book, certainty: quoted, decided_by: sampling_rate, limit: 5, unit: Hz}
       - {id: wind, text: little wind, source: a book, certainty: quoted, decided_by: wind_mean, limit: 20, unit: kn}
       - {id: margin, text: more than the record, source: a book, certainty: quoted, decided_by: margin}
       - {id: second, text: another method, source: a book, certainty: quoted, decided_by: secondary_method, accepts: [velocities]}
+    questions: [{id: why, text: "Why?", source: a book}]
   course:
     schema: profile/1.0
     id: course
@@ -92,6 +98,15 @@ alpha:
   title: a title
   window: {kind: alpha, distance_m: 200, definition: path_length, proximity_m: 50, turn_deg: 90}
   margin: {kind: absolute, value: 0, unit: km/h}
+  clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
+part:
+  schema: profile/1.0
+  id: part
+  body: a body
+  title: a title
+  window: {duration_s: 2, definition: displacement, within: {from: {event: stated}, to: [{event: stated}]}}
+  margin: {kind: absolute, value: 0, unit: km/h}
+  arithmetic: {text: a sum, source: position, definition: displacement, rounding: {mode: nearest, unit: km/h, decimals: 2}}
   clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
 pair:
   schema: profile/1.0
@@ -140,6 +155,8 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: "rules[].value", set: {/attempt/rules/1/value: 2.4}, redoes: window}
 - {key: "rules[].figure", set: {/attempt/rules/1/figure: accuracy.limit}, redoes: window}
 - {key: rules, set: {/attempt/rules: null}, redoes: window}
+- {key: part.from_utc, set: {/attempt/part/from_utc: "2026-10-20T10:59:01.000"}, redoes: window}
+- {key: part.to_utc, set: {/attempt/part/to_utc: "2026-10-20T11:30:01.000"}, redoes: window}
 - {key: wind.file, set: {/attempt/wind/file: current.csv}}
 - {key: current.file, set: {/attempt/current/file: wind.csv}}
 - {key: secondary.start_utc, set: {/attempt/secondary/start_utc: "2026-10-20T11:00:41.535"}}
@@ -187,6 +204,23 @@ inline constexpr const char* receiver_changes = R"yaml(
 
 /// What no value of its own kind alone can stand for: the walk over the field table does the rest.
 inline constexpr const char* profile_changes = R"yaml(
+- {key: looked_at, set: {/rules/time/looked_at: "2026-01-02"}}
+- {key: valid_from, set: {/rules/time/valid_from: "2026-01-02"}}
+- {key: "clauses[].looked_at", set: {/rules/time/clauses/0/looked_at: "2026-01-02"}}
+- {key: evidence, set: {/rules/alpha: {schema: profile/1.0, id: alpha, body: a body, title: a title, evidence: true, clauses: [{id: seen, text: a witness, source: a book, certainty: quoted, decided_by: attest}]}}, redoes: window}
+- {key: window.within.from.event, set: {/rules/part/window/within/from: {event: at_height, height_m: 5000}}, redoes: window}
+- {key: window.within.from.speed_m_s, set: {/rules/part/window/within/from: {event: exit, speed_m_s: 12}}, redoes: window}
+- {key: window.within.from.height_m, set: {/rules/part/window/within/from: {event: at_height, height_m: 4000}}, redoes: window}
+- {key: "window.within.to[].event", set: {/rules/part/window/within/to/0: {event: at_height, height_m: 10}}, redoes: window}
+- {key: "window.within.to[].speed_m_s", set: {/rules/part/window/within/to/0: {event: exit, speed_m_s: 12}}, redoes: window}
+- {key: "window.within.to[].height_m", set: {/rules/part/window/within/to/0: {event: at_height, height_m: 20}}, redoes: window}
+- {key: window.within.validation_m, set: {/rules/part/window/within/validation_m: 100}, redoes: window}
+- {key: arithmetic.text, set: {/rules/part/arithmetic/text: another sum}, redoes: window}
+- {key: arithmetic.source, set: {/rules/part/arithmetic/source: velocity, /rules/part/arithmetic/definition: mean_n}, redoes: window}
+- {key: arithmetic.definition, set: {/rules/part/arithmetic/definition: path_length}, redoes: window}
+- {key: arithmetic.rounding.mode, set: {/rules/part/arithmetic/rounding/mode: truncate}, redoes: window}
+- {key: arithmetic.rounding.unit, set: {/rules/part/arithmetic/rounding/unit: kn}, redoes: window}
+- {key: arithmetic.rounding.decimals, set: {/rules/part/arithmetic/rounding/decimals: 1}, redoes: window}
 - {key: margin.kind, set: {/rules/course/margin: {kind: absolute, value: 0.01, unit: kn}}}
 - {key: margin.unit, set: {/rules/time/margin/unit: kn}}
 - {key: current, set: {/rules/time/current: subtracted}}

@@ -239,7 +239,8 @@ TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {
     check(document, changes);
     expect_all_keys(schema, changes,
                     {{"schema", "as of an attempt"},
-                     {"id", "it is the file's name, and another profile is claimed by another"}});
+                     {"id", "it is the file's name, and another profile is claimed by another"},
+                     {"superseded_by", "a new attempt under such a rule is refused"}});
 }
 
 TEST_F(BatchSettings, EachStepReadsAndWritesWhatItSays) {

@@ -79,10 +79,10 @@ struct Comparisons {
 /// A note on sentences of another program that this one words otherwise.
 std::string reworded_text(std::size_t count, const std::string& first) {
     return plain_text(fmt::format(
-        "note: {} of another program {} worded otherwise by this one, and what they say was not "
-        "compared{}",
+        "note: {} of another program: this one words {} otherwise, so that {} not compared{}",
         count == 1 ? std::string("a sentence") : fmt::format("{} sentences", count),
-        count == 1 ? "is" : "are", first.empty() ? "" : "; the first: " + first));
+        count == 1 ? "it" : "them", count == 1 ? "it was" : "they were",
+        first.empty() ? "" : "; the first: " + first));
 }
 
 void add(Comparisons& all, FileComparison file) {

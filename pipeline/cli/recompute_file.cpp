@@ -102,7 +102,21 @@ void judge_table(FileComparison& file, const TableComparison& table) {
     judge_values(file, table.header, "header ");
 }
 
-/// What this program says, as far as another one's file says anything of it.
+/// What a row of a list is called: its label, or of a figure its kind and title; else empty.
+std::string label_of(const Json& row) {
+    if (!row.is_object()) return {};
+    if (row.contains("label")) return row.at("label").dump();
+    return row.contains("figure") ? row.at("figure").dump() + row.value("figure_title", "")
+                                  : std::string();
+}
+
+bool are_labelled(const Json& rows) {
+    return rows.is_array() &&
+           std::ranges::none_of(rows, [](const Json& row) { return label_of(row).empty(); });
+}
+
+/// What this program says, as far as another one's file says anything of it: members of the same
+/// name, and rows of the same label.
 Json as_far_as_said(const Json& recomputed, const Json& in_folder) {
     if (recomputed.is_object() && in_folder.is_object()) {
         Json said = Json::object();
@@ -110,9 +124,18 @@ Json as_far_as_said(const Json& recomputed, const Json& in_folder) {
             if (in_folder.contains(name)) said[name] = as_far_as_said(value, in_folder.at(name));
         return said;
     }
+    Json said = Json::array();
+    if (are_labelled(recomputed) && are_labelled(in_folder)) {
+        for (const Json& row : in_folder)
+            for (const Json& own : recomputed)
+                if (label_of(own) == label_of(row)) {
+                    said.push_back(as_far_as_said(own, row));
+                    break;
+                }
+        return said;
+    }
     if (!recomputed.is_array() || !in_folder.is_array() || recomputed.size() != in_folder.size())
         return recomputed;
-    Json said = Json::array();
     for (std::size_t i = 0; i < recomputed.size(); ++i)
         said.push_back(as_far_as_said(recomputed[i], in_folder[i]));
     return said;
@@ -148,9 +171,11 @@ Json measurement_of(Json predicate, bool made_here, bool drawn_here) {
     if (!made_here) predicate.erase("page");
     if (predicate.contains("page") && predicate["page"].is_object())
         predicate["page"].erase("drawn_by_sha256");
-    if (!drawn_here && predicate.contains("figures"))
-        for (Json& figure : predicate["figures"])
-            figure.erase("drawing_sha256");
+    if (predicate.contains("figures"))
+        for (Json& figure : predicate["figures"]) {
+            if (!drawn_here) figure.erase("drawing_sha256");
+            if (!made_here) figure.erase("figure_id");  // counts the figures
+        }
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
             predicate["certificate"].erase(member);

@@ -79,9 +79,8 @@ struct Comparisons {
 /// A note on sentences of another program that this one words otherwise.
 std::string reworded_text(std::size_t count, const std::string& first) {
     return plain_text(fmt::format(
-        "note: {} of another program: this one words {} otherwise, so that {} not compared{}",
+        "note: {} of another program, in other words than this one's, but with no other number{}",
         count == 1 ? std::string("a sentence") : fmt::format("{} sentences", count),
-        count == 1 ? "it" : "them", count == 1 ? "it was" : "they were",
         first.empty() ? "" : "; the first: " + first));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/failure.h"
 #include "recompute.h"
@@ -54,10 +55,35 @@ bool is_sentence(const std::string& text) {
     return std::ranges::count(text, ' ') >= least_blanks;
 }
 
+/// The numbers in a text, as it has them.
+std::set<std::string> numbers_in(const std::string& text) {
+    std::set<std::string> numbers;
+    std::string number;
+    for (const char c : text + ' ') {
+        const bool digit = c >= '0' && c <= '9';
+        if (digit || (c == '.' && !number.empty())) {
+            number += c;
+            continue;
+        }
+        while (number.ends_with('.'))
+            number.pop_back();
+        if (!number.empty()) numbers.insert(number);
+        number.clear();
+    }
+    return numbers;
+}
+
+/// Whether a sentence of another program may be this one's in other words: it has no number that
+/// this one's has not.
+bool may_be_reworded(const std::string& recomputed, const std::string& in_folder) {
+    return is_sentence(recomputed) && is_sentence(in_folder) &&
+           std::ranges::includes(numbers_in(recomputed), numbers_in(in_folder));
+}
+
 void judge_values(FileComparison& file, const std::vector<ValueDifference>& values,
                   const std::string& in) {
     for (const ValueDifference& value : values) {
-        if (file.other_program && is_sentence(value.a) && is_sentence(value.b)) {
+        if (file.other_program && may_be_reworded(value.a, value.b)) {
             if (file.reworded++ == 0) file.first_reworded = in + value.path;
         } else if (value.tolerated)
             widen(file, value.ratio, fmt::format("{}, {}{}", file.file, in, value.path));

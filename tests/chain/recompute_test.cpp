@@ -214,6 +214,15 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
     }
     expect_in(recomputed(), {"yes  recompute     equal within 1/1000 of the stated uncertainty",
                              "note: the folder's files were made by runcert 0.9.9"});
+    // It may have said it in other words, but no other number.
+    const std::string verdict = read_file(run() / "6-verdict.yaml");
+    const std::size_t words = verdict.find("(k = 2");
+    ASSERT_NE(words, std::string::npos);
+    forge("6-verdict.yaml", std::string(verdict).replace(words, 6, "(k is 2"));
+    expect_in(recomputed(), {"yes  recompute", "note: a sentence of another program"});
+    forge("6-verdict.yaml", std::string(verdict).replace(words, 6, "(k = 2.5"));
+    expect_in(recomputed(), {"NO   recompute"});
+    forge("6-verdict.yaml", verdict);
     // It may not have said all of its parameters; what it said must be what was used.
     const std::string said = "  plane_scale_bound: 0.001\n";
     std::string text = read_file(run() / "5-windows.yaml");

@@ -58,12 +58,13 @@ OwnArithmetic own_arithmetic(const ClauseContext& context) {
                 .shown = {},
                 .text = "How the body itself computes a speed from samples is not known."};
     const auto& score = context.windows.score;
-    if (!score)
+    const bool less_current = context.profile.current == CurrentUse::subtracted;
+    // Without a speed the current is not known, and cannot be taken off.
+    if (!score || (less_current && !context.speed))
         return {.speed_m_s = std::nullopt,
                 .shown = {},
                 .text = rule->text + " In this recording it gives no speed."};
     OwnArithmetic own;
-    const bool less_current = context.profile.current == CurrentUse::subtracted && context.current;
     const double speed_m_s = score->speed_m_s - (less_current ? context.current->along_m_s : 0.0);
     own.speed_m_s = speed_m_s;
     const std::string figure = written_by_body(speed_m_s, rule->rounding);

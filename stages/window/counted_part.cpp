@@ -132,12 +132,10 @@ class PartSearch {
     }
 
     FoundEvent found(WindowEvent event, std::size_t i) const {
-        FoundEvent one{.event = event,
-                       .time_s = samples_[i].time.seconds(),
-                       .epoch = samples_[i].epoch,
-                       .height_m = std::nullopt};
-        one.height_m = samples_[i].height_m;
-        return one;
+        return {.event = event,
+                .time_s = samples_[i].time.seconds(),
+                .epoch = samples_[i].epoch,
+                .height_m = samples_[i].height_m};
     }
 
     void miss(std::string sentence) { part_.missing.push_back(std::move(sentence)); }

@@ -377,5 +377,24 @@ TEST(OppositeRuns, HoldBothWindows) {
     EXPECT_NEAR(*scene.verdict().speed_m_s, 59.0, 1e-12);
 }
 
+/// Without the current, what a rule takes off is not known.
+TEST(OwnArithmetic, GivesNoSpeedWithoutTheCurrentThatItTakesOff) {
+    const std::string arithmetic =
+        "arithmetic: {text: Length over time., source: position, definition: displacement, "
+        "rounding: {mode: nearest, unit: km/h, decimals: 2}}\n";
+    const auto own_of = [](RuleScene& scene) {
+        scene.windows().score = RuleScore{.span = scene.best().span, .speed_m_s = 60.1};
+        return scene.verdict().own_arithmetic.value();
+    };
+    RuleScene plain(profile_text(clause_text("window_complete"), arithmetic));
+    EXPECT_EQ(own_of(plain).shown, "216.36 km/h");
+    EXPECT_TRUE(own_of(plain).text.find("0.36 km/h lower") != std::string::npos)
+        << own_of(plain).text;
+    RuleScene drifting(
+        profile_text(clause_text("window_complete"), "current: subtracted\n" + arithmetic));
+    EXPECT_EQ(own_of(drifting).shown, "");
+    EXPECT_FALSE(own_of(drifting).speed_m_s);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

@@ -10,14 +10,8 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t columns = 100;
-
 bool begins_character(char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-}
-
-std::size_t columns_of(std::string_view text) {
-    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
 }
 
 /// The number of bytes in the first `count` characters.
@@ -44,7 +38,12 @@ std::vector<std::string> words_of(std::string_view text) {
 
 }  // namespace
 
-std::string wrapped(std::string_view text, std::size_t indent, std::size_t used) {
+std::size_t characters_in(std::string_view text) {
+    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
+}
+
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t used,
+                    std::size_t columns) {
     std::string lines;
     const auto begin_line = [&] {
         lines += '\n';
@@ -54,21 +53,21 @@ std::string wrapped(std::string_view text, std::size_t indent, std::size_t used)
     bool first_word = true;
     for (const std::string& whole : words_of(text)) {
         std::string_view word = whole;
-        if (!first_word && used + 1 + columns_of(word) > columns) {
+        if (!first_word && used + 1 + characters_in(word) > columns) {
             begin_line();
         } else if (!first_word) {
             lines += ' ';
             ++used;
         }
         first_word = false;
-        while (used + columns_of(word) > columns) {
+        while (used + characters_in(word) > columns) {
             const std::size_t fits = bytes_of(word, columns - used);
             lines += word.substr(0, fits);
             word.remove_prefix(fits);
             begin_line();
         }
         lines += word;
-        used += columns_of(word);
+        used += characters_in(word);
     }
     return lines + "\n";
 }

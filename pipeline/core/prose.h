@@ -9,11 +9,15 @@
 
 namespace runcert {
 
-/// The text as lines of at most 100 characters, broken at blanks and ending with a line end. Every
-/// line but the first begins with `indent` blanks. The first already has `used` characters before
-/// it. A word longer than a line is cut. What would steer a terminal is removed
+/// The text as lines of at most `columns` characters, broken at blanks and ending with a line end.
+/// Every line but the first begins with `indent` blanks. The first already has `used` characters
+/// before it. A word longer than a line is cut. What would steer a terminal is removed
 /// (core/text.h).
-std::string wrapped(std::string_view text, std::size_t indent = 4, std::size_t used = 0);
+std::string wrapped(std::string_view text, std::size_t indent = 4, std::size_t used = 0,
+                    std::size_t columns = 100);
+
+/// Characters of a text, not bytes.
+std::size_t characters_in(std::string_view text);
 
 /// 1587 as "1,587".
 std::string counted(std::int64_t count);

@@ -124,9 +124,9 @@ class Adaptation {
         std::optional<Candidate> span;  ///< the shortest that fails, and the worst of that length
     };
 
-    Findings findings_of(const std::vector<Section>& sections, SectionLooks<Axes>& looks) const {
+    Findings findings_of(const std::vector<ArcSection>& sections, SectionLooks<Axes>& looks) const {
         Findings findings;
-        for (const Section& section : sections) {
+        for (const ArcSection& section : sections) {
             const StretchTests<Axes>& tests = looks.at(section).tests;
             for (const Candidate& candidate : tests.candidates())
                 if (const Candidate here = moved(candidate, section.taken_first, 0);
@@ -146,7 +146,7 @@ class Adaptation {
     }
 
     bool decide_in(const TestedStretch<Axes>& stretch) {
-        const std::vector<Section> sections = sections_of<Axes>(
+        const std::vector<ArcSection> sections = sections_of<Axes>(
             stretch.epochs,
             stretch.epochs.size() > section_epochs_ ? memory_s<Axes>(stretch.epochs, model_) : 0.0,
             section_epochs_);
@@ -155,7 +155,7 @@ class Adaptation {
         const std::size_t reach = 2 * plan_.burst_epochs_max();
         const std::vector<Candidate> chosen = choose(std::move(findings.candidates), reach);
         bool changed = false;
-        for (const Section& section : sections) {
+        for (const ArcSection& section : sections) {
             for (const Candidate& candidate : chosen) {
                 if (!answers_for(section, candidate)) continue;
                 const SectionTests<Axes>& at = looks.at(section);
@@ -172,7 +172,7 @@ class Adaptation {
             }
         }
         if (changed) return true;
-        for (const Section& section : sections)
+        for (const ArcSection& section : sections)
             if (decided_in(stretch, section)) changed = take_back(looks.at(section)) || changed;
         return changed;
     }
@@ -192,7 +192,7 @@ class Adaptation {
     }
 
     /// Whether a section has decisions that could be withdrawn.
-    bool decided_in(const TestedStretch<Axes>& stretch, const Section& section) const {
+    bool decided_in(const TestedStretch<Axes>& stretch, const ArcSection& section) const {
         for (std::size_t i = section.first; i < section.end; ++i)
             if (decisions_.left_out[stretch.first + i] || stretch.epochs[i].step_before)
                 return true;

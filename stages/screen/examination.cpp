@@ -55,7 +55,7 @@ template <int Axes>
 class ArcExamination {
   public:
     /// The part of the arc that the section includes. Its epochs are counted from there.
-    ArcExamination(const Arc<Axes>& arc, const Section& section, const EstimationModel& model,
+    ArcExamination(const Arc<Axes>& arc, const ArcSection& section, const EstimationModel& model,
                    const TestPlan& plan)
         : epochs_(std::span(arc.epochs)
                       .subspan(section.taken_first, section.taken_end - section.taken_first)),
@@ -190,7 +190,7 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcExami
 
 /// Fills the rows whose tests a section of an arc decides, and their motion. `heights` is null
 /// without heights.
-void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& section,
+void examine_section(const Arc<2>& arc, const Arc<1>* heights, const ArcSection& section,
                      const ScreeningNoises& noises, const TestPlan& plan, ScreenedTable& table,
                      Motion& motion) {
     std::optional<ArcExamination<2>> plane;
@@ -237,7 +237,7 @@ Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const T
             if (noises.vertical)
                 memory = std::max(memory, memory_s<1>(vertical[a].epochs, noises.vertical->model));
         }
-        for (const Section& section : sections_of<2>(arc.epochs, memory, section_epochs))
+        for (const ArcSection& section : sections_of<2>(arc.epochs, memory, section_epochs))
             examine_section(arc, noises.vertical ? &vertical[a] : nullptr, section, noises, plan,
                             table, motion);
     }

@@ -5,15 +5,15 @@
 namespace runcert {
 
 template <int Axes>
-std::vector<Section> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
+std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
                                  std::size_t section_epochs) {
     constexpr std::size_t reach = 300;
     constexpr std::size_t every = 10;
     const std::size_t count = epochs.size();
     if (count <= section_epochs + section_epochs / 2) return {{0, count, 0, count}};
-    std::vector<Section> sections;
+    std::vector<ArcSection> sections;
     for (std::size_t first = 0; first < count; first += section_epochs) {
-        Section section{.first = first,
+        ArcSection section{.first = first,
                         .end = std::min(first + section_epochs, count),
                         .taken_first = first - std::min(first, reach),
                         .taken_end = 0};
@@ -34,7 +34,7 @@ std::vector<Section> sections_of(std::span<const ArcEpoch<Axes>> epochs, double 
     return sections;
 }
 
-template std::vector<Section> sections_of<1>(std::span<const ArcEpoch<1>>, double, std::size_t);
-template std::vector<Section> sections_of<2>(std::span<const ArcEpoch<2>>, double, std::size_t);
+template std::vector<ArcSection> sections_of<1>(std::span<const ArcEpoch<1>>, double, std::size_t);
+template std::vector<ArcSection> sections_of<2>(std::span<const ArcEpoch<2>>, double, std::size_t);
 
 }  // namespace runcert

@@ -10,7 +10,7 @@ namespace runcert {
 
 /// A section of a stretch: the epochs whose tests it decides, and the neighbouring epochs included
 /// because they affect them.
-struct Section {
+struct ArcSection {
     std::size_t first = 0;  ///< decides epochs first to end - 1
     std::size_t end = 0;
     std::size_t taken_first = 0;  ///< includes these; the first and the last have a measurement
@@ -26,7 +26,7 @@ inline constexpr std::size_t epochs_of_section = 200'000;
 /// `memory_s` of its own epochs, and at least as many epochs as the local medians and spans use. It
 /// begins at a multiple of ten, as the local medians do.
 template <int Axes>
-std::vector<Section> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
+std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
                                  std::size_t section_epochs);
 
 }  // namespace runcert

@@ -280,7 +280,7 @@ class StretchTests {
 /// A section of a stretch with its tests, which count epochs from the first one included.
 template <int Axes>
 struct SectionTests {
-    SectionTests(const TestedStretch<Axes>& stretch, const Section& of,
+    SectionTests(const TestedStretch<Axes>& stretch, const ArcSection& of,
                  const EstimationModel& model, const TestPlan& plan)
         : section(of),
           part{.first = stretch.first + of.taken_first,
@@ -290,7 +290,7 @@ struct SectionTests {
     SectionTests(const SectionTests&) = delete;  // the tests refer to `part`
     SectionTests& operator=(const SectionTests&) = delete;
 
-    Section section;
+    ArcSection section;
     TestedStretch<Axes> part;
     StretchTests<Axes> tests;
 };
@@ -303,7 +303,7 @@ class SectionLooks {
                  const TestPlan& plan)
         : stretch_(stretch), model_(model), plan_(plan) {}
 
-    const SectionTests<Axes>& at(const Section& section) {
+    const SectionTests<Axes>& at(const ArcSection& section) {
         if (!tests_ || tests_->section.first != section.first) {
             tests_.reset();  // frees memory before the next are built
             tests_ = std::make_unique<SectionTests<Axes>>(stretch_, section, model_, plan_);
@@ -319,7 +319,7 @@ class SectionLooks {
 };
 
 /// Whether a candidate begins in the epochs whose tests the section decides.
-inline bool answers_for(const Section& section, const Candidate& candidate) {
+inline bool answers_for(const ArcSection& section, const Candidate& candidate) {
     return candidate.first >= section.first && candidate.first < section.end;
 }
 

@@ -39,7 +39,7 @@ TEST(Sections, AnswerForEveryEpochOnceAndTakeInWhatCounts) {
         epochs[hole].measurement.reset();
     const double memory_s = 40.0;
     std::size_t next = 0;
-    for (const Section& section : sections_of<2>(epochs, memory_s, 1000)) {
+    for (const ArcSection& section : sections_of<2>(epochs, memory_s, 1000)) {
         EXPECT_EQ(section.first, next);
         next = section.end;
         EXPECT_EQ(section.taken_first % 10, 0U);

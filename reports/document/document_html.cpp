@@ -1,0 +1,155 @@
+#include "reports/document/document_html.h"
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert {
+
+std::string_view document_part(std::string_view name);
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// What stands before and after each piece of a very long word, so that a line may end there. A
+/// browser takes <wbr> and does not copy it. WeasyPrint 57 passes many of them over, but not a
+/// zero-width space, which the PDF does not hold; it is faster with each piece in an element.
+struct WordPieces {
+    std::string_view before, after;
+};
+constexpr WordPieces on_screen{"", "<wbr/>"}, on_paper{"<span>", "\u200B</span>"};
+
+/// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
+/// over a word of ten thousand letters. Shorter ones stay whole, since letters that belong together
+/// (Thai, emoji) must not be parted.
+std::string escaped(const std::string& text, const WordPieces& pieces) {
+    constexpr std::size_t long_word = 400, piece_bytes = 50;
+    std::string out;
+    std::size_t begin = 0;
+    while (begin < text.size()) {
+        const std::size_t end = std::min(text.find_first_of(" \n\t", begin), text.size());
+        for (std::size_t piece = begin; piece < end;) {
+            std::size_t next = end - begin > long_word ? std::min(piece + piece_bytes, end) : end;
+            while (next < end && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80)
+                ++next;
+            const bool last = next == end;
+            if (!last) out += pieces.before;
+            out += kainjow::mustache::html_escape(text.substr(piece, next - piece));
+            if (!last) out += pieces.after;
+            piece = next;
+        }
+        if (end < text.size()) out += text[end];
+        begin = end + 1;
+    }
+    return out;
+}
+
+/// The cells of a row, each with what its column says of it.
+Json shown_cells(const Json& row, const Json& columns) {
+    Json cells = Json::array();
+    const Json& texts = row.at("cells");
+    for (std::size_t i = 0; i < texts.size() && i < columns.size(); ++i) {
+        Json cell{{"cell", texts[i]}, {"first", i == 0}, {"number", columns[i].at("numbers")}};
+        cell["head"] = columns[i].at("head");
+        cell["share"] = i + 1 == texts.size() && row.contains("share") ? row.at("share") : Json("");
+        cells.push_back(std::move(cell));
+    }
+    return cells;
+}
+
+Json shown_block(Json block) {
+    block["is_" + block.at("kind").get<std::string>()] = true;
+    if (!block.contains("rows")) return block;
+    const Json columns = block.at("columns");
+    block["has_heads"] = std::ranges::any_of(
+        columns, [](const Json& column) { return column.at("head") != Json(""); });
+    for (Json& row : block["rows"]) {
+        row["cells"] = shown_cells(row, columns);
+        row["span"] = std::to_string(columns.size());
+    }
+    return block;
+}
+
+/// An anchor and a title for each section that has one.
+Json contents_of(const Json& sections) {
+    Json contents = Json::array();
+    for (const Json& section : sections)
+        if (section.contains("section_title")) contents.push_back(section);
+    return contents;
+}
+
+}  // namespace
+
+TemplateData template_data(const Json& value) {
+    if (value.is_object()) {
+        TemplateData data{TemplateData::type::object};
+        for (const auto& [key, member] : value.items()) {
+            data.set(key, template_data(member));
+            if (member.is_array()) data.set("has_" + key, TemplateData(!member.empty()));
+        }
+        return data;
+    }
+    if (value.is_array()) {
+        TemplateData data{TemplateData::type::list};
+        for (const Json& item : value)
+            data.push_back(template_data(item));
+        return data;
+    }
+    if (value.is_boolean()) return TemplateData(value.get<bool>());
+    if (!value.is_string()) return TemplateData(value.dump());
+    if (value.get_ref<const std::string&>().empty()) return TemplateData(false);
+    return TemplateData(plain_text(value.get<std::string>()));
+}
+
+std::string rendered(std::string_view text, const TemplateData& data, Medium medium) {
+    kainjow::mustache::mustache page{std::string(text)};
+    const WordPieces& pieces = medium == Medium::screen ? on_screen : on_paper;
+    page.set_custom_escape([&](const std::string& word) { return escaped(word, pieces); });
+    std::string html = page.render(data);
+    if (!page.is_valid())
+        throw Failure("a template of a page", page.error_message(),
+                      "This is a fault of the program; please report it");
+    return html;
+}
+
+Json shown_sections(const Json& document) {
+    Json sections = Json::array();
+    for (const Json& section : document.at("sections")) {
+        Json shown = section;
+        shown.erase("title");
+        if (section.contains("title")) shown["section_title"] = section.at("title");
+        shown["blocks"] = Json::array();
+        for (const Json& block : section.at("blocks"))
+            shown["blocks"].push_back(shown_block(block));
+        sections.push_back(std::move(shown));
+    }
+    return sections;
+}
+
+std::string sections_html(const Json& document, const Json& beside, Medium medium) {
+    Json data = beside.is_null() ? Json::object() : beside;
+    data["sections"] = shown_sections(document);
+    return rendered(sections_template(), template_data(data), medium);
+}
+
+std::string_view sections_template() {
+    return document_part("template/sections.html");
+}
+
+std::string_view document_style() {
+    return document_part("template/document.css");
+}
+
+std::string document_page(const Document& document) {
+    const Json json = members_json(document);
+    Json data{{"page_title", document.title}, {"subtitle", document.subtitle}};
+    data["contents"] = contents_of(shown_sections(json));
+    TemplateData shown = template_data(data);
+    shown.set("style", std::string(document_style()));
+    shown.set("content", sections_html(json));
+    return rendered(document_part("template/page.html"), shown);
+}
+
+}  // namespace runcert

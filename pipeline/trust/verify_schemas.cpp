@@ -100,8 +100,9 @@ void check_report(const ReportFacts& report, const std::string& where) {
                         "it says made it writes report/{}",
                         escape_for_message(version), report_field_table().version()),
             "Take the original");
+    const bool is_first = version == first_report_field_table().version();
     check_document(YamlValue(yaml_node_of(nlohmann::ordered_json(predicate)), where),
-                   report_field_table());
+                   is_first ? first_report_field_table() : report_field_table());
 }
 
 void check_attempt_files(const fs::path& run_dir, Findings& findings) {

@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr int figure_width = 760;  ///< points of the SVG
+constexpr int small_width = 420;
 
 /// In single quotes gnuplot takes nothing but the quote itself for an instruction; quotes are
 /// written as typographers do, since 5.4 stumbles over two of them at the beginning.
@@ -156,11 +157,17 @@ std::string marks(const Json& list) {
     return labels;
 }
 
+/// Those of the first page stand two beside each other.
+bool is_small(const Json& figure) {
+    return figure["figure"] == "place" || figure["figure"] == "result";
+}
+
 /// High enough for the legend, and for a track of its own shape between a band and a square.
 int height_of(const Json& figure) {
     const auto length = [&](const char* from, const char* to) {
         return figure[to].get<double>() - figure[from].get<double>();
     };
+    if (is_small(figure)) return 230;
     constexpr double bar = 17.0;  // of a satellite
     if (figure["figure"] == "satellites")
         return 130 + static_cast<int>(bar * length("y_min", "y_max"));
@@ -196,11 +203,13 @@ std::string gnuplot_script(const Json& figure, const std::string& svg_file) {
     add_curves(plots, figure["curves"]);
     add_segments(plots, figure["segments"]);
     return fmt::format(
-        "reset\n@common\n{}{}{}"
+        "reset\n@common\n{}{}{}{}"
         "set terminal svg size {},{} font 'DejaVu Sans,13' name 'figure' background 'white'\n"
         "set output {}\nset xlabel {} noenhanced offset 0, 0.5\nset ylabel {} noenhanced\n"
         "{}set xrange [{}:{}]\nset yrange [{}:{}]\nplot {}\nset output\n",
-        plots.blocks, objects, marks(figure["marks"]), figure_width, height_of(figure),
+        is_small(figure) ? "set key off\n" : "",
+        plots.blocks, objects, marks(figure["marks"]), is_small(figure) ? small_width : figure_width,
+        height_of(figure),
         quoted(svg_file), quoted(figure["x_label"]), quoted(figure["y_label"]), equal_scale(figure),
         number(figure["x_min"]), number(figure["x_max"]), number(figure["y_min"]),
         number(figure["y_max"]), joined(plots.items));

@@ -23,7 +23,7 @@ std::string average_caption(std::size_t every) {
 
 /// Adds a rule's curve. Whether it has a point.
 bool add_average(const TrajectoryTable& table, const Profile& profile, std::size_t colour,
-                 Range& times, Range& speeds, Json& figure) {
+                 Range& times, Range& speeds, const SpeedUnit& unit, Json& figure) {
     const auto averages = speeds_over_length(table, profile);
     const std::size_t every = thinning(table.rows.size());
     Curve curve({fmt::format("speed over {}", window_words(profile)), "line",
@@ -35,7 +35,7 @@ bool add_average(const TrajectoryTable& table, const Profile& profile, std::size
             has_line = false;
             continue;
         }
-        const double speed = *averages[i] * km_h_per_m_s;
+        const double speed = *averages[i] * unit.per_m_s;
         const double time_s = table.rows[i].time.seconds();
         times.widen(time_s);
         speeds.widen(speed);
@@ -46,12 +46,14 @@ bool add_average(const TrajectoryTable& table, const Profile& profile, std::size
     return !curve.empty();
 }
 
-Json average_figure(const ReportInputs& inputs, const Json& profiles, Dimension dimension) {
+Json average_figure(const ReportInputs& inputs, Dimension dimension) {
+    const SpeedUnit& unit = speed_unit(rule_unit_name(inputs.profiles.front()));
     const TrajectoryTable& table = inputs.receivers.front().trajectory;
     const std::string speed(words_of(dimension));
     Json figure =
         empty_figure("average", "The " + speed + " over the rules' lengths",
-                     average_caption(thinning(table.rows.size())), time_label, speed + " (km/h)");
+                     average_caption(thinning(table.rows.size())), time_label,
+                     fmt::format("{} ({})", speed, unit.name));
     Range times, speeds;
     std::set<std::string> drawn;  // rules of one length have one curve
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i) {
@@ -59,14 +61,15 @@ Json average_figure(const ReportInputs& inputs, const Json& profiles, Dimension 
         if (profile.dimension != dimension) continue;
         const std::string length = window_words(profile);
         if (!drawn.contains(length)) {
-            if (!add_average(table, profile, drawn.size(), times, speeds, figure)) continue;
+            if (!add_average(table, profile, drawn.size(), times, speeds, unit, figure))
+                continue;
             drawn.insert(length);
         }
-        if (profiles[i].contains("window"))
-            add_window_span(figure["spans"], profiles[i]["window"], "window, " + profile.id,
-                            "window");
-        if (!profiles[i].contains("required_speed_km_h")) continue;
-        const double required_speed = profiles[i]["required_speed_km_h"].get<double>();
+        const ProfileVerdict& verdict = inputs.verdict.profiles[i];
+        if (verdict.window)
+            add_window_span(figure["spans"], *verdict.window, "window, " + profile.id, "window");
+        if (!verdict.required_speed_m_s) continue;
+        const double required_speed = *verdict.required_speed_m_s * unit.per_m_s;
         speeds.widen(required_speed);
         add_level(figure, "required speed, " + profile.id, required_speed);
     }
@@ -77,10 +80,10 @@ Json average_figure(const ReportInputs& inputs, const Json& profiles, Dimension 
 
 }  // namespace
 
-std::vector<Json> average_figures(const ReportInputs& inputs, const Json& profiles) {
+std::vector<Json> average_figures(const ReportInputs& inputs) {
     std::vector<Json> figures;
     for (const Dimension dimension : {Dimension::horizontal, Dimension::vertical, Dimension::space})
-        if (Json figure = average_figure(inputs, profiles, dimension); !figure.is_null())
+        if (Json figure = average_figure(inputs, dimension); !figure.is_null())
             figures.push_back(std::move(figure));
     return figures;
 }

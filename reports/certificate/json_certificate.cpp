@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/rounding.h"
+#include "reports/certificate/certificate_document.h"
 #include "reports/certificate/json_parts.h"
 #include "store/program.h"
 
@@ -19,7 +20,7 @@ std::string d_si_unit(const SpeedUnit& unit) {
 
 /// The unit of speed in which D-SI can give what the rule gives.
 const SpeedUnit& certificate_unit(const Profile& profile) {
-    const SpeedUnit& own = rule_unit(profile);
+    const SpeedUnit& own = speed_unit(rule_unit_name(profile));
     return own.name == "mph" ? speed_unit("km/h") : own;
 }
 
@@ -68,9 +69,20 @@ Json software_json(const ReportInputs& inputs) {
     return list;
 }
 
-/// A figure of the method that is not its default is a deviation from it.
-Json deviations_json(const ReportInputs& inputs) {
-    Json list = Json::array();
+void set_times(Json& json, const ReceiverResults& judged) {
+    const auto& first = judged.observations.facts.first_epoch;
+    if (!first || judged.screened.rows.empty()) return;
+    ElapsedTime last;
+    for (const ScreenedEpoch& row : judged.screened.rows)
+        last = std::max(last, row.time);
+    json["begin_performance"] = to_utc_iso(*first, 3);
+    json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
+}
+
+}  // namespace
+
+std::vector<std::string> deviations(const ReportInputs& inputs) {
+    std::vector<std::string> list;
     for (const std::string& parameter : inputs.attempt.overrides) {
         const std::size_t dot = std::min(parameter.find('.'), parameter.size() - 1);
         const YamlValue value =
@@ -90,43 +102,6 @@ Json deviations_json(const ReportInputs& inputs) {
                 figure.unit, figure.reason.empty() ? "none given" : figure.reason));
     return list;
 }
-
-void set_times(Json& json, const ReceiverResults& judged) {
-    const auto& first = judged.observations.facts.first_epoch;
-    if (!first || judged.screened.rows.empty()) return;
-    ElapsedTime last;
-    for (const ScreenedEpoch& row : judged.screened.rows)
-        last = std::max(last, row.time);
-    json["begin_performance"] = to_utc_iso(*first, 3);
-    json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
-}
-
-/// Other programs that ran on files handed in without a sandbox.
-std::string unconfined_programs(const ReportInputs& inputs) {
-    std::string names;
-    for (const ReceiverResults& results : inputs.receivers)
-        for (const CalledProgram& program : results.observations.header.programs)
-            if (!program.isolation.empty() && names.find(program.name) == std::string::npos)
-                names += (names.empty() ? "" : ", ") + program.name;
-    return names;
-}
-
-Json certificate_facts(const Json& certificate) {
-    Json facts = Json::array();
-    const auto add = [&](const char* label, const char* key) {
-        if (certificate.contains(key)) add_fact(facts, label, certificate[key]);
-    };
-    add("Measured from, UTC", "begin_performance");
-    add("until", "end_performance");
-    const std::size_t deviations = certificate["deviations"].size();
-    add_fact(facts, "Deviations from method and rules",
-             deviations == 0 ? "none"
-                             : counted(static_cast<std::int64_t>(deviations), "figure") +
-                                   ", each listed below");
-    return facts;
-}
-
-}  // namespace
 
 Json signatures_required_json(const ReportInputs& inputs) {
     std::vector<RoleSignatures> needed;
@@ -158,10 +133,7 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id) 
             verdict.outcome != Outcome::not_certifiable)
             json["results"].push_back(result_json(verdict, inputs.profiles[i]));
     }
-    json["deviations"] = deviations_json(inputs);
-    json["facts"] = certificate_facts(json);
-    if (const std::string programs = unconfined_programs(inputs); !programs.empty())
-        add_fact(json["facts"], "Run without a sandbox", programs);
+    json["deviations"] = deviations(inputs);
     return json;
 }
 

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 
+#include "core/angle.h"
 #include "core/rounding.h"
 #include "core/speed_unit.h"
+#include "core/text.h"
 #include "reports/certificate/json_parts.h"
 
 namespace runcert {
@@ -17,12 +20,8 @@ constexpr std::size_t points_of_a_line = 1000;
 constexpr std::size_t points_of_a_window = 400;
 constexpr std::size_t unused_bins = 400;  ///< as narrow as can be seen over the width of a page
 
-bool is_horizontal(const Json& profile) {
-    return !profile.contains("rule_dimension");
-}
-
-std::string profile_name_of(const Json& profile) {
-    return profile["profile"].get<std::string>();
+bool is_horizontal(const RuleView& rule) {
+    return rule.profile.dimension == Dimension::horizontal;
 }
 
 Json span_between(const std::string& name, const char* kind, double from, double to) {
@@ -33,18 +32,18 @@ Json span_between(const std::string& name, const char* kind, double from, double
 }
 
 /// The windows of all rules, certified and refused, and those that make a figure with them.
-Json window_spans(const Json& profiles) {
+Json window_spans(const std::vector<RuleView>& rules) {
     Json spans = Json::array();
-    for (const Json& profile : profiles) {
-        const std::string of = ", " + profile_name_of(profile);
-        if (profile.contains("window")) {
-            add_window_span(spans, profile["window"], "window" + of, "window");
-            if (profile["window"].contains("further"))
-                for (const Json& further : profile["window"]["further"])
-                    add_window_span(spans, further, "further window" + of, "window");
+    for (const RuleView& rule : rules) {
+        const std::string of = ", " + rule.profile.id;
+        if (rule.verdict.window) {
+            add_window_span(spans, *rule.verdict.window, "window" + of, "window");
+            if (rule.best() != nullptr)
+                for (const FurtherWindow& further : rule.windows->further)
+                    add_window_span(spans, further.span, "further window" + of, "window");
         }
-        if (profile.contains("indicated"))
-            add_window_span(spans, profile["indicated"], "refused window" + of, "refused");
+        if (rule.verdict.indicated)
+            add_window_span(spans, rule.verdict.indicated->span, "refused window" + of, "refused");
     }
     return spans;
 }
@@ -86,16 +85,17 @@ struct MethodCurves {
 };
 
 void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>& rows,
-               const CurveStyle& style, std::optional<double> TrajectoryEpoch::*speed) {
+               const CurveStyle& style, std::optional<double> TrajectoryEpoch::*speed,
+               const SpeedUnit& unit) {
     Curve curve(style);
     std::optional<std::int64_t> arc;
     for (const TrajectoryEpoch* row : rows) {
         if (row->arc != arc) curve.interrupt();
         arc = row->arc;
         if (!(row->*speed)) continue;
-        const double value = *(row->*speed) * km_h_per_m_s;
+        const double value = *(row->*speed) * unit.per_m_s;
         if (speed == &TrajectoryEpoch::speed_m_s && row->sigma_speed_m_s)
-            curve.add(row->time.seconds(), value, 2.0 * *row->sigma_speed_m_s * km_h_per_m_s,
+            curve.add(row->time.seconds(), value, 2.0 * *row->sigma_speed_m_s * unit.per_m_s,
                       methods.speeds);
         else
             curve.add(row->time.seconds(), value);
@@ -105,18 +105,19 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
 }
 
 /// Those that differ most from the others come first, so that they do not hide them.
-MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows) {
+MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows,
+                           const SpeedUnit& unit) {
     MethodCurves methods;
     add_curve(methods, rows, {"method v1 of [DHD22]", "points", "green"},
-              &TrajectoryEpoch::speed_v1_m_s);
+              &TrajectoryEpoch::speed_v1_m_s, unit);
     add_curve(methods, rows, {"method v2 of [DHD22]", "points", "vermilion"},
-              &TrajectoryEpoch::speed_v2_m_s);
+              &TrajectoryEpoch::speed_v2_m_s, unit);
     add_curve(methods, rows, {"forward filter of [DHD22]", "dashed", "purple"},
-              &TrajectoryEpoch::speed_kalman_m_s);
+              &TrajectoryEpoch::speed_kalman_m_s, unit);
     add_curve(methods, rows, {"smoothed, ± 2 standard uncertainties", "line", "blue"},
-              &TrajectoryEpoch::speed_m_s);
+              &TrajectoryEpoch::speed_m_s, unit);
     add_curve(methods, rows, {"batch least squares", "dashed", "black"},
-              &TrajectoryEpoch::speed_batch_m_s);
+              &TrajectoryEpoch::speed_batch_m_s, unit);
     return methods;
 }
 
@@ -132,37 +133,40 @@ std::vector<const TrajectoryEpoch*> rows_around(const TrajectoryTable& table, do
     return thinned;
 }
 
-std::string window_caption(const Json& profile) {
+std::string window_caption(const RuleView& rule) {
     return std::string(
                "Smoothed speed with a band of twice its standard uncertainty, and the speeds by "
                "other methods. Shaded: the window. Straight across it: the speed that counts. "
                "Dashed: the required speed, where it is within the figure.") +
-           (is_horizontal(profile)
+           (is_horizontal(rule)
                 ? ""
                 : " The rule counts another than the horizontal speed, so that neither is drawn.");
 }
 
 /// The speed that counts, over its window, and the required speed where it is near.
-void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, double start,
-                         double end) {
-    if (!is_horizontal(profile)) return;
-    if (profile.contains("speed_km_h")) {
-        const double speed = profile["speed_km_h"].get<double>();
+void add_counting_speeds(Json& figure, Range& speeds, const RuleView& rule) {
+    const double per_m_s = rule.unit().per_m_s;
+    const WindowSpan& span = *rule.verdict.window;
+    if (rule.verdict.speed_m_s) {
+        const double speed = *rule.verdict.speed_m_s * per_m_s;
+        const double start = span.start.seconds();
         speeds.widen(speed);
-        figure["segments"].push_back({{"segment_name", "speed that counts"},
-                                      {"x", {rounded(start, 6), rounded(end, 6)}},
-                                      {"y", {rounded(speed, 4), rounded(speed, 4)}}});
+        figure["segments"].push_back(
+            {{"segment_name", "speed that counts"},
+             {"x", {rounded(start, 6), rounded(start + span.duration.seconds(), 6)}},
+             {"y", {rounded(speed, 4), rounded(speed, 4)}}});
     }
-    if (!profile.contains("required_speed_km_h") || !speeds.least) return;
-    const double required_speed = profile["required_speed_km_h"].get<double>();
+    if (!rule.verdict.required_speed_m_s || !speeds.least) return;
+    const double required_speed = *rule.verdict.required_speed_m_s * per_m_s;
     const double room = std::max(speeds.span(), 0.1);
     if (required_speed < *speeds.least - room || required_speed > *speeds.most + room) return;
     speeds.widen(required_speed);
-    add_level(figure, "required speed, " + profile_name_of(profile), required_speed);
+    add_level(figure, "required speed, " + rule.profile.id, required_speed);
 }
 
 /// The horizontal speed over the whole run.
-Json speed_figure(const ReceiverResults& results, const Json& profiles) {
+Json speed_figure(const ReceiverResults& results, const std::vector<RuleView>& rules) {
+    const SpeedUnit& unit = rules.front().unit();
     const auto rows = estimated(results.trajectory);
     const std::size_t every = thinning(results.trajectory.rows.size());
     Json figure = empty_figure(
@@ -171,26 +175,26 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
         "that were not used. Shaded: the windows, the certified and the fastest of the raw "
         "positions where that one was refused. Dashed: the required speed." +
             thinning_words(every),
-        time_label, "horizontal speed (km/h)");
+        time_label, fmt::format("horizontal speed ({})", unit.name));
     Curve curve({"smoothed speed", "line", "blue"});
     Range times, speeds;
     speeds.widen(0.0);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
         times.widen(rows[i]->time.seconds());
-        speeds.widen(*rows[i]->speed_m_s * km_h_per_m_s);
+        speeds.widen(*rows[i]->speed_m_s * unit.per_m_s);
         if (begins) curve.interrupt();
         if (begins || i % every == 0)
-            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * km_h_per_m_s);
+            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * unit.per_m_s);
     }
     figure["curves"].push_back(curve.json());
-    for (const Json& profile : profiles) {
-        if (!profile.contains("required_speed_km_h") || !is_horizontal(profile)) continue;
-        const double required_speed = profile["required_speed_km_h"].get<double>();
+    for (const RuleView& rule : rules) {
+        if (!rule.verdict.required_speed_m_s || !is_horizontal(rule)) continue;
+        const double required_speed = *rule.verdict.required_speed_m_s * unit.per_m_s;
         speeds.widen(required_speed);
-        add_level(figure, "required speed, " + profile_name_of(profile), required_speed);
+        add_level(figure, "required speed, " + rule.profile.id, required_speed);
     }
-    figure["spans"] = window_spans(profiles);
+    figure["spans"] = window_spans(rules);
     add_unused_spans(figure["spans"], results.screened.rows);
     const auto& screened = results.screened.rows;
     for (const auto& row : {screened.begin(), std::prev(screened.end())})
@@ -200,20 +204,72 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
 }
 
 /// Around the window of one profile, with all methods.
-Json window_figure(const TrajectoryTable& table, const Json& profile) {
-    const Json& window = profile["window"];
-    const double start = window["start_time_s"].get<double>();
-    const double end = start + window["duration_s"].get<double>();
+Json window_figure(const TrajectoryTable& table, const RuleView& rule) {
+    const WindowSpan& window = *rule.verdict.window;
+    const SpeedUnit& unit = rule.unit();
+    const double start = window.start.seconds();
+    const double end = start + window.duration.seconds();
     const double pad = std::max(0.5 * (end - start), 1.0);
-    Json figure = empty_figure("window", "The window under the rule " + profile_name_of(profile),
-                               window_caption(profile), time_label, "horizontal speed (km/h)");
-    figure["figure_profile"] = profile["profile"];
-    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad));
+    Json figure = empty_figure("window", "The window under the rule " + rule.profile.id,
+                               window_caption(rule), time_label,
+                               fmt::format("horizontal speed ({})", unit.name));
+    figure["figure_profile"] = rule.profile.id;
+    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad), unit);
     figure["curves"] = std::move(methods.curves);
-    add_window_span(figure["spans"], window, "window, " + profile_name_of(profile), "window");
-    add_counting_speeds(figure, methods.speeds, profile, start, end);
+    add_window_span(figure["spans"], window, "window, " + rule.profile.id, "window");
+    if (is_horizontal(rule)) add_counting_speeds(figure, methods.speeds, rule);
     set_axes(figure, start - pad, end + pad, methods.speeds.least.value_or(0.0),
              methods.speeds.most.value_or(0.0));
+    return figure;
+}
+
+/// Of a row, the speed that the rule counts.
+std::optional<double> counted_speed_m_s(const TrajectoryEpoch& row, Dimension dimension) {
+    if (dimension == Dimension::horizontal || !row.speed_m_s) return row.speed_m_s;
+    if (!row.velocity_up_m_s) return std::nullopt;
+    return dimension == Dimension::vertical ? std::abs(*row.velocity_up_m_s)
+                                            : std::hypot(*row.speed_m_s, *row.velocity_up_m_s);
+}
+
+/// The angle of the path below the horizontal.
+double dive_angle_deg(const TrajectoryEpoch& row) {
+    return std::atan2(-row.velocity_up_m_s.value_or(0.0), row.speed_m_s.value_or(0.0)) *
+           degrees_per_radian;
+}
+
+/// The result at a glance: the speed that counts, its window and the required speed.
+Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
+    const WindowSpan& window = *rule.verdict.window;
+    const SpeedUnit& unit = rule.unit();
+    const Dimension dimension = rule.profile.dimension;
+    const std::string quantity =
+        dimension == Dimension::horizontal ? "speed" : std::string(words_of(dimension));
+    const double start = window.start.seconds();
+    const double end = start + window.duration.seconds();
+    const double pad = std::max(0.5 * (end - start), 1.0);
+    Json figure = empty_figure("result", capitalised(quantity) + " around the window",
+                               "Shaded: the window; black: the speed that counts; dashed: the required speed, where "
+                               "it is near.",
+                               time_label, fmt::format("{} ({})", quantity, unit.name));
+    Curve curve({"smoothed", "line", "blue"});
+    Curve angle({"dive angle (°)", "dashed", "green"});
+    Range speeds;
+    for (const TrajectoryEpoch* row : rows_around(table, start - pad, end + pad)) {
+        const auto speed = counted_speed_m_s(*row, dimension);
+        if (!speed) continue;
+        curve.add(row->time.seconds(), *speed * unit.per_m_s);
+        speeds.widen(*speed * unit.per_m_s);
+        if (dimension == Dimension::horizontal) continue;
+        angle.add(row->time.seconds(), dive_angle_deg(*row));
+        speeds.widen(dive_angle_deg(*row));
+    }
+    curve.add_to(figure);
+    angle.add_to(figure);
+    add_window_span(figure["spans"], window, "window", "window");
+    add_counting_speeds(figure, speeds, rule);
+    if (!figure["levels"].empty()) figure["levels"][0]["level_name"] = "required speed";
+    set_axes(figure, start - pad, end + pad, speeds.least.value_or(0.0),
+             speeds.most.value_or(0.0));
     return figure;
 }
 
@@ -264,9 +320,10 @@ void Range::widen(double value) {
     most = most ? std::max(*most, value) : value;
 }
 
-void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind) {
-    const double start = window["start_time_s"].get<double>();
-    spans.push_back(span_between(name, kind, start, start + window["duration_s"].get<double>()));
+void add_window_span(Json& spans, const WindowSpan& window, const std::string& name,
+                     const char* kind) {
+    const double start = window.start.seconds();
+    spans.push_back(span_between(name, kind, start, start + window.duration.seconds()));
 }
 
 std::size_t thinning(std::size_t rows) {
@@ -302,30 +359,31 @@ void add_mark(Json& figure, const std::string& name, double x, double y) {
     figure["marks"].push_back({{"mark_name", name}, {"x", rounded(x, 3)}, {"y", rounded(y, 3)}});
 }
 
-Json figures_json(const ReportInputs& inputs, const Json& profiles) {
+Json figures_json(const ReportInputs& inputs) {
     Json figures = Json::array();
     const ReceiverResults& judged = inputs.receivers.front();
     if (estimated(judged.trajectory).size() < 2) return figures;
-    const Json* seen_window = nullptr;  // the one that the phases are looked at around
-    for (const Json& profile : profiles) {
-        if (!profile.contains("window")) continue;
-        Json figure = window_figure(judged.trajectory, profile);
-        if (seen_window == nullptr) seen_window = &profile["window"];
-        if (judged.phase_view && is_horizontal(profile))
-            add_phase_speed(figure, *judged.phase_view);
+    const std::vector<RuleView> rules = rule_views(inputs);
+    const auto seen = std::ranges::find_if(
+        rules, [](const RuleView& rule) { return rule.verdict.window.has_value(); });
+    figures.push_back(place_figure(inputs));
+    if (seen != rules.end()) figures.push_back(result_figure(judged.trajectory, *seen));
+    for (const RuleView& rule : rules) {
+        if (!rule.verdict.window) continue;
+        Json figure = window_figure(judged.trajectory, rule);
+        if (judged.phase_view && is_horizontal(rule))
+            add_phase_speed(figure, *judged.phase_view, rule.unit());
         figures.push_back(std::move(figure));
     }
-    for (Json& figure : average_figures(inputs, profiles))
+    for (Json& figure : average_figures(inputs))
         figures.push_back(std::move(figure));
-    figures.push_back(speed_figure(judged, profiles));
-    figures.push_back(track_figure(inputs, profiles));
+    figures.push_back(speed_figure(judged, rules));
+    figures.push_back(track_figure(inputs));
     for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})
         if (!figure.is_null()) figures.push_back(figure);
-    if (judged.phase_view && seen_window != nullptr)
-        for (Json& figure : phase_figures(*judged.phase_view, *seen_window))
+    if (judged.phase_view && seen != rules.end())
+        for (Json& figure : phase_figures(*judged.phase_view, *seen->verdict.window))
             figures.push_back(std::move(figure));
-    for (std::size_t i = 0; i < figures.size(); ++i)
-        figures[i]["figure_id"] = fmt::format("figure-{}", i);
     return figures;
 }
 

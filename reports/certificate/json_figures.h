@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/speed_unit.h"
-#include "reports/certificate/report_data.h"
+#include "reports/certificate/certificate_document.h"
 
 // The figures of a report, `figures[]` of its predicate; `figures_json` puts them together.
 
@@ -16,18 +16,20 @@ namespace runcert {
 using Json = nlohmann::ordered_json;
 
 /// The track on its course, in the plane.
-Json track_figure(const ReportInputs& inputs, const Json& profiles);
+Json track_figure(const ReportInputs& inputs);
+/// The same as a small map, without axes to read: where the window was.
+Json place_figure(const ReportInputs& inputs);
 /// The speed over each rule's length all along the run ([DHD22] (27), figure 11): a figure for each
 /// dimension that a rule counts, of the rules that have such a speed.
-std::vector<Json> average_figures(const ReportInputs& inputs, const Json& profiles);
+std::vector<Json> average_figures(const ReportInputs& inputs);
 /// Measured less smoothed positions; null where no epoch has both.
 Json residual_figure(const ReceiverResults& results);
 /// The statistics of screening's tests over their thresholds; null where there are none.
 Json test_figure(const ScreenedTable& table);
 /// Adds the speed by carrier phases to the figure of a window.
-void add_phase_speed(Json& figure, const PhaseView& view);
+void add_phase_speed(Json& figure, const PhaseView& view, const SpeedUnit& unit);
 /// Sky, satellites over time, residuals, displacements; none where the phases say nothing.
-std::vector<Json> phase_figures(const PhaseView& view, const Json& window);
+std::vector<Json> phase_figures(const PhaseView& view, const WindowSpan& window);
 
 /// Least and largest of what was seen.
 struct Range {
@@ -77,7 +79,8 @@ Json empty_figure(const std::string& kind, const std::string& title, const std::
 /// What the axes show at least, with a margin of a twentieth on either side of y.
 void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_max);
 /// Adds the stretch of a window to a figure's spans, of kind "window" or "refused".
-void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind);
+void add_window_span(Json& spans, const WindowSpan& window, const std::string& name,
+                     const char* kind);
 void add_level(Json& figure, const std::string& name, double level);
 void add_mark(Json& figure, const std::string& name, double x, double y);
 

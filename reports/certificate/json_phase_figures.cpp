@@ -92,7 +92,7 @@ void add_bar(Curve& curve, const SatelliteTrack& track, double row) {
     }
 }
 
-Json bars_figure(const PhaseView& view, const Json& window, double from_s, double to_s) {
+Json bars_figure(const PhaseView& view, const WindowSpan& window, double from_s, double to_s) {
     Json figure = empty_figure(
         "satellites", "Satellites whose phases were used, over time",
         "A bar for each satellite, broken where its phase was not used. Points: a phase slipped by "
@@ -155,13 +155,13 @@ Json residuals_figure(const PhaseView& view, double from_s, double to_s) {
     return figure;
 }
 
-Json apart_figure(const PhaseView& view, const Json& window, double from_s, double to_s) {
+Json apart_figure(const PhaseView& view, const WindowSpan& window, double from_s, double to_s) {
     Json figure = empty_figure(
         "phase_displacement", "Displacement by positions less that by phases",
         fmt::format("Over {:g} s, at the end of each such stretch; the band is twice the standard "
                     "uncertainty of the phases. Shaded: the window. At its end stands what the "
                     "certificate compares.",
-                    window["duration_s"].get<double>()),
+                    window.duration.seconds()),
         time_label, "difference (mm)");
     Range values;
     const auto add = [&](const char* name, const char* colour, const std::vector<ViewedValue>& of) {
@@ -179,11 +179,11 @@ Json apart_figure(const PhaseView& view, const Json& window, double from_s, doub
 
 }  // namespace
 
-void add_phase_speed(Json& figure, const PhaseView& view) {
+void add_phase_speed(Json& figure, const PhaseView& view, const SpeedUnit& unit) {
     Curve curve({"by carrier phases, ± 2 standard uncertainties", "line", "vermilion"});
     const double from_s = figure["x_min"].get<double>(), to_s = figure["x_max"].get<double>();
     Range speeds;
-    add_values(curve, speeds, view.speed_m_s, from_s, to_s, km_h_per_m_s);
+    add_values(curve, speeds, view.speed_m_s, from_s, to_s, unit.per_m_s);
     if (curve.empty()) return;
     curve.add_to(figure);
     figure["y_min"] = rounded(std::min(figure["y_min"].get<double>(), *speeds.least), 6);
@@ -192,22 +192,7 @@ void add_phase_speed(Json& figure, const PhaseView& view) {
                         " With it the speed by the receiver's carrier phases, from epoch to epoch.";
 }
 
-Json raw_signals_json(const ReceiverResults& results) {
-    if (!results.phase_view || results.phase_view->satellites.empty() || !results.phases)
-        return nullptr;
-    Json json{{"sentences", Json::array()}};
-    for (const ProfileWindows& entry : results.windows.profiles)
-        if (entry.best)
-            for (const WitnessedSpeed& one : entry.best->witnesses)
-                if (one.kind == WitnessKind::phases)
-                    json["sentences"].push_back(fmt::format("Under the rule {}: {}", entry.profile,
-                                                            phase_window_sentence(one)));
-    for (const std::string& sentence : phase_sentences(*results.phases))
-        json["sentences"].push_back(sentence);
-    return json;
-}
-
-std::vector<Json> phase_figures(const PhaseView& view, const Json& window) {
+std::vector<Json> phase_figures(const PhaseView& view, const WindowSpan& window) {
     std::vector<Json> figures;
     if (view.satellites.empty()) return figures;
     Range times;
@@ -221,8 +206,6 @@ std::vector<Json> phase_figures(const PhaseView& view, const Json& window) {
         figures.push_back(residuals_figure(view, *times.least, *times.most));
     if (!view.apart_east_m.empty())
         figures.push_back(apart_figure(view, window, *times.least, *times.most));
-    for (Json& figure : figures)
-        figure["of_raw_signals"] = true;
     return figures;
 }
 

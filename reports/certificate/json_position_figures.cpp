@@ -50,22 +50,21 @@ void add_gates(Json& figure, Extent& extent, const Course& course,
     }
 }
 
-bool in_a_window(double time_s, const Json& profiles) {
-    const auto inside = [&](const Json& window) {
-        const double start = window["start_time_s"].get<double>();
-        return time_s >= start - 1e-6 &&
-               time_s <= start + window["duration_s"].get<double>() + 1e-6;
+bool in_a_window(double time_s, const std::vector<RuleView>& rules) {
+    const auto inside = [&](const WindowSpan& window) {
+        const double start = window.start.seconds();
+        return time_s >= start - 1e-6 && time_s <= start + window.duration.seconds() + 1e-6;
     };
-    return std::any_of(profiles.begin(), profiles.end(), [&](const Json& profile) {
-        if (!profile.contains("window")) return false;
-        const Json& window = profile["window"];
-        return inside(window) ||
-               (window.contains("further") &&
-                std::any_of(window["further"].begin(), window["further"].end(), inside));
+    return std::ranges::any_of(rules, [&](const RuleView& rule) {
+        if (!rule.verdict.window) return false;
+        return inside(*rule.verdict.window) ||
+               (rule.best() != nullptr &&
+                std::ranges::any_of(rule.windows->further, inside, &FurtherWindow::span));
     });
 }
 
-void add_track(Json& figure, Extent& extent, const TrajectoryTable& table, const Json& profiles) {
+void add_track(Json& figure, Extent& extent, const TrajectoryTable& table,
+               const std::vector<RuleView>& rules) {
     Curve track({"track", "line", "blue"});
     Curve windows({"certified window", "line", "vermilion"});
     const TrajectoryEpoch* first = nullptr;
@@ -80,7 +79,7 @@ void add_track(Json& figure, Extent& extent, const TrajectoryTable& table, const
         const bool begins = last == nullptr || last->arc != row.arc;
         if (begins) track.interrupt();
         if (begins || i % every == 0) track.add(*row.east_m, *row.north_m);
-        if (in_a_window(row.time.seconds(), profiles))
+        if (in_a_window(row.time.seconds(), rules))
             windows.add(*row.east_m, *row.north_m);
         else
             windows.interrupt();
@@ -194,7 +193,7 @@ void add_bounds(Json& figure, const std::vector<Residual>& residuals) {
 
 }  // namespace
 
-Json track_figure(const ReportInputs& inputs, const Json& profiles) {
+Json track_figure(const ReportInputs& inputs) {
     const TrajectoryTable& table = inputs.receivers.front().trajectory;
     const bool georeferenced = table.facts.georeferenced;
     const std::string plane = georeferenced ? ", from the origin." : " of the recording's plane.";
@@ -208,7 +207,7 @@ Json track_figure(const ReportInputs& inputs, const Json& profiles) {
                      georeferenced ? "north of the origin (m)" : "second plane coordinate (m)");
     figure["equal_scale"] = true;
     Extent extent;
-    add_track(figure, extent, table, profiles);
+    add_track(figure, extent, table, rule_views(inputs));
     if (inputs.attempt.course) add_gates(figure, extent, *inputs.attempt.course, table.origin);
     // A track along one axis still gets some room across it.
     const double large = std::max({extent.east.span(), extent.north.span(), 1.0});
@@ -221,6 +220,14 @@ Json track_figure(const ReportInputs& inputs, const Json& profiles) {
     set_axes(figure, middle(extent.east) - half_east, middle(extent.east) + half_east,
              middle(extent.north) - half_north, middle(extent.north) + half_north);
     add_north(figure, georeferenced);
+    return figure;
+}
+
+Json place_figure(const ReportInputs& inputs) {
+    Json figure = track_figure(inputs);
+    figure["figure"] = "place";
+    figure["figure_title"] = "Track and window";
+    figure["caption"] = "Blue: the track, north up where that is known; orange: the window.";
     return figure;
 }
 

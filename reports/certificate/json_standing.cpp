@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -12,68 +13,98 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Those of a rule that replace the report's own; the page's script has the same list.
-constexpr const char* texts_of_rule[] = {"outcome_title", "outcome_mark", "tone", "standing_words",
-                                         "answered"};
+/// The block of that place in the document; null where there is none.
+const Json* block_of(const Json& predicate, const std::string& slot) {
+    for (const Json& section : predicate.at("document").at("sections"))
+        for (const Json& block : section.at("blocks"))
+            if (block.value("slot", "") == slot) return &block;
+    return nullptr;
+}
 
-void add_line(Json& lines, const std::string& rule, const std::string& words) {
-    lines.push_back({{"label", "Rule “" + rule + "”"}, {"value", words}});
+Json fact(const std::string& name, const std::string& value) {
+    return {{"name", name}, {"value", value}};
 }
 
 /// An answer to several clauses is one line.
-Json rule_json(const RuleStanding& rule) {
-    const OutcomeWords title = outcome_words(rule.state);
-    Json json{
-        {"outcome_title", title.title}, {"outcome_mark", title.mark},
-        {"tone", title.tone},           {"standing_words", standing_text(rule.state.standing)},
-        {"answered", Json::array()},    {"clauses", Json::object()}};
+void add_answers(Json& facts, const RuleStanding& rule) {
     std::vector<std::pair<std::string, std::vector<std::string>>> answered;
-    for (const ClauseStanding& clause : rule.clauses) {
-        json["clauses"][clause.due.clause] = clause_words(clause);
+    for (const ClauseStanding& clause : rule.clauses)
         for (const std::string& words : clause_words(clause)) {
             auto same =
                 std::ranges::find(answered, words, [](const auto& one) { return one.first; });
             if (same == answered.end()) same = answered.insert(same, {words, {}});
             same->second.push_back(clause.due.clause);
         }
-    }
     for (const auto& [words, clauses] : answered)
-        add_line(json["answered"], rule.profile, fmt::format("{}: {}", words, listed(clauses)));
-    return json;
+        facts.push_back(fact("Rule “" + rule.profile + "”",
+                             fmt::format("{}: {}", words, listed(clauses))));
+}
+
+/// The state of a clause once it was answered, for the eye.
+const char* mark_of(const ClauseStanding& clause) {
+    if (clause.refused || clause.contradicted) return "not_met";
+    return clause.missing == 0 ? "answered" : "attest";
+}
+
+/// Clauses with what was answered: the facts of a first page, or the rows of a table.
+Json answered(Json block, const RuleStanding& rule) {
+    const bool are_facts = block.contains("facts");
+    for (Json& one : block[are_facts ? "facts" : "rows"])
+        for (const ClauseStanding& clause : rule.clauses) {
+            if (one.value("clause", "") != clause.due.clause || clause.answers.empty()) continue;
+            one["mark"] = mark_of(clause);
+            const std::vector<std::string> words = clause_words(clause);
+            if (are_facts)
+                one["value"] = fmt::format("{}", fmt::join(words, "; "));
+            else
+                for (const std::string& line : words)
+                    one["further"].push_back(line);
+        }
+    return block;
+}
+
+void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
+    const auto set = [&](const std::string& place, auto change) {
+        const std::string slot = fmt::format("{}/{}", place, rule.profile);
+        if (const Json* block = block_of(predicate, slot)) slots[slot] = change(*block);
+    };
+    const OutcomeWords title = outcome_words(rule.state);
+    set("outcome", [&](Json block) {
+        const bool several = block.value("look", "") == "strong";
+        block["text"] = several ? fmt::format("{}: {}", rule.profile, title.title) : title.title;
+        block["sign"] = title.mark;
+        if (!several) block["look"] = "outcome_" + title.tone;
+        return block;
+    });
+    set("standing", [&](Json block) {
+        block["text"] = fmt::format("Standing: {}.", standing_text(rule.state.standing));
+        return block;
+    });
+    set("requirements", [&](const Json& block) { return answered(block, rule); });
+    set("clauses", [&](const Json& block) { return answered(block, rule); });
 }
 
 }  // namespace
 
-Json standing_json(const RunStanding& standing) {
+Json standing_json(const RunStanding& standing, const Json& predicate) {
     if (standing.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
-    Json json{{"roster_sha256", standing.roster_sha256},
-              {"vouched_words", vouched_words(standing)},
-              {"rules", Json::array()}};
+    Json json{{"roster_sha256", standing.roster_sha256}, {"slots", Json::object()}};
+    Json facts = Json::array({fact("Whose word counts", vouched_words(standing) +
+                                                            " The answers are not part of what "
+                                                            "the report's signers signed.")});
     for (const RuleStanding& rule : standing.rules) {
-        json["rules"].push_back(rule_json(rule));
-        Json& answered = json["rules"].back()["answered"];
-        for (const GivenAnswer& one : standing.recomputations)
-            add_line(answered, rule.profile, answer_words(one));
-        for (const std::string& fault : standing.faults)
-            add_line(answered, rule.profile, fault);
+        set_rule(json["slots"], rule, predicate);
+        add_answers(facts, rule);
+    }
+    for (const GivenAnswer& one : standing.recomputations)
+        facts.push_back(fact("Recomputed", answer_words(one)));
+    for (const std::string& fault : standing.faults)
+        facts.push_back(fact("Fault", fault));
+    if (const Json* block = block_of(predicate, "answers")) {
+        Json& answers = json["slots"]["answers"] = *block;
+        answers["facts"] = std::move(facts);
     }
     return json;
-}
-
-Json with_standing(Json predicate, const Json& standing) {
-    if (!standing.contains("rules")) return predicate;
-    predicate["vouched_words"] = standing["vouched_words"];
-    for (std::size_t i = 0; i < predicate["profiles"].size(); ++i) {
-        Json& profile = predicate["profiles"][i];
-        const Json& rule = standing["rules"].at(i);
-        for (const char* text : texts_of_rule)
-            profile[text] = rule[text];
-        for (Json& requirement : profile["requirements"])
-            if (const auto words = rule["clauses"].find(requirement["clause"].get<std::string>());
-                words != rule["clauses"].end())
-                requirement["clause_answers"] = *words;
-    }
-    return predicate;
 }
 
 }  // namespace runcert

@@ -104,8 +104,9 @@ std::string standing_of(const std::filesystem::path& run_dir, const std::string&
     std::optional<Roster> keys;
     if (roster.empty() && envelope_files(run_dir).empty()) return "{}\n";
     if (!roster.empty()) keys = parse_roster(read_handwritten(roster), roster);
-    return report_text_of(
-        standing_json(stated_standing(run_dir, read_report_facts(run_dir), std::move(keys))));
+    const ReportFacts report = read_report_facts(run_dir);
+    return report_text_of(standing_json(stated_standing(run_dir, report, std::move(keys)),
+                                        report.json->at("predicate")));
 }
 
 /// Signatures of an unchanged report stand; those of another one are void.

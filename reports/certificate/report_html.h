@@ -21,7 +21,7 @@ struct ReportSigner {
     std::string file;
     std::string key_id;           ///< minisign's; of an ssh signature its key's SHA-256
     std::string role;             ///< empty where the signature names none
-    std::string trusted_comment;  ///< what is signed along with the report; ssh has none
+    std::string time;             ///< as the signer states it; ssh has none
 };
 
 /// What the text of a signature file says of its signer. Failure where it is not a signature file.
@@ -42,21 +42,17 @@ std::string report_page(const std::string& report_text, const nlohmann::ordered_
                         const std::vector<SignatureText>& signatures,
                         const std::string& standing = "{}\n");
 
-/// The same content for A4 paper, without what only a browser uses.
-std::string report_print_page(const nlohmann::ordered_json& report,
+/// The same content for A4 paper, without what only a browser uses; the first page alone if so.
+std::string report_print_page(const std::string& report_text, const nlohmann::ordered_json& report,
                               const std::vector<std::string>& drawings,
                               const std::vector<SignatureText>& signatures,
-                              const std::string& standing = "{}\n");
+                              const std::string& standing = "{}\n", bool first_page_alone = false);
 
 /// What a page shows of a standing in place of what report.json says, which was written before the
-/// first answer: for each rule the title with its mark and tone, the standing in words, who
-/// answered what, and that of each clause; whose roster vouches. Texts alone, which the page
-/// carries too: its script puts them in the same places. Empty where nobody answered and no roster
-/// was given: the page is then that of report.json.
-nlohmann::ordered_json standing_json(const RunStanding& standing);
-
-/// A report's predicate with these texts in their places, and in no others.
-nlohmann::ordered_json with_standing(nlohmann::ordered_json predicate,
-                                     const nlohmann::ordered_json& standing);
+/// first answer: under `slots`, by the name of its place, the block that stands there now, of the
+/// `predicate`'s document. The page carries it too: its script puts the blocks in the same places.
+/// Empty where nobody answered and no roster was given: the page is then that of report.json.
+nlohmann::ordered_json standing_json(const RunStanding& standing,
+                                     const nlohmann::ordered_json& predicate);
 
 }  // namespace runcert

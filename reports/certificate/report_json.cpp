@@ -5,11 +5,10 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "reports/certificate/json_figures.h"
+#include "reports/certificate/certificate_document.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_run.h"
-#include "reports/words/outcome.h"
 #include "schemas/common/document.h"
 #include "schemas/products/products.h"
 #include "store/external_program.h"
@@ -37,14 +36,6 @@ Json files_json(const std::vector<ReportSubject>& subjects) {
     return json;
 }
 
-/// "judge", "2 of judge".
-std::string answerer_words(const Requirement& requirement) {
-    const Answerer fallback;
-    const AnsweredBy by = requirement.answered_by.value_or(
-        AnsweredBy{.role = fallback.role, .count = fallback.count});
-    return by.count > 1 ? fmt::format("{} of {}", by.count, by.role) : by.role;
-}
-
 Json attestations_json(const Verdict& verdict) {
     Json json = Json::array();
     for (const ProfileVerdict& profile : verdict.profiles)
@@ -53,7 +44,7 @@ Json attestations_json(const Verdict& verdict) {
                 json.push_back({{"profile", profile.profile},
                                 {"clause", requirement.clause},
                                 {"text", requirement.text},
-                                {"answered_by", answerer_words(requirement)}});
+                                {"answered_by", answerer_text(requirement)}});
     return json;
 }
 
@@ -90,9 +81,6 @@ void set_origins(Json& predicate, const Verdict& verdict) {
     predicate["origins"] = Json::array();
     for (const VerdictInput& input : verdict.origins)
         predicate["origins"].push_back(members_json(input));
-    predicate["origin_facts"] = Json::array();
-    for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
-        add_fact(predicate["origin_facts"], said.label, said.text);
 }
 
 constexpr std::size_t indentation = 2;
@@ -174,13 +162,13 @@ Json report_json(const ReportInputs& inputs) {
         predicate["receivers"].push_back(
             receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
     predicate["method"] = method_json(inputs);
-    if (Json raw = raw_signals_json(inputs.receivers.front()); !raw.is_null())
-        predicate["raw_signals"] = std::move(raw);
     round_to_table(predicate, report_field_table());
-    predicate["figures"] = figures_json(inputs, predicate["profiles"]);
+    predicate["figures"] = figures_json(inputs);
     const std::vector<std::string> drawings = draw_figures(predicate);
     for (std::size_t i = 0; i < drawings.size(); ++i)
         predicate["figures"][i]["drawing_sha256"] = sha256_hex(drawings[i]);
+    predicate["document"] = members_json(certificate_document(
+        inputs, predicate["report_id"].get<std::string>(), predicate["figures"]));
     predicate["page"] = page_parts_json();
     predicate["page"]["drawn_by_sha256"] = external_program_sha256("gnuplot");
     predicate["files"] = files_json(inputs.subjects);

@@ -51,7 +51,7 @@ void render_report(const std::filesystem::path& run_folder, const std::string& r
     const std::vector<std::string> drawings = draw_figures(report["predicate"]);
     require_own_page(report["predicate"], drawings, (run_folder / "report.json").string());
     const std::string on_paper =
-        report_print_page(report, drawings, options.signatures, options.standing);
+        report_print_page(report_text, report, drawings, options.signatures, options.standing);
     write_file_atomically(
         run_folder / "report.html",
         report_page(report_text, report, drawings, options.signatures, options.standing));

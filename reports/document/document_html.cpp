@@ -52,7 +52,7 @@ Json shown_cells(const Json& row, const Json& columns) {
     const Json& texts = row.at("cells");
     for (std::size_t i = 0; i < texts.size() && i < columns.size(); ++i) {
         Json cell{{"cell", texts[i]}, {"first", i == 0}, {"number", columns[i].at("numbers")}};
-        cell["head"] = columns[i].at("head");
+        cell["head"] = columns[i].value("head", "");
         cell["share"] = i + 1 == texts.size() && row.contains("share") ? row.at("share") : Json("");
         cells.push_back(std::move(cell));
     }
@@ -63,8 +63,8 @@ Json shown_block(Json block) {
     block["is_" + block.at("kind").get<std::string>()] = true;
     if (!block.contains("rows")) return block;
     const Json columns = block.at("columns");
-    block["has_heads"] = std::ranges::any_of(
-        columns, [](const Json& column) { return column.at("head") != Json(""); });
+    block["has_heads"] =
+        std::ranges::any_of(columns, [](const Json& column) { return column.contains("head"); });
     for (Json& row : block["rows"]) {
         row["cells"] = shown_cells(row, columns);
         row["span"] = std::to_string(columns.size());
@@ -73,10 +73,12 @@ Json shown_block(Json block) {
 }
 
 /// An anchor and a title for each section that has one.
-Json contents_of(const Json& sections) {
+Json contents_of(const Json& document) {
     Json contents = Json::array();
-    for (const Json& section : sections)
-        if (section.contains("section_title")) contents.push_back(section);
+    for (const Json& section : document.at("sections"))
+        if (section.contains("title"))
+            contents.push_back(
+                {{"entry", section.at("anchor")}, {"entry_title", section.at("title")}});
     return contents;
 }
 
@@ -125,6 +127,8 @@ Json shown_sections(const Json& document) {
             shown["blocks"].push_back(shown_block(block));
         sections.push_back(std::move(shown));
     }
+    if (!sections.empty() && sections[0].value("layout", "") == "first_page")
+        sections[0]["contents"] = contents_of(document);
     return sections;
 }
 
@@ -145,7 +149,7 @@ std::string_view document_style() {
 std::string document_page(const Document& document) {
     const Json json = members_json(document);
     Json data{{"page_title", document.title}, {"subtitle", document.subtitle}};
-    data["contents"] = contents_of(shown_sections(json));
+    data["contents"] = contents_of(json);
     TemplateData shown = template_data(data);
     shown.set("style", std::string(document_style()));
     shown.set("content", sections_html(json));

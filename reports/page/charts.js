@@ -260,7 +260,8 @@ function makeCharts() {
   figures.forEach((figure, index) => {
     const element = document.getElementById(`figure-${index}`);
     const drawing = element && element.querySelector(".drawing");
-    if (!drawing || !Array.isArray(figure.curves) || figure.curves.length === 0) return;
+    const isSmall = element?.parentElement.classList.contains("small");
+    if (!drawing || isSmall || !Array.isArray(figure.curves) || figure.curves.length === 0) return;
     const box = makeElement("div", "chart");
     try {
       element.insertBefore(box, drawing);

@@ -38,7 +38,7 @@ function embeddedReport() {
 /** What stands in a part of the page, read as JSON. */
 function embeddedPart(id) {
   try {
-    return JSON.parse(embeddedText(id));
+    return parseWithNumbersAsWritten(embeddedText(id));
   } catch (error) {
     throw error instanceof PageFault ? error : new PageFault(`the part “${id}” of this page was changed`);
   }
@@ -49,8 +49,9 @@ function comparePage(json, predicate, signatureFiles, standing) {
   const page = document.documentElement;
   const script = embeddedText("page-script");
   const { sources, faults } = signedPictures(page, predicate.figures);
-  const made = renderPage(withStanding(predicate, standing), signersOf(signatureFiles), sources,
-    { report_json: json, signature_files: embeddedText("signature-files"), standing: embeddedText("standing"), script });
+  const made = renderPage(predicate, signersOf(signatureFiles), sources,
+    { report_json: json, signature_files: embeddedText("signature-files"), standing: embeddedText("standing"), script },
+    standing.slots || {});
   if (hexOf(nobleHashes.sha256(utf8Bytes(script))) !== predicate.page.script_sha256)
     faults.unshift("the script of this page is not the one that the report names");
   const [first, ...beside] = document.childNodes;
@@ -83,7 +84,7 @@ async function findingsOfPage() {
     if (state === "invalid") faults.push(`${file}: ${words}`);
   const notes = signatures.filter(({ state }) => state === "unchecked")
     .map(({ file, words }) => `${file}: ${words}`);
-  if (standing.rules !== undefined) notes.push(standingNote(standing));
+  if (standing.slots !== undefined) notes.push(standingNote(standing));
   if (!canVerify && signatureFiles.length > 0)
     notes.push("This browser cannot verify Ed25519 signatures (WebCrypto). Open the page in a newer " +
       "one, or use runcert verify.");
@@ -91,7 +92,7 @@ async function findingsOfPage() {
   const valid = signatures.filter(({ state }) => state === "valid");
   const state = faults.length > 0 ? "tampered" : signatureFiles.length === 0 ? "unsigned"
     : valid.length > 0 ? "valid" : "unchecked";
-  return { state, faults, notes, valid, answered: standing.rules !== undefined };
+  return { state, faults, notes, valid, answered: standing.slots !== undefined };
 }
 
 function listFacts(facts) {

@@ -47,47 +47,85 @@ function missingSignatures(required, signers) {
   return missing;
 }
 
-/** What the page shows in place of the report's own texts, as the program's with_standing has it. */
-const textsOfRule = ["outcome_title", "outcome_mark", "tone", "standing_words", "answered"];
-
-/** A predicate with the texts of the standing in their places, and in no others. */
-function withStanding(predicate, { vouched_words, rules }) {
-  if (rules === undefined) return predicate;
-  const profiles = predicate.profiles.map((profile, index) => {
-    const texts = Object.fromEntries(textsOfRule.map((name) => [name, rules[index][name]]));
-    const requirements = profile.requirements.map((requirement) => {
-      const { clauses } = rules[index];
-      return Object.hasOwn(clauses, requirement.clause)
-        ? { ...requirement, clause_answers: clauses[requirement.clause] } : requirement;
-    });
-    return { ...profile, ...texts, requirements };
-  });
-  return { ...predicate, vouched_words, profiles };
+/** A block as the template gets it: with is_KIND, and cells that know the heads of their columns. */
+function shownBlock({ kind, look, slot, text, sign, beside, items, facts, columns, rows, plots }) {
+  // Nothing else of a block reaches the template, whatever the JSON has.
+  const given = { kind, look, slot, text, sign, beside, items, facts, columns, plots };
+  const shown = Object.fromEntries(Object.entries(given).filter(([, value]) => value !== undefined));
+  shown["is_" + kind] = true;
+  if (rows === undefined) return shown;
+  const cellsOf = ({ cells, share }) => cells.slice(0, columns.length).map((cell, index) => ({
+    cell, first: index === 0, number: columns[index].numbers, head: columns[index].head ?? "",
+    share: index + 1 === cells.length && share !== undefined ? share : "",
+  }));
+  return {
+    ...shown, has_heads: columns.some(({ head }) => head !== undefined),
+    rows: rows.map((row) => ({ ...row, cells: cellsOf(row), span: String(columns.length) })),
+  };
 }
 
-/** The data of the content's template: the report's predicate, who signed, and the picture of each figure. */
-function contentData(predicate, signers, pictures) {
-  const data = templateData({ ...predicate, signed: signers.length > 0, signers,
-    missing_signatures: missingSignatures(predicate.signatures_required || [], signers) });
-  data.two_receivers = (data.receivers || []).length > 1;
-  (data.figures || []).forEach((figure, index) => {
-    figure.image = `<img src="${pictures[index]}" alt="${escapeHtml(figure.figure_title)}">`;
+/** Sections of a document as the template gets them; a first page has the contents of the others. */
+function shownSections({ sections }) {
+  const shown = sections.map(({ title, ...section }) => ({
+    ...section, ...(title === undefined ? {} : { section_title: title }), blocks: section.blocks.map(shownBlock),
+  }));
+  if (shown.length > 0 && shown[0].layout === "first_page")
+    shown[0].contents = sections.filter(({ title }) => title !== undefined)
+      .map(({ anchor, title }) => ({ entry: anchor, entry_title: title }));
+  return shown;
+}
+
+/** The document with a picture for each plot, and with the blocks of the standing in their places, and in no others. */
+function withPictures({ sections }, pictures, slots) {
+  const pictured = ({ plot, plot_title: title, caption }) => ({ plot, plot_title: title, caption,
+    image: `<img src="${pictures[plot]}" alt="${escapeHtml(title)}">` });
+  const placed = (signed) => {
+    const block = signed.slot !== undefined && Object.hasOwn(slots, signed.slot) ? slots[signed.slot] : signed;
+    return block.plots === undefined ? block : { ...block, plots: block.plots.map(pictured) };
+  };
+  return { sections: sections.map((section) => ({ ...section, blocks: section.blocks.map(placed) })) };
+}
+
+/** The code that leads from paper to report.json: its id and SHA-256, as squares of one path. */
+function codeImage(reportId, sha256) {
+  const code = qrCodes.QrCode.encodeText(`RUNCERT ${reportId} ${sha256}`.toUpperCase(), qrCodes.QrCode.Ecc.MEDIUM);
+  const border = 4; // light modules around it (ISO/IEC 18004)
+  let path = "";
+  for (let y = 0; y < code.size; ++y)
+    for (let x = 0; x < code.size; ++x)
+      if (code.getModule(x, y)) path += `M${x + border},${y + border}h1v1h-1z`;
+  const side = code.size + 2 * border;
+  return `<svg width="${side}" height="${side}" viewBox="0 0 ${side} ${side}" role="img" aria-label="Code of the report's id and hash">` +
+    `<path d="${path}" fill="#000000"></path></svg>`;
+}
+
+/** The data of the sections' template: the report's document, who signed, and the picture of each figure. */
+function contentData(predicate, signers, pictures, { report_json: json, slots }) {
+  const sha256 = hexOf(nobleHashes.sha256(utf8Bytes(json)));
+  const data = templateData({
+    sections: shownSections(withPictures(predicate.document, pictures, slots)),
+    signed: signers.length > 0, signers,
+    missing_signatures: missingSignatures(predicate.signatures_required || [], signers),
+    report_sha256: sha256,
   });
+  data.code_image = codeImage(predicate.report_id, sha256);
   return data;
 }
 
 /**
  * The whole page as it was made, in a document of its own in which nothing runs: rendered from the
  * signed JSON with the templates and the style of this script. `carried` are the texts that it
- * carries: report_json, signature_files, standing and script.
+ * carries: report_json, signature_files, standing and script; `slots` the blocks of the standing.
  */
-function renderPage(predicate, signers, pictures, carried) {
+function renderPage(predicate, signers, pictures, carried, slots) {
   const escape = { escape: escapeHtml };
-  const content = Mustache.render(pageParts.content, contentData(predicate, signers, pictures), undefined, escape);
+  const content = Mustache.render(pageParts.content,
+    contentData(predicate, signers, pictures, { ...carried, slots }), undefined, escape);
   const { report_id, program, attempt, page } = predicate;
   const html = Mustache.render(pageParts.page, {
     ...carried, content, style: pageParts.style, signed: signers.length > 0,
     report_id: withoutControls(report_id), version: withoutControls(program.version),
+    subtitle: withoutControls(predicate.document.subtitle ?? ""),
     title: withoutControls(`Measurement report ${report_id}: ${attempt.id}`),
     script_hash: base64Of(bytesOfHex(page.script_sha256)),
   }, undefined, escape);
@@ -148,7 +186,7 @@ function firstDifference(shownPage, madePage) {
  * the page has not just the drawing whose hash the report names.
  */
 function signedPictures(page, figures) {
-  const shown = Array.from(page.querySelectorAll(".drawing"), (drawing) => drawing.querySelector("img"));
+  const shown = figures.map((figure, index) => page.querySelector(`#figure-${index} > .drawing > img`));
   const begin = "data:image/svg+xml;base64,";
   const sources = figures.map(({ drawing_sha256: hash }, index) => {
     const source = shown[index]?.getAttribute("src") ?? "";

@@ -141,7 +141,7 @@ const isSshSignature = (text) => text.startsWith("-----BEGIN SSH SIGNATURE-----"
 
 /**
  * Who signed, as the page's template gets it: file, key_id (minisign: 16 upper-case hexadecimal
- * digits; ssh: fingerprint), role ("" where none is stated), trusted_comment ("" for ssh). PageFault,
+ * digits; ssh: fingerprint), role ("" where none is stated), signed_at ("" for ssh). PageFault,
  * with the file, where one is no signature.
  */
 function signersOf(signatureFiles) {
@@ -157,10 +157,10 @@ function signersOf(signatureFiles) {
 function signerOf(file, text) {
   if (isSshSignature(text)) {
     const { blob, role } = readSshSignature(text);
-    return { file, key_id: sshFingerprint(blob), role, trusted_comment: "" };
+    return { file, key_id: sshFingerprint(blob), role, signed_at: "" };
   }
-  const { keyId, fields, comment } = readMinisign(text);
-  return { file, key_id: keyId, role: fields.role || "", trusted_comment: comment };
+  const { keyId, fields } = readMinisign(text);
+  return { file, key_id: keyId, role: fields.role || "", signed_at: fields.signed || "" };
 }
 
 /** Whether a signature holds; a key that is none makes it not hold. */

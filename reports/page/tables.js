@@ -39,10 +39,10 @@ function cellOrder(texts) {
 /** What moves as one: the bodies of a table where it has several, else its rows. */
 function sortableUnits(table) {
   const bodies = Array.from(table.tBodies);
-  const units = bodies.length > 1
+  const units = bodies.length > 1 || bodies[0]?.rows[1]?.classList.contains("further")
     ? bodies.map((body) => ({ node: body, row: body.rows[0] }))
     : Array.from(bodies[0] ? bodies[0].rows : []).map((row) => ({ node: row, row }));
-  return units.filter(({ row }) => row && !row.classList.contains("total"));
+  return units.filter(({ node, row }) => row && !node.classList.contains("mark-total"));
 }
 
 /** Puts what moves of a table in order; `direction` 0 gives the order in which they stood at first. */

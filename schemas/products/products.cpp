@@ -31,7 +31,8 @@ YamlNode screened_phase_field_table_node();
 YamlNode trajectory_field_table_node();
 YamlNode windows_field_table_node();
 YamlNode verdict_field_table_node();
-YamlNode report_field_table_node();
+YamlNode report_v1_table_node();
+YamlNode report_v1_0_table_node();
 
 namespace {
 
@@ -128,7 +129,13 @@ const DocumentSchema& product_fields(std::string_view file) {
 
 const DocumentSchema& report_field_table() {
     static const DocumentSchema schema =
-        DocumentSchema::read(report_field_table_node(), "reports/certificate/v1.yaml");
+        DocumentSchema::read(report_v1_table_node(), "reports/certificate/v1.yaml");
+    return schema;
+}
+
+const DocumentSchema& first_report_field_table() {
+    static const DocumentSchema schema =
+        DocumentSchema::read(report_v1_0_table_node(), "reports/certificate/v1.0.yaml");
     return schema;
 }
 

@@ -28,5 +28,7 @@ const DocumentSchema& product_fields(std::string_view file);
 
 /// The field table of a report's predicate.
 const DocumentSchema& report_field_table();
+/// That of revision 1.0, whose texts stood beside its figures where the later has a document.
+const DocumentSchema& first_report_field_table();
 
 }  // namespace runcert

@@ -6,19 +6,14 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
+#include "reports/certificate/certificate_document.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/words/screening.h"
 
 namespace runcert {
 namespace {
 
-constexpr std::ptrdiff_t faults_listed = 20;  ///< in the report
 constexpr std::size_t faults_shown = 3;       ///< in words
-
-/// Counts hold every fault, the table a thousand of them at most.
-std::int64_t faults_of(const TimeStampSummary& time) {
-    return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
-}
 
 std::string model_text(const ScreeningModel& model) {
     if (model.noise == NoiseBasis::fitted) return std::string(words_of(model.noise));
@@ -41,7 +36,7 @@ std::string noise_text(const std::vector<ScreeningModel>& models) {
 }
 
 /// Fix types in their order, a line for each with all of its axes.
-void add_kinds(Json& facts, const std::vector<FixTypeErrors>& kinds) {
+void add_kinds(Block& facts, const std::vector<FixTypeErrors>& kinds) {
     std::vector<std::pair<FixType, std::string>> lines;
     for (const FixTypeErrors& kind : kinds) {
         const auto line = std::find_if(lines.begin(), lines.end(),
@@ -60,7 +55,7 @@ std::string fault_text(const TimeFault& fault) {
 }
 
 std::string time_text(const TimeStampSummary& time) {
-    const std::int64_t faults = faults_of(time);
+    const std::int64_t faults = time_stamp_faults(time);
     if (faults == 0) return "no fault";
     std::string text = counted(faults, "fault");
     const std::size_t shown = std::min(time.faults.size(), faults_shown);
@@ -68,16 +63,6 @@ std::string time_text(const TimeStampSummary& time) {
         text += (i == 0 ? ": " : "; ") + fault_text(time.faults[i]);
     const std::int64_t left = faults - static_cast<std::int64_t>(shown);
     return left > 0 ? text + fmt::format("; and {} more", left) : text;
-}
-
-double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
-    std::map<std::int64_t, std::pair<ElapsedTime, ElapsedTime>> ends;
-    for (const ScreenedEpoch& row : rows)
-        if (row.arc) ends.try_emplace(*row.arc, row.time, row.time).first->second.second = row.time;
-    double longest = 0.0;
-    for (const auto& [arc, times] : ends)
-        longest = std::max(longest, times.second.seconds() - times.first.seconds());
-    return longest;
 }
 
 /// What was decided for, as a noun that can be counted.
@@ -141,17 +126,7 @@ std::string used_text(const ScreenedTable& table, const ScreeningSummary& summar
     return fmt::format("{}, in {} arcs, the longest of {} s", used, summary.arcs, longest);
 }
 
-Json screening_basis_json(const ScreeningBasis& basis) {
-    Json json = members_json(basis);
-    Json& faults = json["time"]["faults"];
-    if (std::ssize(basis.time.faults) > faults_listed)
-        faults.erase(faults.begin() + faults_listed, faults.end());
-    json["time"]["faults_found"] = faults_of(basis.time);
-    return json;
-}
-
-Json screening_basis_facts(const ScreeningBasis& basis) {
-    Json facts = Json::array();
+void add_basis(Block& facts, const ScreeningBasis& basis) {
     add_fact(facts, "False alarms", false_alarm_text(basis));
     add_fact(facts, "Noise assumed by the tests", noise_text(basis.models));
     add_kinds(facts, basis.fix_types);
@@ -166,40 +141,37 @@ Json screening_basis_facts(const ScreeningBasis& basis) {
     add_fact(facts, "Order and spacing of the time stamps", time_text(basis.time));
     if (basis.baseline)
         add_fact(facts, "Other receiver", baseline_comparison_text(*basis.baseline));
-    return facts;
 }
 
 }  // namespace
 
-Json screening_json(const ScreenedTable& table) {
-    const ScreeningSummary summary = summarise(table.rows);
-    Json json{{"epochs", table.rows.size()},
-              {"usable", summary.usable},
-              {"arcs", summary.arcs},
-              {"longest_arc_s", rounded(longest_arc_s(table.rows), 9)},
-              {"variance_factor", rounded(table.variance_factor, 4)},
-              {"reasons", Json::array()}};
+std::vector<Block> screening_blocks(const ReceiverResults& results) {
+    const ScreenedTable& screened = results.screened;
+    const ScreeningSummary summary = summarise(screened.rows);
+    Block list = facts({});
+    add_fact(list, "Epochs used", used_text(screened, summary));
+    add_fact(list, "Decided by the tests", decisions_text(summary));
+    add_basis(list, screened.basis);
+    Block counts = table({">Epochs|14", "Decision of screening|86"});
     for (const auto& [reason, count] : summary.reasons)
-        json["reasons"].push_back({{"reason", to_text(reason)},
-                                   {"words", reason == Reason::none ? "used" : words_of(reason)},
-                                   {"count", count}});
-    json["decisions"] = Json::array();
-    for (const auto& [hypothesis, count] : summary.decisions)
-        json["decisions"].push_back({{"hypothesis", to_text(hypothesis)},
-                                     {"words", decided_for(hypothesis).one},
-                                     {"count", count}});
-    json["basis"] = screening_basis_json(table.basis);
-    return json;
+        add_row(counts, {counted(count),
+                         reason == Reason::none ? "used" : std::string(words_of(reason))});
+    return {std::move(list), std::move(counts),
+            paragraph("runcert audit RUN_FOLDER lists every decision with its row of the "
+                      "recording.",
+                      "note")};
 }
 
-Json screening_facts(const ScreenedTable& table) {
-    const ScreeningSummary summary = summarise(table.rows);
-    Json facts = Json::array();
-    add_fact(facts, "Epochs used", used_text(table, summary));
-    add_fact(facts, "Decided by the tests", decisions_text(summary));
-    for (Json& line : screening_basis_facts(table.basis))
-        facts.push_back(std::move(line));
-    return facts;
+Section screening_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures) {
+    Section section{.anchor = "screening", .title = "Screening"};
+    for (const ReceiverResults& results : inputs.receivers) {
+        if (inputs.receivers.size() > 1)
+            add(section, heading(fmt::format("Receiver “{}”", results.windows.receiver)));
+        add(section, screening_blocks(results));
+    }
+    add(section, plots_of(figures, "innovations"));
+    add(section, plots_of(figures, "residuals"));
+    return section;
 }
 
 }  // namespace runcert

@@ -1,0 +1,121 @@
+#include "reports/certificate/certificate_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/rounding.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// km/h, m/s, kn, mph, the rule's own in front.
+std::vector<const SpeedUnit*> units_in_order(const SpeedUnit& own) {
+    std::vector<const SpeedUnit*> units{&own};
+    for (const SpeedUnit& unit : speed_units())
+        if (unit.name != own.name) units.push_back(&unit);
+    return units;
+}
+
+/// The decimals that the rule gives speeds in its own unit.
+std::optional<int> rule_decimals(const RuleView& rule, const SpeedUnit& unit) {
+    const auto& rounding = rule.profile.result ? rule.profile.result : rule.profile.rounding;
+    if (!rounding || unit.name != rule.unit().name) return std::nullopt;
+    return rounding->decimals;
+}
+
+std::string speed_cell(const SpeedRow& row, const RuleView& rule,
+                       const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
+    const double speed = *row.speed_m_s * unit.per_m_s;
+    if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
+    if (row.kind == SpeedRow::stated || !uncertainty_m_s)
+        return speed_text(*row.speed_m_s, std::nullopt, unit);
+    return shown_figure(speed,
+                        decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(rule, unit)),
+                        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
+}
+
+void add_if_any(Document& document, Section section) {
+    if (!section.blocks.empty()) document.sections.push_back(std::move(section));
+}
+
+}  // namespace
+
+const CertifiableWindow* RuleView::best() const {
+    return windows != nullptr && windows->best ? &*windows->best : nullptr;
+}
+
+std::string RuleView::titled(const std::string& title) const {
+    return inputs.profiles.size() < 2 ? title
+                                      : fmt::format("{}: rule “{}”", title, verdict.profile);
+}
+
+ShownFigures RuleView::shown() const {
+    if (verdict.speed_m_s || best() == nullptr) return shown_of(verdict, unit().name);
+    return shown_in({.speed_m_s = best()->speed_m_s,
+                     .expanded_uncertainty_m_s =
+                         expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
+                    unit());
+}
+
+std::vector<RuleView> rule_views(const ReportInputs& inputs) {
+    std::vector<RuleView> views;
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+        views.push_back(
+            {inputs, inputs.verdict.profiles[i], inputs.profiles[i],
+             windows_of(inputs.receivers.front().windows, inputs.profiles[i].id)});
+    return views;
+}
+
+std::string clause_name(const std::string& clause) {
+    std::string name = clause;
+    std::ranges::replace(name, '-', ' ');
+    return capitalised(name);
+}
+
+std::vector<Block> plots_of(const Json& figures, std::string_view kind) {
+    std::vector<Block> blocks;
+    for (std::size_t i = 0; i < figures.size(); ++i)
+        if (figures[i]["figure"] == kind)
+            blocks.push_back(plot(i, figures[i]["figure_title"], figures[i]["caption"]));
+    return blocks;
+}
+
+Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows, const RuleView& rule,
+                  std::optional<double> uncertainty_m_s) {
+    const auto units = units_in_order(rule.unit());
+    std::vector<std::string> heads{""};
+    for (const SpeedUnit* unit : units)
+        heads.push_back(fmt::format(">{}|14", unit->name));
+    Block block = table(heads, title);
+    for (const SpeedRow& row : rows) {
+        if (!row.speed_m_s) continue;
+        std::vector<std::string> cells{row.label};
+        for (const SpeedUnit* unit : units)
+            cells.push_back(speed_cell(row, rule, uncertainty_m_s, *unit));
+        add_row(block, std::move(cells), row.counts ? "chosen" : "");
+    }
+    return block;
+}
+
+Document certificate_document(const ReportInputs& inputs, const std::string& report_id,
+                              const Json& figures) {
+    Document document{.title = "Measurement report " + report_id,
+                      .subtitle = inputs.attempt.craft.name};
+    document.sections.push_back(first_page(inputs, report_id, figures));
+    add_if_any(document, requirements_section(inputs));
+    add_if_any(document, window_section(inputs, figures));
+    add_if_any(document, uncertainty_section(inputs));
+    add_if_any(document, screening_section(inputs, figures));
+    add_if_any(document, witnesses_section(inputs, figures));
+    add_if_any(document, run_section(inputs, figures));
+    add_if_any(document, recording_section(inputs));
+    add_if_any(document, method_section(inputs));
+    add_if_any(document, files_section(inputs, report_id));
+    return document;
+}
+
+}  // namespace runcert

@@ -1,0 +1,299 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/certificate/certificate_document.h"
+#include "reports/words/attempt.h"
+#include "reports/words/decision.h"
+#include "reports/words/outcome.h"
+#include "reports/words/recording.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What must be seen before anything else.
+void add_cautions(Section& page, const ReportInputs& inputs) {
+    if (const auto& amends = inputs.attempt.amends)
+        add(page, paragraph(fmt::format("This report replaces report {}. Reason: {} SHA-256 of the "
+                                        "report replaced: {}.",
+                                        amends->report_id, sentence(amends->reason), amends->sha256),
+                            "caution"));
+    for (const ReceiverResults& results : inputs.receivers)
+        if (results.observations.simulated)
+            add(page, paragraph(fmt::format("Simulated. The recording of receiver “{}” says that "
+                                            "it was simulated: no craft was measured.",
+                                            results.windows.receiver),
+                                "caution"));
+    if (!inputs.receivers.front().screened.facts.georeferenced)
+        add(page, paragraph("Not georeferenced. The positions are engineering coordinates: their "
+                            "place, orientation and scale on the Earth are not stated.",
+                            "caution"));
+}
+
+std::string rule_line(const RuleView& rule) {
+    return fmt::format("{}: {} ({}{}).", rule.verdict.body, rule.verdict.title,
+                       rule_identity_text(rule.verdict),
+                       rule.profile.looked_at.empty()
+                           ? ""
+                           : fmt::format(", its texts looked at until {}", rule.profile.looked_at));
+}
+
+Block outcome_block(const RuleView& rule) {
+    const OutcomeWords words = outcome_words(state_of(rule.verdict));
+    Block block = paragraph(words.title, "outcome_" + words.tone);
+    block.sign = words.mark;
+    block.slot = "outcome/" + rule.verdict.profile;
+    return block;
+}
+
+/// A speed that the press may print stands large only where it is the answer; else the reason does.
+void add_large_words(Section& page, const RuleView& rule) {
+    if (rule.verdict.outcome == Outcome::beaten && rule.verdict.speed_m_s) {
+        Block block{.kind = BlockKind::headline, .text = measured_speed_text(rule.shown())};
+        block.beside = fmt::format("(k = {})", coverage_text(rule.verdict.coverage_factor));
+        add(page, std::move(block));
+        return;
+    }
+    add(page, paragraph(rule.verdict.reason, "reason"));
+}
+
+std::optional<int> utc_offset_minutes(const std::string& offset) {
+    if (offset.size() != 6) return std::nullopt;
+    const auto hours = parse_integer(std::string_view(offset).substr(1, 2));
+    const auto minutes = parse_integer(std::string_view(offset).substr(4, 2));
+    if (!hours || !minutes) return std::nullopt;
+    return (offset[0] == '-' ? -1 : 1) * static_cast<int>(60 * *hours + *minutes);
+}
+
+/// "13:50:57 at UTC+10:30".
+std::string local_time(GpsTime time, const std::string& utc_offset) {
+    const std::optional<int> minutes = utc_offset_minutes(utc_offset);
+    if (!minutes) return {};
+    std::string text =
+        to_utc_iso(time.plus_nanoseconds(*minutes * 60 * GpsTime::nanoseconds_per_second), 0);
+    text.pop_back();
+    std::ranges::replace(text, 'T', ' ');
+    return fmt::format("{} local (UTC{})", text, utc_offset);
+}
+
+std::string window_line(const RuleView& rule) {
+    const WindowSpan& span = *rule.verdict.window;
+    if (!span.start_gps)
+        return fmt::format("{} from {} after the first epoch; the recording's time is relative",
+                           seconds_text(span.duration), seconds_text(span.start));
+    return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
+}
+
+void add_result(Section& page, const RuleView& rule) {
+    const ProfileVerdict& verdict = rule.verdict;
+    const ShownFigures shown = rule.shown();
+    Block list = facts({}, {}, "narrow");
+    if (verdict.speed_m_s && verdict.outcome != Outcome::beaten)
+        add_fact(list,
+                 verdict.outcome == Outcome::not_certifiable ? "Not certifiable" : "Measured speed",
+                 measured_speed_text(shown, verdict.coverage_factor));
+    const auto with_unit = [&](const std::string& figure) {
+        return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
+    };
+    if (verdict.speed_m_s) add_fact(list, "Required speed", with_unit(shown.required_speed));
+    if (verdict.speed_m_s) add_fact(list, "Acceptance limit", with_unit(shown.acceptance_limit));
+    if (const auto& record = verdict.record)
+        add_fact(list, "Record to beat",
+                 fmt::format("{}{}: {}", number_text(record->speed, record->unit),
+                             record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
+                                 ? fmt::format(" ± {} (k = 2)",
+                                               number_text(*record->expanded_uncertainty,
+                                                           record->unit))
+                                 : "",
+                             record->source));
+    if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
+        add_fact(list, "Conformance probability",
+                 fmt::format("{} (at least {} required)",
+                             probability_text(verdict.decision->probability),
+                             level_text(verdict.decision->level)));
+    if (verdict.own_arithmetic)
+        add_fact(list, "The rule's arithmetic", verdict.own_arithmetic->shown.empty()
+                                                           ? "not known"
+                                                           : verdict.own_arithmetic->shown);
+    if (verdict.window) {
+        add_fact(list, "Window", window_line(rule));
+        if (verdict.window->start_gps)
+            add_fact(list, "Local time",
+                     local_time(*verdict.window->start_gps, rule.inputs.attempt.utc_offset));
+        if (rule.profile.margin_kind == MarginKind::elapsed_time)
+            add_fact(list, "Elapsed time", seconds_text(verdict.window->duration));
+    }
+    add(page, std::move(list));
+}
+
+/// "31.6000° S, 136.0000° E", to some ten metres.
+std::string coordinates_text(const Geodetic& place) {
+    const auto degrees = [](Angle angle, const char* positive, const char* negative) {
+        return fmt::format("{}° {}", format_fixed(std::abs(angle.degrees()), 4),
+                           angle.degrees() < 0.0 ? negative : positive);
+    };
+    return fmt::format("{}, {}", degrees(place.latitude, "N", "S"),
+                       degrees(place.longitude, "E", "W"));
+}
+
+std::string joined(std::initializer_list<std::string> parts, const char* between = ", ") {
+    std::string text;
+    for (const std::string& part : parts)
+        if (!part.empty()) text += (text.empty() ? "" : between) + part;
+    return text;
+}
+
+std::string or_not_stated(std::string text) {
+    return text.empty() ? "not stated" : text;
+}
+
+std::string labelled(const char* label, const std::string& text) {
+    return text.empty() ? text : fmt::format("{} {}", label, text);
+}
+
+std::string instrument_text(const Receiver& receiver, const Observations& recording) {
+    const Instrument said = receiver.instrument.value_or(Instrument{});
+    const std::string stated =
+        joined({joined({said.make, said.model}, " "), labelled("serial", said.serial),
+                labelled("firmware", said.firmware), labelled("antenna", said.antenna)});
+    return or_not_stated(joined(
+        {stated, recording.device.empty()
+                     ? ""
+                     : fmt::format("{}the recording says: {}", stated.empty() ? "" : "and ",
+                                   recording.device)},
+        "; "));
+}
+
+/// Craft, people, place and instrument: each said, or said to be missing.
+void add_identity(Section& page, const ReportInputs& inputs) {
+    const Attempt& attempt = inputs.attempt;
+    Block list = facts({}, {}, "two_columns");
+    add_fact(list, "Attempt", attempt.id);
+    add_fact(list, "Craft",
+             joined({attempt.craft.name, attempt.craft.registration, attempt.craft.kind,
+                     attempt.craft.sail_area_m2
+                         ? fmt::format("sail area {} m²", number_text(*attempt.craft.sail_area_m2))
+                         : ""}));
+    add_fact(list, "Pilot", or_not_stated(attempt.pilot));
+    add_fact(list, "Organisation",
+             or_not_stated(joined({attempt.organisation, attempt.contact})));
+    const auto& origin = inputs.receivers.front().screened.origin;
+    add_fact(list, "Place",
+             or_not_stated(joined(
+                 {attempt.place, origin ? coordinates_text(origin->position) : ""}, "; ")));
+    add_fact(list, "Date", or_not_stated(attempt.date));
+    for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
+        add_fact(list,
+                 inputs.receivers.size() == 1
+                     ? "Instrument"
+                     : fmt::format("Instrument “{}”", attempt.receivers[i].id),
+                 instrument_text(attempt.receivers[i], inputs.receivers[i].observations));
+    std::vector<std::string> officials;
+    for (const Official& official : attempt.officials)
+        officials.push_back(official.name.empty()
+                                ? official.role
+                                : fmt::format("{}: {}", official.role, official.name));
+    add_fact(list, "Officials", or_not_stated(fmt::format("{}", fmt::join(officials, ", "))));
+    add(page, std::move(list));
+}
+
+/// "✓ by the data", "☐ open: judge".
+std::string state_text(const Requirement& requirement) {
+    if (requirement.status == RequirementStatus::attest)
+        return "☐ open: " + answerer_text(requirement);
+    return requirement.status == RequirementStatus::met ? "✓ by the data" : "✗ NOT MET by the data";
+}
+
+/// A line each: what it is about, its state, and who answered.
+void add_requirements(Section& page, const RuleView& rule) {
+    Block list = facts({}, "Requirements", "requirements");
+    list.slot = "requirements/" + rule.verdict.profile;
+    for (const Requirement& requirement : rule.verdict.requirements)
+        list.facts.push_back({.name = clause_name(requirement.clause),
+                              .value = state_text(requirement),
+                              .mark = std::string(to_text(requirement.status)),
+                              .clause = requirement.clause});
+    add(page, std::move(list));
+}
+
+std::string witnesses_text(const RuleView& rule) {
+    if (rule.verdict.unseen_drift_m_s) return positions_alone_text(*rule.verdict.unseen_drift_m_s);
+    if (rule.verdict.witnesses.empty()) return {};
+    return fmt::format("Beside the positions, {}.", fmt::join(rule.verdict.witnesses, "; "));
+}
+
+/// A line for each rule; each has its requirements in the annex.
+void add_overview(Section& page, const std::vector<RuleView>& rules) {
+    for (const RuleView& rule : rules) {
+        const ShownFigures shown = rule.shown();
+        Block outcome = outcome_block(rule);
+        outcome.text = fmt::format("{}: {}", rule.verdict.profile, outcome.text);
+        outcome.look = "strong";
+        Block row = table({"Rule|34", ">Measured speed|22", ">Required speed|16", "Window|28"}, {},
+                          "small");
+        add_row(row,
+                {fmt::format("{}, {}", rule.verdict.title, rule.verdict.body),
+                 rule.verdict.speed_m_s ? measured_speed_text(shown) : "none",
+                 shown.required_speed.empty()
+                     ? "no record"
+                     : fmt::format("{} {}", shown.required_speed, shown.unit),
+                 rule.verdict.window ? window_line(rule) : "none"},
+                outcome_words(state_of(rule.verdict)).tone);
+        if (&rule != &rules.front())
+            for (TableColumn& column : row.columns)
+                column.head.clear();
+        add(page, std::move(outcome));
+        add(page, std::move(row));
+    }
+    add(page, paragraph("Reasons, requirements, witnesses and uncertainty of each rule follow.",
+                        "note"));
+}
+
+void add_small_plots(Section& page, const Json& figures) {
+    Block block{.kind = BlockKind::plots, .look = "small"};
+    for (const char* kind : {"place", "result"})
+        for (const Block& one : plots_of(figures, kind))
+            block.plots.push_back(one.plots.front());
+    if (!block.plots.empty()) add(page, std::move(block));
+}
+
+}  // namespace
+
+Section first_page(const ReportInputs& inputs, const std::string& report_id, const Json& figures) {
+    Section page{.anchor = "certificate", .layout = "first_page"};
+    const std::vector<RuleView> rules = rule_views(inputs);
+    add_cautions(page, inputs);
+    if (rules.size() == 1) {
+        const RuleView& rule = rules.front();
+        add(page, paragraph(rule_line(rule), "note"));
+        add(page, outcome_block(rule));
+        add_large_words(page, rule);
+        add_result(page, rule);
+    } else {
+        add_overview(page, rules);
+    }
+    add_identity(page, inputs);
+    add_small_plots(page, figures);
+    if (rules.size() == 1) {
+        add_requirements(page, rules.front());
+        if (std::string words = witnesses_text(rules.front()); !words.empty())
+            add(page, paragraph(std::move(words), "note"));
+    }
+    add(page, {.kind = BlockKind::signers});
+    add(page, {.kind = BlockKind::check,
+               .text = fmt::format(
+                   "To check: runcert verify RUN_FOLDER --roster ROSTER checks files, chain, "
+                   "signatures and time stamps of report {}. What counts is report.json; the code "
+                   "names it. Figures: speed rounded down, uncertainty, required speed and "
+                   "acceptance limit rounded up.",
+                   report_id)});
+    return page;
+}
+
+}  // namespace runcert

@@ -119,9 +119,8 @@ std::string interval_words(const MonteCarloCheck& check, const LinearisationJudg
     const auto text = [&](double speed_m_s) {
         return speed_text(speed_m_s, check.standard_uncertainty_m_s, unit);
     };
-    const std::string both =
-        fmt::format("The budget's 95 % interval, {} to {} {}, ", text(judged.lower_m_s),
-                    text(judged.upper_m_s), unit.name);
+    const std::string both = fmt::format("The budget's 95 % interval, {} to {} {}, ",
+                                         text(judged.lower_m_s), text(judged.upper_m_s), unit.name);
     if (judged.interval_agrees) return both + "agrees within that tolerance.";
     return both + (judged.interval_holds ? "holds it and is wider: it is on the safe side."
                                          : "does not agree within that tolerance.");
@@ -155,9 +154,9 @@ std::vector<Block> budget_blocks(const RuleView& rule) {
     std::vector<Block> blocks;
     if (!window.budget.empty()) {
         Block block =
-            table({"|3", "Source|23", ">Estimate|10", ">Standard uncertainty|12",
-                   "Type, distribution|12", ">Degrees of freedom|9", ">Sensitivity|11",
-                   fmt::format(">Contribution, {}|11", rule.unit().name), ">Share of variance|9"},
+            table({"|4", "Source|21", ">Estimate|10", ">Standard uncertainty|13",
+                   "Type, distribution|12", ">Degrees of freedom|9", ">Sensitivity|10",
+                   fmt::format(">Contribution, {}|13", rule.unit().name), ">Share of variance|8"},
                   "Budget", "small");
         for (const BudgetRow& row : window.budget)
             add_source(block, row, window, rule.unit());

@@ -55,18 +55,17 @@ std::string RuleView::titled(const std::string& title) const {
 
 ShownFigures RuleView::shown() const {
     if (verdict.speed_m_s || best() == nullptr) return shown_of(verdict, unit().name);
-    return shown_in({.speed_m_s = best()->speed_m_s,
-                     .expanded_uncertainty_m_s =
-                         expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
-                    unit());
+    return shown_in(
+        {.speed_m_s = best()->speed_m_s,
+         .expanded_uncertainty_m_s = expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
+        unit());
 }
 
 std::vector<RuleView> rule_views(const ReportInputs& inputs) {
     std::vector<RuleView> views;
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
-        views.push_back(
-            {inputs, inputs.verdict.profiles[i], inputs.profiles[i],
-             windows_of(inputs.receivers.front().windows, inputs.profiles[i].id)});
+        views.push_back({inputs, inputs.verdict.profiles[i], inputs.profiles[i],
+                         windows_of(inputs.receivers.front().windows, inputs.profiles[i].id)});
     return views;
 }
 

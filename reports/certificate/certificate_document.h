@@ -24,7 +24,8 @@ struct RuleView {
     const ReportInputs& inputs;
     const ProfileVerdict& verdict;
     const Profile& profile;
-    const ProfileWindows* windows = nullptr;  ///< of the judged receiver; null if none were searched
+    const ProfileWindows* windows =
+        nullptr;  ///< of the judged receiver; null if none were searched
 
     const SpeedUnit& unit() const { return speed_unit(rule_unit_name(profile)); }
     /// The certified window; null if there is none.

@@ -20,10 +20,11 @@ using Json = nlohmann::ordered_json;
 /// What must be seen before anything else.
 void add_cautions(Section& page, const ReportInputs& inputs) {
     if (const auto& amends = inputs.attempt.amends)
-        add(page, paragraph(fmt::format("This report replaces report {}. Reason: {} SHA-256 of the "
-                                        "report replaced: {}.",
-                                        amends->report_id, sentence(amends->reason), amends->sha256),
-                            "caution"));
+        add(page,
+            paragraph(fmt::format("This report replaces report {}. Reason: {} SHA-256 of the "
+                                  "report replaced: {}.",
+                                  amends->report_id, sentence(amends->reason), amends->sha256),
+                      "caution"));
     for (const ReceiverResults& results : inputs.receivers)
         if (results.observations.simulated)
             add(page, paragraph(fmt::format("Simulated. The recording of receiver “{}” says that "
@@ -104,23 +105,23 @@ void add_result(Section& page, const RuleView& rule) {
     if (verdict.speed_m_s) add_fact(list, "Required speed", with_unit(shown.required_speed));
     if (verdict.speed_m_s) add_fact(list, "Acceptance limit", with_unit(shown.acceptance_limit));
     if (const auto& record = verdict.record)
-        add_fact(list, "Record to beat",
-                 fmt::format("{}{}: {}", number_text(record->speed, record->unit),
-                             record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
-                                 ? fmt::format(" ± {} (k = 2)",
-                                               number_text(*record->expanded_uncertainty,
-                                                           record->unit))
-                                 : "",
-                             record->source));
+        add_fact(
+            list, "Record to beat",
+            fmt::format("{}{}: {}", number_text(record->speed, record->unit),
+                        record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
+                            ? fmt::format(" ± {} (k = 2)",
+                                          number_text(*record->expanded_uncertainty, record->unit))
+                            : "",
+                        record->source));
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
         add_fact(list, "Conformance probability",
                  fmt::format("{} (at least {} required)",
                              probability_text(verdict.decision->probability),
                              level_text(verdict.decision->level)));
     if (verdict.own_arithmetic)
-        add_fact(list, "The rule's arithmetic", verdict.own_arithmetic->shown.empty()
-                                                           ? "not known"
-                                                           : verdict.own_arithmetic->shown);
+        add_fact(
+            list, "The rule's arithmetic",
+            verdict.own_arithmetic->shown.empty() ? "not known" : verdict.own_arithmetic->shown);
     if (verdict.window) {
         add_fact(list, "Window", window_line(rule));
         if (verdict.window->start_gps)
@@ -162,12 +163,12 @@ std::string instrument_text(const Receiver& receiver, const Observations& record
     const std::string stated =
         joined({joined({said.make, said.model}, " "), labelled("serial", said.serial),
                 labelled("firmware", said.firmware), labelled("antenna", said.antenna)});
-    return or_not_stated(joined(
-        {stated, recording.device.empty()
-                     ? ""
-                     : fmt::format("{}the recording says: {}", stated.empty() ? "" : "and ",
-                                   recording.device)},
-        "; "));
+    return or_not_stated(
+        joined({stated, recording.device.empty()
+                            ? ""
+                            : fmt::format("{}the recording says: {}", stated.empty() ? "" : "and ",
+                                          recording.device)},
+               "; "));
 }
 
 /// Craft, people, place and instrument: each said, or said to be missing.
@@ -181,12 +182,11 @@ void add_identity(Section& page, const ReportInputs& inputs) {
                          ? fmt::format("sail area {} m²", number_text(*attempt.craft.sail_area_m2))
                          : ""}));
     add_fact(list, "Pilot", or_not_stated(attempt.pilot));
-    add_fact(list, "Organisation",
-             or_not_stated(joined({attempt.organisation, attempt.contact})));
+    add_fact(list, "Organisation", or_not_stated(joined({attempt.organisation, attempt.contact})));
     const auto& origin = inputs.receivers.front().screened.origin;
     add_fact(list, "Place",
-             or_not_stated(joined(
-                 {attempt.place, origin ? coordinates_text(origin->position) : ""}, "; ")));
+             or_not_stated(
+                 joined({attempt.place, origin ? coordinates_text(origin->position) : ""}, "; ")));
     add_fact(list, "Date", or_not_stated(attempt.date));
     for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
         add_fact(list,
@@ -237,22 +237,22 @@ void add_overview(Section& page, const std::vector<RuleView>& rules) {
         outcome.look = "strong";
         Block row = table({"Rule|34", ">Measured speed|22", ">Required speed|16", "Window|28"}, {},
                           "small");
-        add_row(row,
-                {fmt::format("{}, {}", rule.verdict.title, rule.verdict.body),
-                 rule.verdict.speed_m_s ? measured_speed_text(shown) : "none",
-                 shown.required_speed.empty()
-                     ? "no record"
-                     : fmt::format("{} {}", shown.required_speed, shown.unit),
-                 rule.verdict.window ? window_line(rule) : "none"},
-                outcome_words(state_of(rule.verdict)).tone);
+        add_row(
+            row,
+            {fmt::format("{}, {}", rule.verdict.title, rule.verdict.body),
+             rule.verdict.speed_m_s ? measured_speed_text(shown) : "none",
+             shown.required_speed.empty() ? "no record"
+                                          : fmt::format("{} {}", shown.required_speed, shown.unit),
+             rule.verdict.window ? window_line(rule) : "none"},
+            outcome_words(state_of(rule.verdict)).tone);
         if (&rule != &rules.front())
             for (TableColumn& column : row.columns)
                 column.head.clear();
         add(page, std::move(outcome));
         add(page, std::move(row));
     }
-    add(page, paragraph("Reasons, requirements, witnesses and uncertainty of each rule follow.",
-                        "note"));
+    add(page,
+        paragraph("Reasons, requirements, witnesses and uncertainty of each rule follow.", "note"));
 }
 
 void add_small_plots(Section& page, const Json& figures) {

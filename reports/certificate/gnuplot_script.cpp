@@ -207,10 +207,9 @@ std::string gnuplot_script(const Json& figure, const std::string& svg_file) {
         "set terminal svg size {},{} font 'DejaVu Sans,13' name 'figure' background 'white'\n"
         "set output {}\nset xlabel {} noenhanced offset 0, 0.5\nset ylabel {} noenhanced\n"
         "{}set xrange [{}:{}]\nset yrange [{}:{}]\nplot {}\nset output\n",
-        is_small(figure) ? "set key off\n" : "",
-        plots.blocks, objects, marks(figure["marks"]), is_small(figure) ? small_width : figure_width,
-        height_of(figure),
-        quoted(svg_file), quoted(figure["x_label"]), quoted(figure["y_label"]), equal_scale(figure),
+        is_small(figure) ? "set key off\n" : "", plots.blocks, objects, marks(figure["marks"]),
+        is_small(figure) ? small_width : figure_width, height_of(figure), quoted(svg_file),
+        quoted(figure["x_label"]), quoted(figure["y_label"]), equal_scale(figure),
         number(figure["x_min"]), number(figure["x_max"]), number(figure["y_min"]),
         number(figure["y_max"]), joined(plots.items));
 }

@@ -50,10 +50,9 @@ Json average_figure(const ReportInputs& inputs, Dimension dimension) {
     const SpeedUnit& unit = speed_unit(rule_unit_name(inputs.profiles.front()));
     const TrajectoryTable& table = inputs.receivers.front().trajectory;
     const std::string speed(words_of(dimension));
-    Json figure =
-        empty_figure("average", "The " + speed + " over the rules' lengths",
-                     average_caption(thinning(table.rows.size())), time_label,
-                     fmt::format("{} ({})", speed, unit.name));
+    Json figure = empty_figure("average", "The " + speed + " over the rules' lengths",
+                               average_caption(thinning(table.rows.size())), time_label,
+                               fmt::format("{} ({})", speed, unit.name));
     Range times, speeds;
     std::set<std::string> drawn;  // rules of one length have one curve
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i) {
@@ -61,8 +60,7 @@ Json average_figure(const ReportInputs& inputs, Dimension dimension) {
         if (profile.dimension != dimension) continue;
         const std::string length = window_words(profile);
         if (!drawn.contains(length)) {
-            if (!add_average(table, profile, drawn.size(), times, speeds, unit, figure))
-                continue;
+            if (!add_average(table, profile, drawn.size(), times, speeds, unit, figure)) continue;
             drawn.insert(length);
         }
         const ProfileVerdict& verdict = inputs.verdict.profiles[i];

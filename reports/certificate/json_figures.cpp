@@ -105,8 +105,7 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
 }
 
 /// Those that differ most from the others come first, so that they do not hide them.
-MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows,
-                           const SpeedUnit& unit) {
+MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows, const SpeedUnit& unit) {
     MethodCurves methods;
     add_curve(methods, rows, {"method v1 of [DHD22]", "points", "green"},
               &TrajectoryEpoch::speed_v1_m_s, unit);
@@ -210,9 +209,9 @@ Json window_figure(const TrajectoryTable& table, const RuleView& rule) {
     const double start = window.start.seconds();
     const double end = start + window.duration.seconds();
     const double pad = std::max(0.5 * (end - start), 1.0);
-    Json figure = empty_figure("window", "The window under the rule " + rule.profile.id,
-                               window_caption(rule), time_label,
-                               fmt::format("horizontal speed ({})", unit.name));
+    Json figure =
+        empty_figure("window", "The window under the rule " + rule.profile.id, window_caption(rule),
+                     time_label, fmt::format("horizontal speed ({})", unit.name));
     figure["figure_profile"] = rule.profile.id;
     MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad), unit);
     figure["curves"] = std::move(methods.curves);
@@ -247,10 +246,11 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     const double start = window.start.seconds();
     const double end = start + window.duration.seconds();
     const double pad = std::max(0.5 * (end - start), 1.0);
-    Json figure = empty_figure("result", capitalised(quantity) + " around the window",
-                               "Shaded: the window; black: the speed that counts; dashed: the required speed, where "
-                               "it is near.",
-                               time_label, fmt::format("{} ({})", quantity, unit.name));
+    Json figure = empty_figure(
+        "result", capitalised(quantity) + " around the window",
+        "Shaded: the window; black: the speed that counts; dashed: the required speed, where "
+        "it is near.",
+        time_label, fmt::format("{} ({})", quantity, unit.name));
     Curve curve({"smoothed", "line", "blue"});
     Curve angle({"dive angle (°)", "dashed", "green"});
     Range speeds;
@@ -268,8 +268,7 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     add_window_span(figure["spans"], window, "window", "window");
     add_counting_speeds(figure, speeds, rule);
     if (!figure["levels"].empty()) figure["levels"][0]["level_name"] = "required speed";
-    set_axes(figure, start - pad, end + pad, speeds.least.value_or(0.0),
-             speeds.most.value_or(0.0));
+    set_axes(figure, start - pad, end + pad, speeds.least.value_or(0.0), speeds.most.value_or(0.0));
     return figure;
 }
 

@@ -36,8 +36,8 @@ void add_answers(Json& facts, const RuleStanding& rule) {
             same->second.push_back(clause.due.clause);
         }
     for (const auto& [words, clauses] : answered)
-        facts.push_back(fact("Rule “" + rule.profile + "”",
-                             fmt::format("{}: {}", words, listed(clauses))));
+        facts.push_back(
+            fact("Rule “" + rule.profile + "”", fmt::format("{}: {}", words, listed(clauses))));
 }
 
 /// The state of a clause once it was answered, for the eye.
@@ -89,9 +89,9 @@ void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
 Json standing_json(const RunStanding& standing, const Json& predicate) {
     if (standing.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
     Json json{{"roster_sha256", standing.roster_sha256}, {"slots", Json::object()}};
-    Json facts = Json::array({fact("Whose word counts", vouched_words(standing) +
-                                                            " The answers are not part of what "
-                                                            "the report's signers signed.")});
+    Json facts = Json::array(
+        {fact("Whose word counts", vouched_words(standing) + " The answers are not part of what "
+                                                             "the report's signers signed.")});
     for (const RuleStanding& rule : standing.rules) {
         set_rule(json["slots"], rule, predicate);
         add_answers(facts, rule);

@@ -26,11 +26,13 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// Libraries first; last `page.js`, which starts the page.
-constexpr std::string_view page_scripts[] = {
-    "mustache.min.js", "noble-hashes.min.js", "uPlot.iife.min.js", "qr-code.min.js", "signatures.js",
-    "shown_text.js",   "self_check.js",       "elements.js",       "tables.js",
-    "chart_data.js",   "chart_parts.js",      "chart_drawing.js",  "charts.js",
-    "page.js"};
+constexpr std::string_view page_scripts[] = {"mustache.min.js",   "noble-hashes.min.js",
+                                             "uPlot.iife.min.js", "qr-code.min.js",
+                                             "signatures.js",     "shown_text.js",
+                                             "self_check.js",     "elements.js",
+                                             "tables.js",         "chart_data.js",
+                                             "chart_parts.js",    "chart_drawing.js",
+                                             "charts.js",         "page.js"};
 
 Json signers_json(const std::vector<SignatureText>& signatures) {
     Json list = Json::array();
@@ -73,12 +75,13 @@ std::string code_image(const std::string& report_id, const std::string& report_s
     std::string path;
     for (int y = 0; y < code.getSize(); ++y)
         for (int x = 0; x < code.getSize(); ++x)
-            if (code.getModule(x, y))
-                path += fmt::format("M{},{}h1v1h-1z", x + border, y + border);
+            if (code.getModule(x, y)) path += fmt::format("M{},{}h1v1h-1z", x + border, y + border);
     const int side = code.getSize() + 2 * border;
-    return fmt::format("<svg width=\"{0}\" height=\"{0}\" viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"Code of the report's "
-                       "id and hash\"><path d=\"{1}\" fill=\"#000000\"></path></svg>",
-                       side, path);
+    return fmt::format(
+        "<svg width=\"{0}\" height=\"{0}\" viewBox=\"0 0 {0} {0}\" role=\"img\" aria-label=\"Code "
+        "of the report's "
+        "id and hash\"><path d=\"{1}\" fill=\"#000000\"></path></svg>",
+        side, path);
 }
 
 /// The document with the drawing of each plot, and with what was answered since.
@@ -108,8 +111,7 @@ std::string content_of(const std::string& report_text_bytes, const Json& report,
                        const std::vector<SignatureText>& signatures, const std::string& standing,
                        Medium medium, bool first_page_alone = false) {
     const Json& predicate = report["predicate"];
-    Json document =
-        shown_document(predicate["document"], drawings, Json::parse(standing));
+    Json document = shown_document(predicate["document"], drawings, Json::parse(standing));
     if (first_page_alone)
         document["sections"].erase(document["sections"].begin() + 1, document["sections"].end());
     const std::string sha256 = sha256_hex(report_text_bytes);
@@ -187,8 +189,8 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
     const std::string script = page_script();
     TemplateData data = page_data(report, !signatures.empty());
     data.set("style", page_style());
-    data.set("content", content_of(report_text_bytes, report, drawings, signatures, standing,
-                                   Medium::screen));
+    data.set("content",
+             content_of(report_text_bytes, report, drawings, signatures, standing, Medium::screen));
     data.set("report_json", report_text_bytes);
     data.set("signature_files", report_text_of(files));
     data.set("standing", standing);

@@ -19,9 +19,9 @@ struct SignatureText {
 /// A signature that the page names, as a claim: it is not checked here.
 struct ReportSigner {
     std::string file;
-    std::string key_id;           ///< minisign's; of an ssh signature its key's SHA-256
-    std::string role;             ///< empty where the signature names none
-    std::string time;             ///< as the signer states it; ssh has none
+    std::string key_id;  ///< minisign's; of an ssh signature its key's SHA-256
+    std::string role;    ///< empty where the signature names none
+    std::string time;    ///< as the signer states it; ssh has none
 };
 
 /// What the text of a signature file says of its signer. Failure where it is not a signature file.

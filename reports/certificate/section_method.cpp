@@ -41,8 +41,8 @@ void add_parameter(Block& block, const std::string& stage, const std::string& na
 }
 
 Block parameters_table(const ReportInputs& inputs) {
-    Block block = table({"Parameter|34", "Value|24", "Meaning|42"},
-                        "Every figure that the stages used");
+    Block block =
+        table({"Parameter|34", "Value|24", "Meaning|42"}, "Every figure that the stages used");
     const ReceiverResults& judged = inputs.receivers.front();
     for (const Header* header :
          {&judged.observations.header, &judged.enu_header, &judged.screened.header,
@@ -132,8 +132,7 @@ std::vector<std::string> description(const ReportInputs& inputs) {
 }
 
 Block software_table(const ReportInputs& inputs) {
-    Block block =
-        table({"Program|34", "Version|22", "Source revision, or SHA-256 of its file|44"});
+    Block block = table({"Program|34", "Version|22", "Source revision, or SHA-256 of its file|44"});
     const auto add_one = [&](const std::vector<std::string>& cells) {
         if (std::ranges::find(block.rows, cells, &TableRow::cells) == block.rows.end())
             add_row(block, cells);

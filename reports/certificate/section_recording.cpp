@@ -71,8 +71,8 @@ std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimatio
 /// axes, and one for the vertical one where heights were measured.
 Block noise_table(const EstimationSummary& estimation) {
     const bool heights = estimation.vertical.has_value();
-    Block block = heights ? table({"|30", "Horizontal|35", "Vertical|35"})
-                          : table({"|40", "Horizontal|60"});
+    Block block =
+        heights ? table({"|30", "Horizontal|35", "Vertical|35"}) : table({"|40", "Horizontal|60"});
     for (const auto& [label, text] : noise_lines(estimation.horizontal))
         add_row(block, {label, text});
     if (!heights) return block;

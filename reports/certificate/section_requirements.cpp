@@ -24,8 +24,8 @@ std::string counts_text(const ProfileVerdict& verdict) {
 }
 
 std::string decision_rule(const RuleView& rule) {
-    const double level = rule.verdict.decision ? rule.verdict.decision->level
-                                               : rule.profile.decision_probability;
+    const double level =
+        rule.verdict.decision ? rule.verdict.decision->level : rule.profile.decision_probability;
     const std::string silent = silent_rule_text(rule.profile);
     return fmt::format(
                "Decision rule: it goes by the conformance probability, that the true speed reaches "
@@ -69,11 +69,9 @@ Block requirements_table(const RuleView& rule) {
             std::string(to_text(requirement.status)));
         row.clause = requirement.clause;
         for (const Figure& figure : requirement.figures)
-            row.further.push_back(
-                fmt::format("{}: {}{}{}", figure.name, figure_value_text(figure),
-                            figure.note.empty() ? "" : "; ", figure.note));
-        row.further.push_back(fmt::format("{}: {}",
-                                          capitalised(words_of(requirement.certainty)),
+            row.further.push_back(fmt::format("{}: {}{}{}", figure.name, figure_value_text(figure),
+                                              figure.note.empty() ? "" : "; ", figure.note));
+        row.further.push_back(fmt::format("{}: {}", capitalised(words_of(requirement.certainty)),
                                           source_text(requirement)));
     }
     return block;
@@ -113,9 +111,9 @@ void add_requirements_of(Section& section, const RuleView& rule) {
     if (verdict.decision) add(section, paragraph(decision_words(rule)));
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         add(section, paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
-    Block standing = paragraph(fmt::format("{} Standing: {}.", counts_text(verdict),
-                                           standing_text(verdict.standing)),
-                               "strong");
+    Block standing = paragraph(
+        fmt::format("{} Standing: {}.", counts_text(verdict), standing_text(verdict.standing)),
+        "strong");
     standing.slot = "standing/" + verdict.profile;
     add(section, std::move(standing));
     add(section, requirements_table(rule));

@@ -74,8 +74,8 @@ void add_runs(Section& section, const RuleView& rule) {
                  format_fixed(run.length_m, 1) + " m",
                  fmt::format("{} {}", speed_text(run.top_speed_m_s, std::nullopt, unit), unit.name),
                  format_fixed(run.heading_deg, 1) + "°",
-                 fmt::format("begins {}, ends {}{}", began_words(run.began),
-                             ended_words(run.ended), holds_window ? "; holds the window" : "")},
+                 fmt::format("begins {}, ends {}{}", began_words(run.began), ended_words(run.ended),
+                             holds_window ? "; holds the window" : "")},
                 holds_window ? "chosen" : "");
     }
     add(section, std::move(block));
@@ -83,9 +83,9 @@ void add_runs(Section& section, const RuleView& rule) {
 
 void add_course(Section& section, const RuleView& rule) {
     if (rule.verdict.course.empty()) return;
-    Block block = table({"From the data|38", "Figure ± expanded uncertainty (k = 2)|26",
-                         "Where it comes from|36"},
-                        rule.titled("Course and craft"));
+    Block block = table(
+        {"From the data|38", "Figure ± expanded uncertainty (k = 2)|26", "Where it comes from|36"},
+        rule.titled("Course and craft"));
     for (const Figure& figure : rule.verdict.course)
         add_row(block, {figure.name, figure_value_text(figure), figure.note});
     add(section, std::move(block));

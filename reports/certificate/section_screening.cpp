@@ -13,7 +13,7 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t faults_shown = 3;       ///< in words
+constexpr std::size_t faults_shown = 3;  ///< in words
 
 std::string model_text(const ScreeningModel& model) {
     if (model.noise == NoiseBasis::fitted) return std::string(words_of(model.noise));
@@ -154,8 +154,8 @@ std::vector<Block> screening_blocks(const ReceiverResults& results) {
     add_basis(list, screened.basis);
     Block counts = table({">Epochs|14", "Decision of screening|86"});
     for (const auto& [reason, count] : summary.reasons)
-        add_row(counts, {counted(count),
-                         reason == Reason::none ? "used" : std::string(words_of(reason))});
+        add_row(counts,
+                {counted(count), reason == Reason::none ? "used" : std::string(words_of(reason))});
     return {std::move(list), std::move(counts),
             paragraph("runcert audit RUN_FOLDER lists every decision with its row of the "
                       "recording.",

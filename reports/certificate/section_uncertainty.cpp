@@ -21,8 +21,8 @@ class Scale {
 
     std::string signed_text(double difference_m_s) const {
         const double difference = difference_m_s * unit_.per_m_s;
-        return fmt::format("{}{} {}", difference > 0.0 ? "+" : "",
-                           significant_text(difference, 2), unit_.name);
+        return fmt::format("{}{} {}", difference > 0.0 ? "+" : "", significant_text(difference, 2),
+                           unit_.name);
     }
     std::string uncertainty(double uncertainty_m_s) const {
         return fmt::format("{} {}", uncertainty_text(uncertainty_m_s * unit_.per_m_s), unit_.name);
@@ -44,11 +44,11 @@ std::string metres(double length_m) {
 }
 
 std::string fitted_text(const FittedSpeed& fitted, const Scale& scale) {
-    return fmt::format(
-        "{} (k = {}), by {}",
-        scale.with_uncertainty(fitted.speed_m_s, fitted.standard_uncertainty_m_s),
-        coverage_text(scale.coverage_factor()),
-        fitted.models == 1 ? std::string("one noise model")
+    return fmt::format("{} (k = {}), by {}",
+                       scale.with_uncertainty(fitted.speed_m_s, fitted.standard_uncertainty_m_s),
+                       coverage_text(scale.coverage_factor()),
+                       fitted.models == 1
+                           ? std::string("one noise model")
                            : fmt::format("{} noise models, averaged over their profile likelihood",
                                          fitted.models));
 }
@@ -186,8 +186,8 @@ void add_undetected(Section& section, const CertifiableWindow& window, const Sca
     const auto worst = std::ranges::find_if(
         errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
     if (worst != errors.end())
-        add(section, paragraph(sentence(capitalised(undetected_error_text(
-                         *worst, *window.detection_power, scale.unit())))));
+        add(section, paragraph(sentence(capitalised(
+                         undetected_error_text(*worst, *window.detection_power, scale.unit())))));
     Block block = table({"Error|38", "Where it matters most|26", ">Size that could be missed|18",
                          fmt::format(">Change of the speed, {}|18", scale.unit().name)});
     for (const UndetectedError& error : errors) {

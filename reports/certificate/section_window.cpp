@@ -54,7 +54,8 @@ Block span_facts(const WindowSpan& span) {
 void add_best_facts(Block& list, const RuleView& rule) {
     const CertifiableWindow& best = *rule.best();
     add_fact(list, "Distance between its ends", format_fixed(best.displacement_m, 3) + " m");
-    add_fact(list, "Position at its ends, 95 % radius", format_fixed(best.position_r95_m, 3) + " m");
+    add_fact(list, "Position at its ends, 95 % radius",
+             format_fixed(best.position_r95_m, 3) + " m");
     add_fact(list, "Windows compared", counted(rule.windows->candidates));
     if (best.length_m)
         add_fact(list, "Length that the speed is of", format_fixed(*best.length_m, 3) + " m");
@@ -163,14 +164,13 @@ void add_receivers(Section& section, const RuleView& rule) {
         const ProfileWindows* windows = windows_of(results.windows, rule.profile.id);
         const auto figure = windows == nullptr ? std::nullopt : figure_of(*windows);
         add_fact(list, results.windows.receiver,
-                 figure ? fmt::format(
-                              "{}, {} after its first epoch",
-                              speed_with_uncertainty_text(
-                                  figure->speed_m_s,
-                                  expanded_uncertainty_by_rule_m_s(*figure,
-                                                                   rule.profile.coverage_factor),
-                                  rule.unit()),
-                              seconds_text(windows->best->span.start))
+                 figure ? fmt::format("{}, {} after its first epoch",
+                                      speed_with_uncertainty_text(
+                                          figure->speed_m_s,
+                                          expanded_uncertainty_by_rule_m_s(
+                                              *figure, rule.profile.coverage_factor),
+                                          rule.unit()),
+                                      seconds_text(windows->best->span.start))
                         : "no certifiable window");
     }
     add(section, std::move(list));
@@ -180,10 +180,10 @@ void add_refused(Section& section, const RuleView& rule) {
     const auto& indicated = rule.verdict.indicated;
     if (!indicated) return;
     add(section, heading(rule.titled("Fastest window of the raw positions, refused")));
-    add(section, paragraph(fmt::format("The raw positions show {} in this window. It is not "
-                                       "certified:",
-                                       speed_beside(rule.verdict, indicated->speed_m_s,
-                                                    rule.unit().name))));
+    add(section,
+        paragraph(fmt::format("The raw positions show {} in this window. It is not "
+                              "certified:",
+                              speed_beside(rule.verdict, indicated->speed_m_s, rule.unit().name))));
     add(section, list_of(indicated->refusals));
     add(section, span_facts(indicated->span));
 }
@@ -196,11 +196,11 @@ void add_window(Section& section, const RuleView& rule, const nlohmann::ordered_
             add(section, paragraph(own_arithmetic_text(*rule.verdict.own_arithmetic), "note"));
         if (rule.verdict.current_subtracted_m_s)
             add(section,
-                paragraph(fmt::format("The current's component along the course, {}, is subtracted.",
-                                      speed_beside(rule.verdict,
-                                                   *rule.verdict.current_subtracted_m_s,
-                                                   rule.unit().name)),
-                          "note"));
+                paragraph(
+                    fmt::format("The current's component along the course, {}, is subtracted.",
+                                speed_beside(rule.verdict, *rule.verdict.current_subtracted_m_s,
+                                             rule.unit().name)),
+                    "note"));
         for (std::size_t i = 0; i < figures.size(); ++i)
             if (figures[i].value("figure_profile", "") == rule.profile.id &&
                 figures[i]["figure"] == "window")

@@ -56,8 +56,7 @@ void add(Section& section, std::vector<Block> blocks) {
 }
 
 void add_fact(Block& facts, std::string name, std::string value) {
-    if (!value.empty())
-        facts.facts.push_back({.name = std::move(name), .value = std::move(value)});
+    if (!value.empty()) facts.facts.push_back({.name = std::move(name), .value = std::move(value)});
 }
 
 TableRow& add_row(Block& table, std::vector<std::string> cells, std::string mark) {

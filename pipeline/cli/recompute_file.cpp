@@ -194,13 +194,14 @@ Json predicate_of(const std::string& text, const std::string& where) {
 Json measurement_of(Json predicate, bool made_here, bool drawn_here) {
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);
-    if (!made_here) predicate.erase("page");
+    if (!made_here)
+        for (const char* member : {"page", "schema"})
+            predicate.erase(member);
     if (predicate.contains("page") && predicate["page"].is_object())
         predicate["page"].erase("drawn_by_sha256");
     if (predicate.contains("figures"))
         for (Json& figure : predicate["figures"]) {
-            if (!drawn_here) figure.erase("drawing_sha256");
-            if (!made_here) figure.erase("figure_id");  // counts the figures
+            if (!drawn_here || !made_here) figure.erase("drawing_sha256");
         }
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
@@ -229,6 +230,25 @@ Json given_in(const Json& header) {
     return given;
 }
 
+bool is_of_earlier_revision(const Json& predicate) {
+    return predicate.value("schema", Json::object()).value("version", "") !=
+           report_field_table().version();
+}
+
+/// Of a report of revision 1.0, the figures that its pages showed largest, where later ones have
+/// them: beside the others of the verdict.
+Json with_headlines(Json said, const Json& first_revision) {
+    const Json& profiles = first_revision["profiles"];
+    for (std::size_t i = 0; i < profiles.size() && i < said["profiles"].size(); ++i) {
+        const Json headline = profiles[i].value("headline", Json::object());
+        for (const char* name : {"speed", "required_speed", "acceptance_limit"})
+            if (const auto figure = headline.find(fmt::format("headline_{}", name));
+                figure != headline.end())
+                said["profiles"][i]["shown"][name] = *figure;
+    }
+    return said;
+}
+
 void judge_report(FileComparison& file, const std::string& old_text, const std::string& new_text,
                   const std::string& where) {
     const Json old_report = predicate_of(old_text, where);
@@ -238,7 +258,10 @@ void judge_report(FileComparison& file, const std::string& old_text, const std::
     if (!made_here || !drawn_here) file.maker = "another program";
     file.other_program = !made_here;
     const Json recomputed = measurement_of(predicate_of(new_text, where), made_here, drawn_here);
-    const Json in_folder = measurement_of(old_report, made_here, drawn_here);
+    Json in_folder = measurement_of(old_report, made_here, drawn_here);
+    // What an earlier revision said beside its figures stands in the document of later ones.
+    if (is_of_earlier_revision(old_report))
+        in_folder = with_headlines(as_far_as_said(in_folder, recomputed), old_report);
     judge_exact(file, made_here ? recomputed : as_far_as_said(recomputed, in_folder), in_folder,
                 "");
 }

@@ -206,8 +206,8 @@ Json speed_figure(const ReceiverResults& results, const std::vector<RuleView>& r
 Json window_figure(const TrajectoryTable& table, const RuleView& rule) {
     const WindowSpan& window = *rule.verdict.window;
     const SpeedUnit& unit = rule.unit();
-    const double start = window.start.seconds();
-    const double end = start + window.duration.seconds();
+    const double start = rounded(window.start.seconds(), 9);
+    const double end = start + rounded(window.duration.seconds(), 9);
     const double pad = std::max(0.5 * (end - start), 1.0);
     Json figure =
         empty_figure("window", "The window under the rule " + rule.profile.id, window_caption(rule),
@@ -243,8 +243,8 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     const Dimension dimension = rule.profile.dimension;
     const std::string quantity =
         dimension == Dimension::horizontal ? "speed" : std::string(words_of(dimension));
-    const double start = window.start.seconds();
-    const double end = start + window.duration.seconds();
+    const double start = rounded(window.start.seconds(), 9);
+    const double end = start + rounded(window.duration.seconds(), 9);
     const double pad = std::max(0.5 * (end - start), 1.0);
     Json figure = empty_figure(
         "result", capitalised(quantity) + " around the window",

@@ -36,6 +36,7 @@ struct CertifyOptions {
     std::string key;
     bool no_render = false;
     bool no_pdf = false;
+    bool brief = false;
 };
 
 /// The speed as it is to be read, and what it had to reach.
@@ -122,8 +123,7 @@ Verdict verdict_in(const fs::path& run_dir) {
     return read_verdict(read_file(file), file.string());
 }
 
-bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir,
-                    bool signed_report, bool rendered) {
+bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
     bool all_beaten = true;
     for (const ProfileVerdict& profile : verdict.profiles)
         all_beaten = print_verdict(profile, attempt, run_dir) && all_beaten;
@@ -133,8 +133,8 @@ bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::pa
             "not stated\n");
     if (const std::string missing = missing_sandbox(); !missing.empty())
         fmt::print("\nnote     {}\n", plain_text(missing));
-    fmt::print("\nreport   {}{}\n", (run_dir / (rendered ? "report.html" : "report.json")).string(),
-               signed_report ? " (signed)" : " (UNSIGNED: give --key to sign it)");
+    fmt::print("\n");
+    std::fflush(stdout);
     return all_beaten;
 }
 
@@ -165,22 +165,29 @@ int certify(const CertifyOptions& options) {
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     StagingFolder staging(run_dir);
     require_a_run(staging.earlier(), inventory_of(attempt).files);
-    const RunInMaking run{
-        .attempt = attempt,
-        .text = text,
-        .source = {.file = options.attempt},
-        .folder = staging.path(),
-        .known_as = run_dir,
-        .report = {.render = !options.no_render, .pdf = !options.no_pdf, .signer = options.key},
-        .sign = [&] {
-            return sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
-        }};
+    const RunInMaking run{.attempt = attempt,
+                          .text = text,
+                          .source = {.file = options.attempt},
+                          .folder = staging.path(),
+                          .known_as = run_dir,
+                          .report = {.render = !options.no_render,
+                                     .pdf = !options.no_pdf,
+                                     .brief = options.brief,
+                                     .signer = options.key},
+                          .sign = [&] {
+                              return sign_report(staging.path(), read_report_facts(staging.path()),
+                                                 *key, role);
+                          }};
     std::vector<StageDone> stages;
+    bool all_beaten = false;
     const auto show = [&](const StageDone& stage) {
         StageDone shown = stage;
         if (stage.name == "check") shown.said = {"verdict below"};
         print_stage(shown);
         stages.push_back(stage);
+        // The answer is there before anything is drawn.
+        if (stage.name == "check")
+            all_beaten = print_verdicts(verdict_in(staging.path()), attempt, run_dir);
     };
     StageDone report;  // one to the user, with its pages
     try {
@@ -203,10 +210,12 @@ int certify(const CertifyOptions& options) {
         return 2;
     }
     write_file_unsynced(staging.path() / "run.yaml", run_times_text(started, stages));
-    const Verdict verdict = verdict_in(staging.path());
     const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
-    return print_verdicts(verdict, attempt, run_dir, is_signed, !options.no_render) ? 0 : 1;
+    fmt::print("         {}{}\n",
+               (run_dir / (options.no_render ? "report.json" : "report.html")).string(),
+               is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)");
+    return all_beaten ? 0 : 1;
 }
 
 }  // namespace
@@ -219,6 +228,8 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_option("--out", options->out, "run folder to write (default: out/ID)");
     command->add_option("--key", options->key, "secret key to sign the report with");
     command->add_flag("--no-pdf", options->no_pdf, "report.json and HTML alone");
+    command->add_flag("--brief", options->brief,
+                      "of the PDF the first page alone, the certificate");
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     command->footer(fmt::format(
         "Exit status: 0 the outcome of every profile is beaten, 1 one is not, 2 no certificate\n"

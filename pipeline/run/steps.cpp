@@ -226,6 +226,7 @@ Names command_of(const Step& step, const StepCall& call, const std::filesystem::
     append(command, step.options);
     if (step.name == "import") append(command, call.import_options);
     if (step.name == "render" && !call.pdf) command.emplace_back("--no-pdf");
+    if (step.name == "render" && call.brief) command.emplace_back("--brief");
     if (step.name == "render" && !call.roster.empty())
         command.insert(command.end(), {"--roster", call.roster.string()});
     return command;

@@ -46,6 +46,7 @@ const Step& step_named(std::string_view name);
 struct ReportChoice {
     bool render = true;
     bool pdf = true;
+    bool brief = false;       ///< of the PDF the first page alone
     std::string signer = {};  ///< key id and role; empty for no signature
 };
 
@@ -86,6 +87,7 @@ struct StepCall {
     /// For import: where what the attempt names is to be found ("--earlier-run", "--folder").
     std::vector<std::string> import_options = {};
     bool pdf = true;
+    bool brief = false;
     std::filesystem::path roster = {};  ///< for render: whose keys count; may be empty
 };
 

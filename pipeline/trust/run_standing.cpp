@@ -97,7 +97,9 @@ OutcomeState outcome_of(const Json& profile) {
         return value;
     };
     const auto outcome = read(profile.at("outcome"), Outcome{});
-    const auto origin = read(profile.at("rule_identity").at("origin"), RuleOrigin{});
+    // Reports of revision 1.0 call it rule_identity.
+    const char* const rule = profile.contains("rule") ? "rule" : "rule_identity";
+    const auto origin = read(profile.at(rule).at("origin"), RuleOrigin{});
     const bool overridden = profile.contains("overrides") && !profile.at("overrides").empty();
     return {.outcome = outcome,
             .record_named = profile.contains("record"),

@@ -138,11 +138,12 @@ void take_report(const fs::path& run_dir, const fs::path& folder,
 /// The pages of the run folder's report, made in `folder`. Nothing where they are; else why not.
 std::optional<std::string> render_again(const fs::path& run_dir, const fs::path& folder,
                                         const ReportFacts& report, const fs::path& roster,
-                                        bool with_pdf) {
+                                        bool with_pdf, bool brief) {
     try {
         run_step("render", {.attempt = run_dir / attempt_copy_name,
                             .run_dir = folder,
                             .pdf = with_pdf,
+                            .brief = brief,
                             .roster = roster});
     } catch (const StageFailed& failed) {
         const std::string errors = message_of(failed);
@@ -158,6 +159,16 @@ std::optional<std::string> render_again(const fs::path& run_dir, const fs::path&
                escape_for_message(trim(said.substr(said.find(' ') + 1, said.find('\n') - 7)), 600);
     }
     return std::nullopt;
+}
+
+/// Whether a PDF is the first page alone; one that cannot be read is not.
+bool is_brief(const fs::path& pdf) {
+    try {
+        require_readable_pdf(pdf);
+        return facts_of(pdf)["Pages"] == "1";
+    } catch (const Failure&) {
+        return false;
+    }
 }
 
 PageComparison compare_bytes(const fs::path& page, const fs::path& own) {
@@ -221,8 +232,9 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
     const fs::path roster_file = roster_folder.path() / "roster";
     if (!roster.empty()) write_file_atomically(roster_file, rules.roster->text);
     take_report(run_dir, folder.path(), html ? std::optional(signatures_in(page)) : std::nullopt);
-    if (const auto failed = render_again(run_dir, folder.path(), report,
-                                         roster.empty() ? fs::path() : roster_file, pdf)) {
+    if (const auto failed =
+            render_again(run_dir, folder.path(), report, roster.empty() ? fs::path() : roster_file,
+                         pdf, pdf && is_brief(run_dir / pdf_file))) {
         step.passed = false;
         step.finding = *failed;
         step.details.emplace_back(

@@ -67,24 +67,35 @@ std::optional<double> number_of(const Json& object, const std::string& key) {
     return object.at(key).get<double>();
 }
 
-/// The large figures at the top of the page.
-void compare_headline(const std::string& rule, const Json& profile, const YamlValue& verdict,
-                      Comparison& compare) {
+/// The figures as they are to be read. A report of revision 1.0 calls them a headline.
+void compare_shown(const std::string& rule, const Json& profile, const YamlValue& verdict,
+                   Comparison& compare) {
     const YamlValue figures = verdict["shown"];
     if (!figures.exists()) return;
-    const Json headline = profile.value("headline", Json::object());
-    for (const auto& [key, name] : {std::pair("headline_speed", "speed"),
-                                    {"headline_unit", "unit"},
-                                    {"headline_uncertainty", "expanded_uncertainty"},
-                                    {"headline_required_speed", "required_speed"},
-                                    {"headline_acceptance_limit", "acceptance_limit"}})
-        compare.equal(fmt::format("{}, {}", rule, key), text_of(headline, key),
+    const bool is_first = profile.contains("headline");
+    const Json in_report = profile.value(is_first ? "headline" : "shown", Json::object());
+    for (const auto& [first_key, name] : {std::pair("headline_speed", "speed"),
+                                          {"headline_unit", "unit"},
+                                          {"headline_uncertainty", "expanded_uncertainty"},
+                                          {"headline_required_speed", "required_speed"},
+                                          {"headline_acceptance_limit", "acceptance_limit"}}) {
+        const std::string key = is_first ? first_key : name;
+        compare.equal(fmt::format("{}, {}", rule, key), text_of(in_report, key),
                       figures[name].text_or(""), verdict_file);
+    }
+}
+
+/// The block of the document in that place; an empty one where there is none.
+Json block_in(const Json& predicate, const std::string& slot) {
+    for (const Json& section : predicate.at("document").at("sections"))
+        for (const Json& block : section.at("blocks"))
+            if (text_of(block, "slot") == slot) return block;
+    return Json::object();
 }
 
 /// The title of the outcome is what a page shows largest.
-void compare_title(const std::string& rule, const Json& profile, const YamlValue& verdict,
-                   Comparison& compare) {
+void compare_title(const std::string& rule, const Json& predicate, const Json& profile,
+                   const YamlValue& verdict, Comparison& compare) {
     const YamlValue standing = verdict["standing"];
     const OutcomeState state{.outcome = member::read<Outcome>(verdict["outcome"]),
                              .standing = {.state = member::read<StandingState>(standing["state"]),
@@ -95,20 +106,34 @@ void compare_title(const std::string& rule, const Json& profile, const YamlValue
                                              member::read<RuleOrigin>(verdict["rule"]["origin"]) !=
                                                  RuleOrigin::built_in};
     const OutcomeWords words = outcome_words(state);
-    for (const auto& [key, text] : {std::pair("outcome_title", words.title),
-                                    {"outcome_mark", words.mark},
-                                    {"tone", words.tone},
-                                    {"standing_words", standing_text(state.standing)}})
-        compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), text,
+    const auto equal = [&](const char* what, const std::string& in_report,
+                           const std::string& text) {
+        compare.equal(fmt::format("{}, {}", rule, what), in_report, text,
                       verdict_file + " (by its outcome)");
+    };
+    if (!predicate.contains("document")) {  // revision 1.0
+        for (const auto& [key, text] : {std::pair("outcome_title", words.title),
+                                        {"outcome_mark", words.mark},
+                                        {"tone", words.tone},
+                                        {"standing_words", standing_text(state.standing)}})
+            equal(key, text_of(profile, key), text);
+        return;
+    }
+    const Json block = block_in(predicate, "outcome/" + verdict["profile"].text());
+    const bool several = predicate.at("profiles").size() > 1;
+    equal("outcome_title", text_of(block, "text"),
+          several ? fmt::format("{}: {}", verdict["profile"].text(), words.title) : words.title);
+    equal("outcome_mark", text_of(block, "sign"), words.mark);
+    equal("tone", text_of(block, "look"), several ? "strong" : "outcome_" + words.tone);
 }
 
-void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& compare) {
+void compare_profile(const Json& predicate, const Json& profile, const YamlValue& verdict,
+                     Comparison& compare) {
     const std::string rule = shown(verdict["profile"].text());
     for (const char* key : {"profile", "outcome", "reason", "definition"})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
                       verdict_file);
-    compare_title(rule, profile, verdict, compare);
+    compare_title(rule, predicate, profile, verdict, compare);
     for (const char* quantity : {"speed", "expanded_uncertainty", "required_speed"})
         for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
             const std::string key = fmt::format("{}_{}", quantity, unit);
@@ -117,7 +142,7 @@ void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& 
         }
     compare.number(rule + ", coverage_factor", number_of(profile, "coverage_factor"),
                    verdict["coverage_factor"].optional_real(), verdict_file);
-    compare_headline(rule, profile, verdict, compare);
+    compare_shown(rule, profile, verdict, compare);
     const auto requirements = verdict["requirements"].list();
     const Json& stated = profile.at("requirements");
     if (requirements.size() != stated.size())
@@ -139,7 +164,7 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
         return compare.fail(fmt::format("report.json: it has results by {} rules, {} has {}",
                                         profiles.size(), verdict_file, verdicts.size()));
     for (std::size_t i = 0; i < verdicts.size(); ++i)
-        compare_profile(profiles.at(i), verdicts[i], compare);
+        compare_profile(report.json->at("predicate"), profiles.at(i), verdicts[i], compare);
 }
 
 /// The signatures that rules and attempt ask for: a report cannot ask for fewer.

@@ -176,13 +176,15 @@ int height_of(const Json& figure) {
     return static_cast<int>(std::clamp(620.0 * shape, 170.0, 430.0)) + 90;
 }
 
-/// At most six ticks along the longer axis, on both a step of 1, 2 or 5 times a power of ten.
+/// At most six ticks along the longer axis, of a small figure three, on both a step of 1, 2 or 5
+/// times a power of ten.
 std::string equal_scale(const Json& figure) {
     if (!figure["equal_scale"].get<bool>()) return {};
     const double length = std::max(figure["x_max"].get<double>() - figure["x_min"].get<double>(),
                                    figure["y_max"].get<double>() - figure["y_min"].get<double>());
-    const double power = std::pow(10.0, std::floor(std::log10(length / 6.0)));
-    const double times = length / 6.0 / power;
+    const double ticks = is_small(figure) ? 3.0 : 6.0;
+    const double power = std::pow(10.0, std::floor(std::log10(length / ticks)));
+    const double times = length / ticks / power;
     const double step = power * (times <= 2.0 ? 2.0 : times <= 5.0 ? 5.0 : 10.0);
     return fmt::format("set size ratio -1\nset xtics {0}\nset ytics {0}\n", step);
 }

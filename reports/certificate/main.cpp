@@ -124,6 +124,7 @@ int main(int argc, char** argv) {
     std::string roster;
     bool no_render = false;
     bool no_pdf = false;
+    bool brief = false;
     bool render_only = false;
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
@@ -139,7 +140,8 @@ int main(int argc, char** argv) {
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
                           {.signatures = signatures_of(run.run_dir()),
                            .standing = standing_of(run.run_dir(), roster),
-                           .pdf = !no_pdf});
+                           .pdf = !no_pdf,
+                           .brief = brief});
             run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
         },
         [&](CommandLine& line) {
@@ -147,6 +149,7 @@ int main(int argc, char** argv) {
             line.text("--roster", roster, "whose answers and signatures the pages count");
             line.flag("--no-render", no_render, "stop after report.json");
             line.flag("--no-pdf", no_pdf, "no PDF, which takes longest");
+            line.flag("--brief", brief, "of the PDF the first page alone");
             line.flag("--render-only", render_only, "HTML and PDF of the report.json there is");
         });
 }

@@ -123,7 +123,7 @@ std::string content_of(const std::string& report_text_bytes, const Json& report,
 }
 
 /// What the head of every page holds.
-TemplateData page_data(const Json& report, bool is_signed) {
+TemplateData page_data(const Json& report, const std::vector<SignatureText>& signatures) {
     const Json& predicate = report["predicate"];
     const std::string id = predicate["report_id"].get<std::string>();
     TemplateData data{TemplateData::type::object};
@@ -132,7 +132,13 @@ TemplateData page_data(const Json& report, bool is_signed) {
                                  predicate["attempt"]["id"].get<std::string>()));
     data.set("report_id", plain_text(id));
     data.set("subtitle", plain_text(predicate["document"].value("subtitle", "")));
-    data.set("signed", TemplateData(is_signed));
+    data.set("signed", TemplateData(!signatures.empty()));
+    std::string issued;  // no clock enters: the earliest time that a signer states
+    for (const SignatureText& signature : signatures) {
+        const std::string time = read_signer(signature).time;
+        if (!time.empty() && (issued.empty() || time < issued)) issued = time;
+    }
+    data.set("issued", issued.empty() ? TemplateData(false) : TemplateData(plain_text(issued)));
     return data;
 }
 
@@ -187,7 +193,7 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
     for (const SignatureText& signature : signatures)
         files.push_back({{"file", signature.file}, {"text", signature.text}});
     const std::string script = page_script();
-    TemplateData data = page_data(report, !signatures.empty());
+    TemplateData data = page_data(report, signatures);
     data.set("style", page_style());
     data.set("content",
              content_of(report_text_bytes, report, drawings, signatures, standing, Medium::screen));
@@ -203,7 +209,7 @@ std::string report_print_page(const std::string& report_text_bytes, const Json& 
                               const std::vector<std::string>& drawings,
                               const std::vector<SignatureText>& signatures,
                               const std::string& standing, bool first_page_alone) {
-    TemplateData data = page_data(report, !signatures.empty());
+    TemplateData data = page_data(report, signatures);
     data.set("style", std::string(document_style()));
     data.set("content", content_of(report_text_bytes, report, drawings, signatures, standing,
                                    Medium::paper, first_page_alone));

@@ -50,8 +50,8 @@ void render_report(const std::filesystem::path& run_folder, const std::string& r
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
     const std::vector<std::string> drawings = draw_figures(report["predicate"]);
     require_own_page(report["predicate"], drawings, (run_folder / "report.json").string());
-    const std::string on_paper =
-        report_print_page(report_text, report, drawings, options.signatures, options.standing);
+    const std::string on_paper = report_print_page(
+        report_text, report, drawings, options.signatures, options.standing, options.brief);
     write_file_atomically(
         run_folder / "report.html",
         report_page(report_text, report, drawings, options.signatures, options.standing));

@@ -17,6 +17,7 @@ struct RenderOptions {
     std::vector<SignatureText> signatures;  ///< none: every page says UNSIGNED
     std::string standing = "{}\n";          ///< the text of a standing_json
     bool pdf = true;
+    bool brief = false;  ///< of the PDF the first page alone
 };
 
 /// Writes report.html and report.pdf into the run folder, from the bytes of report.json, its

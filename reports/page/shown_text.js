@@ -124,6 +124,7 @@ function renderPage(predicate, signers, pictures, carried, slots) {
   const { report_id, program, attempt, page } = predicate;
   const html = Mustache.render(pageParts.page, {
     ...carried, content, style: pageParts.style, signed: signers.length > 0,
+    issued: withoutControls(signers.map(({ signed_at: time }) => time).filter((time) => time !== "").sort()[0] ?? ""),
     report_id: withoutControls(report_id), version: withoutControls(program.version),
     subtitle: withoutControls(predicate.document.subtitle ?? ""),
     title: withoutControls(`Measurement report ${report_id}: ${attempt.id}`),

@@ -21,11 +21,13 @@ struct WordPieces {
 };
 constexpr WordPieces on_screen{"", "<wbr/>"}, on_paper{"<span>", "\u200B</span>"};
 
+constexpr std::size_t long_word = 400;
+
 /// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
 /// over a word of ten thousand letters. Shorter ones stay whole, since letters that belong together
 /// (Thai, emoji) must not be parted.
 std::string escaped(const std::string& text, const WordPieces& pieces) {
-    constexpr std::size_t long_word = 400, piece_bytes = 50;
+    constexpr std::size_t piece_bytes = 50;
     std::string out;
     std::size_t begin = 0;
     while (begin < text.size()) {
@@ -46,13 +48,15 @@ std::string escaped(const std::string& text, const WordPieces& pieces) {
     return out;
 }
 
-/// The cells of a row, each with what its column says of it.
+/// The cells of a row, each with what its column says of it: its head where that can stand in an
+/// attribute, which takes no pieces of a long word.
 Json shown_cells(const Json& row, const Json& columns) {
     Json cells = Json::array();
     const Json& texts = row.at("cells");
     for (std::size_t i = 0; i < texts.size() && i < columns.size(); ++i) {
         Json cell{{"cell", texts[i]}, {"first", i == 0}, {"number", columns[i].at("numbers")}};
-        cell["head"] = columns[i].value("head", "");
+        const std::string head = columns[i].value("head", "");
+        cell["head"] = head.size() > long_word ? "" : head;
         cell["share"] = i + 1 == texts.size() && row.contains("share") ? row.at("share") : Json("");
         cells.push_back(std::move(cell));
     }

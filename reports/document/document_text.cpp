@@ -15,6 +15,17 @@ namespace {
 constexpr std::size_t between_columns = 2;
 constexpr std::size_t least_last_column = 24;  // a narrower table becomes a list
 constexpr std::size_t widest_name = 28;
+constexpr std::size_t word_indent = 4;
+
+std::size_t longest_word(std::string_view text) {
+    std::size_t longest = 0;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find_first_of(" \n\t", begin), text.size());
+        longest = std::max(longest, characters_in(text.substr(begin, end - begin)));
+        begin = end + 1;
+    }
+    return longest;
+}
 
 /// Writes blocks as lines of at most so many columns.
 class TextWriter {
@@ -93,9 +104,13 @@ class TextWriter {
         std::string text = title(block);
         for (const Fact& fact : block.facts) {
             const std::string name = plain_text(fact.name);
-            const bool fits = characters_in(name) <= names;
-            text += (fits ? padded(name, values) : lines(name, 2) + std::string(values, ' ')) +
-                    lines(fact.value, values, values);
+            // A hash is whole, on a line of its own where it must be.
+            const std::size_t word = longest_word(fact.value);
+            const bool beneath = values + word > columns_ && word_indent + word <= columns_;
+            const std::size_t indent = beneath ? word_indent : values;
+            const bool fits = characters_in(name) <= names && !beneath;
+            text += (fits ? padded(name, values) : lines(name, 2) + std::string(indent, ' ')) +
+                    lines(fact.value, indent, indent);
         }
         return text;
     }
@@ -147,7 +162,11 @@ class TextWriter {
             for (std::size_t i = 0; i + 1 < cells.size(); ++i)
                 line += padded(plain_text(cells[i]), widths[i] + between_columns,
                                table.columns[i].numbers);
-            line += lines(cells.back(), before_last, before_last);
+            const std::size_t own = characters_in(plain_text(cells.back()));
+            if (table.columns.back().numbers && before_last + widths.back() <= columns_)
+                line += std::string(widths.back() - own, ' ') + plain_text(cells.back());
+            else
+                line += lines(cells.back(), before_last, before_last);
             // No blanks at the end of a line whose last cell is empty.
             line.erase(line.find_last_not_of(" \n") + 1);
             return line + "\n";
@@ -170,15 +189,17 @@ class TextWriter {
         return blanks.substr(between_columns) + text + std::string(between_columns, ' ');
     }
 
-    /// Whether an empty line separates two blocks: around headings, tables and facts, except for a
-    /// list that belongs to what stands before it.
+    /// Whether an empty line separates two blocks: around headings, tables, facts and before lists
+    /// with a title, except for a list that belongs to what stands before it.
     static bool are_parted(const Block& before, const Block& after) {
         if (after.kind == BlockKind::items && after.look == "apart") return false;
         if (before.kind == BlockKind::heading) return false;
         const auto stands_apart = [](const Block& block) {
             return block.kind == BlockKind::table || block.kind == BlockKind::facts;
         };
-        return after.kind == BlockKind::heading || stands_apart(before) || stands_apart(after);
+        const bool titled = after.kind == BlockKind::items && !after.text.empty();
+        return after.kind == BlockKind::heading || titled || stands_apart(before) ||
+               stands_apart(after);
     }
 
     std::size_t columns_;

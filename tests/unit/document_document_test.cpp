@@ -24,17 +24,23 @@ Block budget() {
     return budget;
 }
 
+Block notes() {
+    Block notes = list_of({"a gap"});
+    notes.text = "Noticed";
+    return notes;
+}
+
 const Document small{
     .title = "Audit of the attempt small",
-    .sections = {
-        {.anchor = "run",
-         .title = "The run",
-         .blocks = {facts({{"Craft", "yacht"}, {"A longer name", "1"}}), budget(),
-                    paragraph("All of them.")}},
-        {.anchor = "import",
-         .title = "1. import",
-         .blocks = {list_of({"line 3: cut short", "line 9: no number"}), heading("Rule nalsa"),
-                    facts({{"Best", "none, because"}}), list_of({"a step"}, "apart")}}}};
+    .sections = {{.anchor = "run",
+                  .title = "The run",
+                  .blocks = {facts({{"Craft", "yacht"}, {"A longer name", "1"}}), budget(),
+                             paragraph("All of them.")}},
+                 {.anchor = "import",
+                  .title = "1. import",
+                  .blocks = {list_of({"line 3: cut short", "line 9: no number"}), notes(),
+                             heading("Rule nalsa"), facts({{"Best", "none, because"}}),
+                             list_of({"a step"}, "apart")}}}};
 
 TEST(DocumentText, IsAsWritten) {
     EXPECT_EQ(document_text(small, 80),
@@ -59,6 +65,9 @@ TEST(DocumentText, IsAsWritten) {
               "---------\n"
               "- line 3: cut short\n"
               "- line 9: no number\n"
+              "\n"
+              "Noticed:\n"
+              "- a gap\n"
               "\n"
               "Rule nalsa\n"
               "Best  none, because\n"
@@ -85,6 +94,9 @@ TEST(DocumentText, LinesAreBrokenAtTheColumnsAskedFor) {
               "U  The expanded uncertainty of the speed\n"
               "   is twice the combined standard\n"
               "   uncertainty of its budget.\n");
+    // A word that fits in a line is whole.
+    EXPECT_EQ(text_of(facts({{"Hash", std::string(36, 'a')}, {"b", "c"}}), 40),
+              "Hash\n    " + std::string(36, 'a') + "\nb     c\n");
     EXPECT_EQ(text_of(list_of({sentences}), 40),
               "- The expanded uncertainty of the speed\n"
               "  is twice the combined standard\n"
@@ -107,25 +119,22 @@ TEST(DocumentText, ATableThatIsTooWideIsAList) {
     add_row(files, {std::string(30, 'f'), std::string(40, 'a'), "7"}).further = {"handed in"};
     add_row(files, {"g", "", "12"});
     EXPECT_EQ(text_of(files, 90),
-              "Files:\n"
-              "file                            hash" +
-                  std::string(38, ' ') + "bytes\n" + std::string(30, 'f') + "  " +
-                  std::string(40, 'a') + "  7\n" + "    handed in\n" + "g" + std::string(73, ' ') +
-                  "12\n");
+              fmt::format("Files:\n{:<32}{:<42}bytes\n{:<32}{:<42}    7\n    handed in\n{:<77}12\n",
+                          "file", "hash", std::string(30, 'f'), std::string(40, 'a'), "g"));
     EXPECT_EQ(text_of(files, 60), "Files:\n" + std::string(30, 'f') + ": hash\n    " +
                                       std::string(40, 'a') + "; bytes 7\n    handed in\n" +
                                       "g: bytes 12\n");
 }
 
 TEST(DocumentText, FiguresStandRightUnderTheirHead) {
-    Block speeds = table({"method", ">speed", "by"});
-    add_row(speeds, {"smoother", "216.00", "d/T"});
-    add_row(speeds, {"v1", "9.1", "N"});
-    add_row(speeds, {"v2", "-", "N"});
+    Block speeds = table({"method", ">speed", "by", ">error"});
+    add_row(speeds, {"smoother", "216.00", "d/T", "-0.02"});
+    add_row(speeds, {"v1", "9.1", "N", "1.5"});
+    add_row(speeds, {"v2", "-", "N", ""});
     EXPECT_EQ(text_of(speeds, 80),
-              "method     speed  by\n"
-              "smoother  216.00  d/T\n"
-              "v1           9.1  N\n"
+              "method     speed  by   error\n"
+              "smoother  216.00  d/T  -0.02\n"
+              "v1           9.1  N      1.5\n"
               "v2             -  N\n");
 }
 
@@ -237,7 +246,7 @@ TEST_F(DocumentHtml, IsWellFormedAndHoldsWhatTheTextHolds) {
     EXPECT_EQ(text_at(html, "td'][2"), "A");
     EXPECT_EQ(text_at(html, "dt'"), "Craft");
     EXPECT_EQ(text_at(html, "dd'"), "yacht");
-    EXPECT_EQ(found_in(html, "count(//*[local-name()='main']//*[local-name()='li'])"), "3");
+    EXPECT_EQ(found_in(html, "count(//*[local-name()='main']//*[local-name()='li'])"), "4");
     // The contents lead to the sections.
     EXPECT_EQ(found_in(html,
                        "count(//*[local-name()='a'][substring(@href, 2) = "

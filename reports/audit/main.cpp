@@ -7,6 +7,8 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/audit/record.h"
+#include "reports/document/document_html.h"
+#include "reports/document/document_text.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "schemas/common/product_files.h"
@@ -176,7 +178,7 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
     return record;
 }
 
-Walk audit(const Options& options) {
+Document audit(const Options& options) {
     for (const std::string& stage : options.stages)
         require_known("--stage", stage, audited_stages(), "there is no stage");
     const RunRecord record = read_run(options.run_dir);
@@ -205,12 +207,12 @@ int main(int argc, char** argv) {
             line.text("--html", options.html, "write the walk to this file, as one page");
         },
         [&]() -> int {
-            const Walk walk = audit(options);
+            const Document walk = audit(options);
             if (options.html.empty()) {
-                fmt::print("{}", walk_text(walk));
+                fmt::print("{}", document_text(walk, terminal_columns()));
                 return 0;
             }
-            write_file_atomically(options.html, walk_html(walk));
+            write_file_atomically(options.html, document_page(walk));
             fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
             return 0;
         });

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "reports/audit/walk.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
+#include "schemas/document/document.h"
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/declared.h"
@@ -70,7 +70,7 @@ struct WalkOptions {
 };
 
 /// What a run is, and what came in, went out and was decided, and why, by stage and receiver.
-Walk walk_through(const RunRecord& record, const WalkOptions& options);
+Document walk_through(const RunRecord& record, const WalkOptions& options);
 
 /// What an audit needs of report.json.
 struct ReportRecord {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/speed_unit.h"
 #include "core/statistics.h"
 #include "core/text.h"
 
@@ -72,9 +71,10 @@ std::string change_by(double step_m, const std::vector<AuditedWindow>& windows) 
         return fmt::format("{} m over the duration of the window", format_fixed(step_m, 3));
     std::vector<std::string> changes;
     for (const AuditedWindow& window : windows)
-        changes.push_back(fmt::format("{} km/h under {} ({} s)",
-                                      format_fixed(step_m / window.duration_s * km_h_per_m_s, 3),
-                                      window.profile, format_fixed(window.duration_s, 3)));
+        changes.push_back(
+            fmt::format("{} {} under {} ({} s)",
+                        uncertainty_rounded_up(step_m / window.duration_s * window.unit.per_m_s),
+                        window.unit.name, window.profile, format_fixed(window.duration_s, 3)));
     return listed(changes);
 }
 
@@ -89,19 +89,20 @@ std::string consequence(const DetectableSizes& step, const std::vector<AuditedWi
 
 /// The minimal detectable biases, and what they would do to a speed.
 std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject) {
-    Entries lines;
+    std::vector<std::string> lines;
     for (const Quantity& quantity : quantities)
         if (const auto sizes = detectable_sizes(table.rows, quantity.size))
-            lines.items.push_back(line_of(quantity, *sizes));
-    if (lines.items.empty())
-        return {Paragraph{"No epoch used has one: no error of any size could be found."}};
-    std::vector<Block> blocks{Paragraph{fmt::format(
-        "Found with a probability of {} %, in the direction in which they are hardest to find. The "
-        "first figure is the median over the epochs used at which a size could be found.",
-        format_fixed(100.0 * table.basis.power, 1))}};
-    blocks.emplace_back(std::move(lines));
+            lines.push_back(line_of(quantity, *sizes));
+    if (lines.empty())
+        return {paragraph("No epoch used has one: no error of any size could be found.")};
+    std::vector<Block> blocks{
+        paragraph(fmt::format(
+            "Found with a probability of {} %, in the direction in which they are hardest to find. "
+            "The first figure is the median over the epochs used at which a size could be found.",
+            format_fixed(100.0 * table.basis.power, 1))),
+        list_of(std::move(lines))};
     if (const auto step = detectable_sizes(table.rows, &MinimalDetectableBias::step_m))
-        blocks.emplace_back(Paragraph{consequence(*step, subject.windows)});
+        blocks.push_back(paragraph(consequence(*step, subject.windows)));
     return blocks;
 }
 
@@ -206,13 +207,14 @@ std::optional<DetectableSizes> detectable_sizes(
     return sizes;
 }
 
-Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all) {
-    return {.title = fmt::format("Audit of screening: attempt {}, receiver {}, recording {}",
-                                 subject.attempt, table.facts.receiver, subject.recording),
-            .blocks = basis_blocks(table, subject),
-            .parts = {
-                {.title = "Decisions", .blocks = decision_blocks(table, subject, all)},
-                {.title = "Minimal detectable biases", .blocks = smallest_blocks(table, subject)}}};
+std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
+                                    bool all) {
+    std::vector<Block> blocks{heading("Basis of the tests"), basis_block(table, subject),
+                              heading("Decisions")};
+    std::ranges::move(decision_blocks(table, subject, all), std::back_inserter(blocks));
+    blocks.push_back(heading("Minimal detectable biases"));
+    std::ranges::move(smallest_blocks(table, subject), std::back_inserter(blocks));
+    return blocks;
 }
 
 }  // namespace runcert

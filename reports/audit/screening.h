@@ -9,10 +9,11 @@
 
 #include "core/prose.h"
 #include "core/text.h"
-#include "reports/audit/walk.h"
+#include "reports/words/figures.h"
+#include "schemas/document/document.h"
 #include "schemas/screened/screened.h"
 
-// The audit of screening: its parts, which `screening_section` puts together, and their words.
+// The audit of screening: its parts, which `screening_blocks` puts together, and their words.
 
 namespace runcert {
 
@@ -50,11 +51,11 @@ std::optional<DetectableSizes> detectable_sizes(const std::vector<ScreenedEpoch>
 struct AuditedWindow {
     std::string profile;
     double duration_s = 0.0;
+    SpeedUnit unit = speed_unit("");  ///< the rule's
 };
 
 /// What an audit is about, beside the table itself.
 struct AuditSubject {
-    std::string attempt;
     std::string recording;                  ///< name of the file that was handed in
     std::vector<std::string> checked = {};  ///< files whose hash is the one that another file names
     std::vector<std::string> unchecked =
@@ -65,10 +66,11 @@ struct AuditSubject {
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
 /// the recording, the minimal detectable biases. Entries begin with "epoch ..." or "epochs ...",
 /// those of breaks with "before epoch ...". With `all` used rows are entries. Any table revision.
-Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all);
+std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
+                                    bool all);
 
 /// What the tests rested on, and what they found over the whole recording.
-std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject);
+Block basis_block(const ScreenedTable& table, const AuditSubject& subject);
 
 /// Every decision with its rows in the recording.
 std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubject& subject,

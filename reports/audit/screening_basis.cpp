@@ -16,8 +16,8 @@ std::string_view adverb(TestedAxes axes) {
 
 std::string recording_text(const ScreenedTable& table, const AuditSubject& subject) {
     const ScreeningSummary summary = summarise(table.rows);
-    std::string text = fmt::format("Recording. {}: {}, {} used, in {} without gap or step.",
-                                   subject.recording, counted(std::ssize(table.rows), "epoch"),
+    std::string text = fmt::format("{}: {}, {} used, in {} without gap or step.", subject.recording,
+                                   counted(std::ssize(table.rows), "epoch"),
                                    counted(summary.usable), counted(summary.arcs, "arc"));
     std::vector<std::string> reasons;
     for (const auto& [reason, count] : summary.reasons)
@@ -29,19 +29,17 @@ std::string recording_text(const ScreenedTable& table, const AuditSubject& subje
     return text;
 }
 
-std::string files_text(const ScreenedTable& table, const AuditSubject& subject) {
-    std::string text = fmt::format("Files. Written by runcert {}, source {}, schema {} {}.",
-                                   table.header.program_version, table.header.source_revision,
-                                   table.header.schema_name, table.header.schema_version);
-    if (!subject.checked.empty())
-        text +=
-            fmt::format(" The hashes (SHA-256) of {} are those that the files made from them name.",
-                        listed(subject.checked));
-    if (!subject.unchecked.empty())
-        text += fmt::format(
-            " Not checked, because the folder lacks the file or the one that names its hash: {}.",
-            listed(subject.unchecked));
-    return text;
+std::string checked_text(const AuditSubject& subject) {
+    if (subject.checked.empty()) return {};
+    return fmt::format("The hashes (SHA-256) of {} are those that the files made from them name.",
+                       listed(subject.checked));
+}
+
+std::string unchecked_text(const AuditSubject& subject) {
+    if (subject.unchecked.empty()) return {};
+    return fmt::format(
+        "Not checked, because the folder lacks the file or the one that names its hash: {}.",
+        listed(subject.unchecked));
 }
 
 std::string noise_sentence(const ScreeningModel& model) {
@@ -50,7 +48,7 @@ std::string noise_sentence(const ScreeningModel& model) {
                     format_fixed(model.measurement_scale, 2), model.jerk_density);
     if (model.noise != NoiseBasis::fitted) {
         return fmt::format(
-            " The tests rested {} on {}: noise was not estimated from the recording ({}).",
+            "The tests rested {} on {}: noise was not estimated from the recording ({}).",
             adverb(model.axes), figures, words_of(model.noise));
     }
     constexpr double least_m = 5e-5;  // what is not zero as written
@@ -59,14 +57,14 @@ std::string noise_sentence(const ScreeningModel& model) {
             ? fmt::format("a time-correlated error of {} m with a correlation time of {:.3g} s",
                           format_fixed(model.error_sigma_m, 4), model.error_tau_s)
             : std::string("no time-correlated error");
-    return fmt::format(" The tests rested {} on noise estimated from the recording: {}, {}.",
+    return fmt::format("The tests rested {} on noise estimated from the recording: {}, {}.",
                        adverb(model.axes), figures, slow);
 }
 
 std::string noise_text(const ScreenedTable& table) {
-    std::string text = "Noise.";
+    std::string text;
     for (const ScreeningModel& model : table.basis.models)
-        text += noise_sentence(model);
+        text += (text.empty() ? "" : " ") + noise_sentence(model);
     const ScreenedEpoch* loudest = nullptr;
     for (const ScreenedEpoch& row : table.rows)
         if (row.local_variance_factor &&
@@ -81,7 +79,7 @@ std::string noise_text(const ScreenedTable& table) {
 }
 
 std::string tests_text(const ScreeningBasis& basis) {
-    std::string text = fmt::format("Tests. {} planned, the recording gone through {}.",
+    std::string text = fmt::format("{} planned, the recording gone through {}.",
                                    counted(basis.tests, "test"), counted(basis.passes, "time"));
     if (basis.family_false_alarm_rate > 0.0 && basis.test_size > 0.0)
         text += fmt::format(" One test rejects by chance {}; {}.", once_in(basis.test_size),
@@ -103,7 +101,7 @@ std::string motion_text(const ScreenedTable& table) {
     }
     if (!largest) return "";
     return fmt::format(
-        "Motion. At {} the acceleration was found to change beyond what the tests take for "
+        "At {} the acceleration was found to change beyond what the tests take for "
         "granted, at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data "
         "better than an error, and the tests allow for it.",
         counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_m_s2, 1), largest->epoch);
@@ -111,7 +109,7 @@ std::string motion_text(const ScreenedTable& table) {
 
 std::string time_text(const ScreenedTable& table) {
     const TimeStampSummary& time = table.basis.time;
-    std::string text = fmt::format("Time stamps. {}, ", counted(time.sessions, "session"));
+    std::string text = fmt::format("{}, ", counted(time.sessions, "session"));
     text += time.gaps == 0 ? "no gap"
                            : fmt::format("{}, the longest {} s", counted(time.gaps, "gap"),
                                          format_fixed(time.longest_gap_s, 3));
@@ -122,12 +120,12 @@ std::string time_text(const ScreenedTable& table) {
     text += deviation == "0.0" ? "as it should be"
                                : fmt::format("{} millionths {} than it should be", deviation,
                                              time.rate_deviation > 0.0 ? "longer" : "shorter");
-    text += fmt::format(", scattering by {} s.", format_fixed(time.jitter_s, 6));
+    text += fmt::format(", scattering by {} s.", significant_text(time.jitter_s, 2));
     const std::int64_t all = time.gaps + time.duplicates + time.backward;
     if (std::ssize(time.faults) < all)
         text += fmt::format(" The table holds the first {} of {} faults.",
                             counted(std::ssize(time.faults)), counted(all));
-    return text + (time.faults.empty() ? "" : " Faults:");
+    return text;
 }
 
 std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
@@ -143,7 +141,7 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
 std::string limits_text(const ScreenedTable& table) {
     const LimitComparison& limits = table.basis.limits;
     std::string text = fmt::format(
-        "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (limit of the class {} "
+        "Of the epochs kept the largest acceleration is {} m/s^2 (limit of the class {} "
         "m/s^2); the largest jerk is {} m/s^3 ({} m/s^3)",
         format_fixed(limits.acceleration_m_s2, 1), format_fixed(limits.acceleration_max_m_s2, 1),
         format_fixed(limits.jerk_m_s3, 1), format_fixed(limits.jerk_max_m_s3, 1));
@@ -156,38 +154,35 @@ std::string limits_text(const ScreenedTable& table) {
 
 }  // namespace
 
-std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject) {
-    std::vector<Block> blocks;
-    const auto say = [&](std::string text) { blocks.emplace_back(Paragraph{std::move(text)}); };
-    say(recording_text(table, subject));
-    say(files_text(table, subject));
+Block basis_block(const ScreenedTable& table, const AuditSubject& subject) {
     const ScreeningBasis& basis = table.basis;
-    if (!basis.models.empty()) say(noise_text(table));
-    say(tests_text(basis));
-    std::string kinds = "Fix types.";
+    Block told = facts({{"Recording", recording_text(table, subject)}});
+    add_fact(told, "Files", checked_text(subject));
+    add_fact(told, "Files", unchecked_text(subject));
+    if (!basis.models.empty()) add_fact(told, "Noise", noise_text(table));
+    add_fact(told, "Tests", tests_text(basis));
     for (const FixTypeErrors& errors : basis.fix_types)
-        kinds += fmt::format(" {}, {}.", capitalised(words_of(errors.fix)),
-                             fix_type_errors_text(errors));
-    if (!basis.fix_types.empty()) say(kinds);
-    say(basis.velocity
-            ? fmt::format("Recorded velocities: {}.", velocity_comparison_text(*basis.velocity))
-            : "Velocities. None, or fewer than 30, were recorded.");
+        add_fact(told, "Fix type",
+                 fmt::format("{}, {}.", capitalised(words_of(errors.fix)),
+                             fix_type_errors_text(errors)));
+    add_fact(told, "Recorded velocities",
+             basis.velocity ? sentence(velocity_comparison_text(*basis.velocity))
+                            : "None, or fewer than 30, were recorded.");
     for (const DisplacementComparison& each : basis.displacements)
-        say(displacement_comparison_text(each) + ".");
-    say(time_text(table));
-    Entries faults{.nested = true};
+        add_fact(told, "Displacements", sentence(displacement_comparison_text(each)));
+    add_fact(told, "Time stamps", time_text(table));
     for (const TimeFault& fault : basis.time.faults)
-        faults.items.push_back(fault_line(table, fault));
-    if (!faults.items.empty()) blocks.emplace_back(std::move(faults));
-    say(limits_text(table));
-    if (std::string motion = motion_text(table); !motion.empty()) say(std::move(motion));
+        add_fact(told, "Fault of time stamps", fault_line(table, fault));
+    add_fact(told, "Limits", limits_text(table));
+    add_fact(told, "Motion", motion_text(table));
     if (basis.device)
-        say(fmt::format("Signs of positions that were not measured: {}.",
-                        device_signs_text(*basis.device)));
-    say(basis.baseline
-            ? fmt::format("Other receiver {}.", baseline_comparison_text(*basis.baseline))
-            : "Other receiver. None was compared with this one.");
-    return blocks;
+        add_fact(told, "Device",
+                 fmt::format("Signs of positions that were not measured: {}.",
+                             device_signs_text(*basis.device)));
+    add_fact(told, "Other receiver",
+             basis.baseline ? sentence(baseline_comparison_text(*basis.baseline))
+                            : "None was compared with this one.");
+    return told;
 }
 
 }  // namespace runcert

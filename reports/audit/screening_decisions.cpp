@@ -206,14 +206,14 @@ std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubjec
     const std::string chance = chance_text(table);
     const std::string order = fmt::format(
         "In the order of {}: its lines, or its bytes where it has no lines, are in brackets, "
-        "seconds count from its first epoch, ± is one standard uncertainty",
+        "seconds count from its first epoch, ± is one standard uncertainty.",
         subject.recording);
     std::int64_t used = 0;
-    Entries entries;
+    std::vector<std::string> entries;
     for (const AuditEntry& entry : audit_entries(table.rows)) {
         const bool is_used = entry.kind == AuditEntry::Kind::used;
         used += is_used ? 1 : 0;
-        if (!is_used || all) entries.items.push_back(entry_text(table, entry, chance));
+        if (!is_used || all) entries.push_back(entry_text(table, entry, chance));
     }
     const std::string count =
         !all ? counted(used, "epoch") + " used (--all lists each of them)."
@@ -221,7 +221,7 @@ std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubjec
                    "{} used: after each the hypothesis that it supports best, the statistic and "
                    "the threshold that this stays below, and the minimal detectable biases there.",
                    counted(used, "epoch"));
-    return {Paragraph{order}, std::move(entries), Paragraph{count}};
+    return {paragraph(order), list_of(std::move(entries)), paragraph(count)};
 }
 
 }  // namespace runcert

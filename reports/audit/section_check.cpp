@@ -18,119 +18,123 @@ std::string status_text(RequirementStatus status) {
 }
 
 /// The decision rule: who agreed on it, its guard band and what it leaves to chance.
-void add_decision_rule(const ProfileVerdict& verdict, const Attempt& attempt, Facts& facts) {
+std::string decision_rule_text(const ProfileVerdict& verdict, const Attempt& attempt,
+                               const SpeedUnit& unit) {
     std::string rule = agreement_text(attempt.decision_rule_agreed, verdict.window);
-    const SpeedUnit& unit = speed_unit(verdict.shown ? verdict.shown->unit : "km/h");
     for (const std::string& more : decision_sentences(verdict, unit))
         rule += " " + more;
-    facts.add("Decision rule", std::move(rule));
+    return rule;
 }
 
-Facts decision_facts(const ProfileVerdict& verdict, const Attempt& attempt) {
-    Facts facts{{{"Outcome", outcome_words(state_of(verdict)).title},
-                 {"Standing", standing_text(verdict.standing)},
-                 {"Rule", fmt::format("{}; SHA-256 of its text {}", rule_identity_text(verdict),
-                                      verdict.rule.sha256)},
-                 {"Because", verdict.reason}}};
-    if (verdict.record)
-        facts.add("Record", fmt::format("{} {}, by: {}", quantity_text(verdict.record->speed),
-                                        verdict.record->unit, verdict.record->source));
-    if (verdict.window) facts.add("Window", span_text(*verdict.window));
-    if (verdict.speed_m_s) {
-        const ShownFigures shown = shown_of(verdict, "km/h");
-        facts.add("Measured speed",
-                  fmt::format("{}; in the file {}, expanded uncertainty {}",
-                              measured_speed_text(shown, verdict.coverage_factor),
-                              file_speed_text(*verdict.speed_m_s),
-                              file_speed_text(verdict.expanded_uncertainty_m_s.value_or(0.0))));
-        if (verdict.required_speed_m_s)
-            facts.add("Required speed",
-                      fmt::format("{} {}; in the file {}", shown.required_speed, shown.unit,
-                                  file_speed_text(*verdict.required_speed_m_s)));
-        if (verdict.decision)
-            facts.add("Conformance",
-                      fmt::format("probability {} (at least {} required); acceptance limit {} {}",
-                                  probability_text(verdict.decision->probability),
-                                  level_text(verdict.decision->level), shown.acceptance_limit,
-                                  shown.unit));
-    }
-    if (verdict.decision) add_decision_rule(verdict, attempt, facts);
+/// The speeds, as they are to be read and as the file has them.
+void add_speeds(Block& told, const ProfileVerdict& verdict, const RuleSpeeds& speeds) {
+    std::string measured =
+        measured_speed_text(shown_of(verdict, speeds.unit().name), verdict.coverage_factor);
+    if (const std::string in_file = speeds.measured_in_file(); !in_file.empty())
+        measured += "; in the file " + in_file;
+    add_fact(told, "Measured speed", std::move(measured));
+    if (verdict.required_speed_m_s)
+        add_fact(told, "Required speed",
+                 speeds.speed_in_file(*verdict.required_speed_m_s, SafeSide::up));
+    if (verdict.decision)
+        add_fact(told, "Conformance",
+                 fmt::format(
+                     "probability {} (at least {} required); acceptance limit {}",
+                     probability_text(verdict.decision->probability),
+                     level_text(verdict.decision->level),
+                     speeds.speed_in_file(verdict.decision->acceptance_limit_m_s, SafeSide::up)));
     if (verdict.current_subtracted_m_s)
-        facts.add("Current", file_speed_text(*verdict.current_subtracted_m_s) + " subtracted");
-    return facts;
+        add_fact(told, "Current",
+                 speeds.speed_in_file(*verdict.current_subtracted_m_s) + " subtracted");
 }
 
-std::string requirement_text(const Requirement& requirement) {
-    std::string text =
-        fmt::format("{}: {}. {}", requirement.clause, status_text(requirement.status),
-                    capitalised(requirement.evidence));
-    std::vector<std::string> figures;
+Block decision_facts(const ProfileVerdict& verdict, const Attempt& attempt,
+                     const RuleSpeeds& speeds) {
+    Block told = facts({{"Outcome", outcome_words(state_of(verdict)).title},
+                        {"Standing", standing_text(verdict.standing)},
+                        {"Rule", fmt::format("{}; SHA-256 of its text {}",
+                                             rule_identity_text(verdict), verdict.rule.sha256)},
+                        {"Because", sentence(verdict.reason)}});
+    if (verdict.record)
+        add_fact(told, "Record",
+                 fmt::format("{} {}, by: {}", quantity_text(verdict.record->speed),
+                             verdict.record->unit, verdict.record->source));
+    if (verdict.window) add_fact(told, "Window", span_text(*verdict.window));
+    if (verdict.speed_m_s) add_speeds(told, verdict, speeds);
+    if (verdict.decision)
+        add_fact(told, "Decision rule", decision_rule_text(verdict, attempt, speeds.unit()));
+    return told;
+}
+
+/// A row with its evidence, figures, text and source beneath it.
+void add_requirement(Block& requirements, const Requirement& requirement) {
+    TableRow& row = add_row(requirements,
+                            {status_text(requirement.status), requirement.clause,
+                             std::string(to_text(requirement.decided_by))},
+                            std::string(to_text(requirement.status)));
+    row.further = {sentence(requirement.evidence)};
     for (const Figure& figure : requirement.figures)
-        figures.push_back(figure_text(figure));
-    if (!figures.empty()) text += ". Figures: " + listed(figures);
-    return text + fmt::format(". Decided by: {}. The clause: {} Source ({}): {}",
-                              to_text(requirement.decided_by), requirement.text,
-                              to_text(requirement.certainty), requirement.source);
+        row.further.push_back(sentence("Figure: " + figure_text(figure)));
+    row.further.push_back(fmt::format("The clause: {} Source ({}): {}", sentence(requirement.text),
+                                      to_text(requirement.certainty),
+                                      sentence(requirement.source)));
 }
 
-FactTable replaced_table(const std::vector<Override>& overrides) {
-    FactTable table{.caption = "Figures of the rule that the attempt replaced",
-                    .heads = {"figure", "the rule's", "used", "unit", "reason"}};
+Block replaced_table(const std::vector<Override>& overrides) {
+    Block replaced = table({"figure", ">the rule's", ">used", "unit", "reason"},
+                           "Figures of the rule that the attempt replaced");
     for (const Override& each : overrides)
-        table.rows.push_back({each.figure, quantity_text(each.rule), quantity_text(each.used),
-                              each.unit, each.reason.empty() ? "none given" : each.reason});
-    return table;
+        add_row(replaced, {each.figure, quantity_text(each.rule), quantity_text(each.used),
+                           each.unit, each.reason.empty() ? "none given" : each.reason});
+    return replaced;
 }
 
-void add_list(Section& part, const char* heading, const std::vector<std::string>& items) {
-    if (items.empty()) return;
-    part.add(Paragraph{heading});
-    part.add(Entries{.items = items});
-}
-
-Section rule_verdict(const ProfileVerdict& verdict, const Attempt& attempt) {
-    Section part{
-        .title = fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body),
-        .blocks = {decision_facts(verdict, attempt)}};
-    if (verdict.overrides.empty())
-        part.add(Paragraph{"The attempt replaced no figure of the rule."});
-    else
-        part.add(replaced_table(verdict.overrides));
-    std::vector<std::string> requirements;
+std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& verdict) {
+    std::optional<SpeedsToShow> measured;
+    if (verdict.speed_m_s)
+        measured = {.speed_m_s = *verdict.speed_m_s,
+                    .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0)};
+    const RuleSpeeds speeds(record, verdict.profile, measured);
+    std::vector<Block> blocks{
+        heading(fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body)),
+        decision_facts(verdict, record.attempt, speeds),
+        verdict.overrides.empty() ? paragraph("The attempt replaced no figure of the rule.")
+                                  : replaced_table(verdict.overrides)};
+    const auto add_list = [&](std::string title, std::vector<std::string> items) {
+        if (!items.empty()) blocks.push_back(titled_list(std::move(title), std::move(items)));
+    };
+    Block requirements = table({"outcome", "clause", "decided by"}, "Requirements");
     for (const Requirement& requirement : verdict.requirements)
-        requirements.push_back(requirement_text(requirement));
-    add_list(part, "Requirements:", requirements);
-    if (verdict.indicated) {
-        part.add(Paragraph{fmt::format(
-            "A window that the recording shows as {} over {} was REFUSED, because:",
-            file_speed_text(verdict.indicated->speed_m_s), span_text(verdict.indicated->span))});
-        part.add(Entries{.items = verdict.indicated->refusals, .nested = true});
-    }
+        add_requirement(requirements, requirement);
+    if (!requirements.rows.empty()) blocks.push_back(std::move(requirements));
+    if (const auto& indicated = verdict.indicated)
+        add_list(
+            fmt::format("A window that the recording shows as {} over {} was REFUSED, because",
+                        speeds.speed_in_file(indicated->speed_m_s), span_text(indicated->span)),
+            indicated->refusals);
     std::vector<std::string> course;
     for (const Figure& figure : verdict.course)
         course.push_back(figure_text(figure));
-    add_list(part, "Course and craft:", course);
-    add_list(part, "To be read with it:", verdict.notes);
-    return part;
+    add_list("Course and craft", std::move(course));
+    add_list("To be read with it", verdict.notes);
+    return blocks;
 }
 
 }  // namespace
 
-Section check_section(const RunRecord& record, bool all) {
-    const std::string title = stage_title("check", {});
-    if (!record.verdict) return missing_section(title, record.verdict_file);
+std::vector<Block> check_blocks(const RunRecord& record, bool all) {
     const Verdict& verdict = *record.verdict;
-    Section section = product_section(
-        record, title, verdict.header, record.verdict_file,
+    std::vector<Block> blocks = product_blocks(
+        record, verdict.header, record.verdict_file,
         counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
         all);
-    section.add(parameter_blocks(record.attempt, verdict.header, all));
+    append(blocks, parameter_blocks(record.attempt, verdict.header, all));
     for (const ProfileVerdict& each : verdict.profiles)
-        section.parts.push_back(rule_verdict(each, record.attempt));
+        append(blocks, rule_verdict(record, each));
     if (!verdict.statements.empty())
-        section.parts.push_back({.title = "What holds for the whole measurement",
-                                 .blocks = {Entries{.items = verdict.statements}}});
-    return section;
+        append(blocks,
+               {heading("What holds for the whole measurement"), list_of(verdict.statements)});
+    return blocks;
 }
 
 }  // namespace runcert

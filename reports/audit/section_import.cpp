@@ -57,7 +57,7 @@ std::string clock_words(const Observations& observations) {
 
 std::string resolution_text(const RecordingFacts& facts) {
     const auto part = [](const std::optional<double>& step, const char* unit) {
-        return step ? quantity_text(*step) + " " + unit : std::string("unknown");
+        return step ? fmt::format("{:.2g} {}", *step, unit) : std::string("unknown");
     };
     return fmt::format("{} in position, {} in time", part(facts.position_resolution_m, "m"),
                        part(facts.time_resolution_s, "s"));
@@ -69,33 +69,31 @@ std::int64_t positions_of(const std::vector<Observation>& rows) {
     });
 }
 
-Facts facts_of(const Receiver& receiver, const Observations& observations) {
+Block recording_facts(const Receiver& receiver, const Observations& observations) {
     const std::int64_t epochs = std::ssize(observations.rows);
     const std::int64_t positions = positions_of(observations.rows);
-    return {{{"Format", format_text(receiver, observations)},
-             {"Device",
-              observations.device.empty() ? "the recording does not say" : observations.device},
-             {"Coordinates", frame_words(observations.frame)},
-             {"Time scale", scale_words(observations)},
-             {"Time stamps", clock_words(observations)},
-             {"Epochs", fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
-                                    counted(positions),
-                                    format_fixed(observations.facts.nominal_interval_s, 3))},
-             {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
-             {"Accuracy", accuracy_words(observations.accuracy_source)},
-             {"Fix type", std::string(words_of(observations.solution_source))},
-             {"Smallest steps", resolution_text(observations.facts)},
-             {"Records", fmt::format("{} read, {} could not be read",
-                                     counted(observations.records.total - observations.records.bad),
-                                     counted(observations.records.bad))}}};
+    return facts(
+        {{"Format", format_text(receiver, observations)},
+         {"Device",
+          observations.device.empty() ? "the recording does not say" : observations.device},
+         {"Coordinates", frame_words(observations.frame)},
+         {"Time scale", scale_words(observations)},
+         {"Time stamps", clock_words(observations)},
+         {"Epochs",
+          fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
+                      counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
+         {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
+         {"Accuracy", accuracy_words(observations.accuracy_source)},
+         {"Fix type", std::string(words_of(observations.solution_source))},
+         {"Smallest steps", resolution_text(observations.facts)},
+         {"Records", fmt::format("{} read, {} could not be read",
+                                 counted(observations.records.total - observations.records.bad),
+                                 counted(observations.records.bad))}});
 }
 
 /// What the attempt says of the receiver that changes how its recording is read.
-Facts declared(const Receiver& receiver) {
-    Facts facts;
-    const auto add = [&](const char* name, const std::string& value) {
-        if (!value.empty()) facts.add(name, value);
-    };
+Block declared(const Receiver& receiver) {
+    Block told = facts({}, "By the attempt");
     const auto metres = [](const std::optional<double>& value) {
         return value ? quantity_text(*value) + " m" : std::string();
     };
@@ -108,22 +106,23 @@ Facts declared(const Receiver& receiver) {
         append(metres(receiver.accuracy->vertical_m), " vertical");
         if (const auto& velocity_m_s = receiver.accuracy->velocity_m_s)
             append(quantity_text(*velocity_m_s) + " m/s", " of velocities");
-        add("Accuracy, by the attempt", stated);
+        add_fact(told, "Accuracy", stated);
     }
     if (receiver.lever_arm)
-        add("Lever arm, by the attempt", fmt::format("{} m forward, {} m right, {} m down",
-                                                     quantity_text((*receiver.lever_arm)[0]),
-                                                     quantity_text((*receiver.lever_arm)[1]),
-                                                     quantity_text((*receiver.lever_arm)[2])));
+        add_fact(told, "Lever arm",
+                 fmt::format("{} m forward, {} m right, {} m down",
+                             quantity_text((*receiver.lever_arm)[0]),
+                             quantity_text((*receiver.lever_arm)[1]),
+                             quantity_text((*receiver.lever_arm)[2])));
     if (receiver.calibration)
-        add("Calibration, by the attempt", calibration_text(*receiver.calibration));
-    add("Antenna height, by the attempt", metres(receiver.antenna_height_m));
-    add("Height, by the attempt", metres(receiver.height_m));
-    add("Start date, by the attempt", receiver.start_date);
-    if (receiver.start_gps) add("Start, by the attempt", to_utc_iso(*receiver.start_gps));
+        add_fact(told, "Calibration", calibration_text(*receiver.calibration));
+    add_fact(told, "Antenna height", metres(receiver.antenna_height_m));
+    add_fact(told, "Height", metres(receiver.height_m));
+    add_fact(told, "Start date", receiver.start_date);
+    if (receiver.start_gps) add_fact(told, "Start", to_utc_iso(*receiver.start_gps));
     if (receiver.utc_offset_h)
-        add("Offset to UTC, by the attempt", quantity_text(*receiver.utc_offset_h) + " h");
-    return facts;
+        add_fact(told, "Offset to UTC", quantity_text(*receiver.utc_offset_h) + " h");
+    return told;
 }
 
 std::string bad_record_text(const BadRecord& bad) {
@@ -136,101 +135,97 @@ std::string bad_record_text(const BadRecord& bad) {
         bad.what);
 }
 
-std::vector<Block> left_out_blocks(const RecordCount& records, bool all) {
-    if (records.bad == 0) return {Paragraph{"Records left out. None: every one could be read."}};
+Block left_out_block(const RecordCount& records, bool all) {
+    if (records.bad == 0) return paragraph("Records left out. None: every one could be read.");
     constexpr std::ptrdiff_t shown_at_most = 20;
-    Entries entries;
+    std::vector<std::string> bad_ones;
     for (const BadRecord& bad : records.bad_records) {
-        if (!all && std::ssize(entries.items) == shown_at_most) break;
-        entries.items.push_back(bad_record_text(bad));
+        if (!all && std::ssize(bad_ones) == shown_at_most) break;
+        bad_ones.push_back(bad_record_text(bad));
     }
-    std::string heading = fmt::format("Records left out. {} of {} could not be read",
-                                      counted(records.bad), counted(records.total));
-    if (std::ssize(entries.items) < records.bad)
-        heading += fmt::format("; the first {}{}", counted(std::ssize(entries.items)),
-                               std::ssize(entries.items) < std::ssize(records.bad_records)
-                                   ? " (--all lists more)"
-                                   : ", which is all that the table holds");
-    return {Paragraph{heading + ":"}, std::move(entries)};
+    std::string title = fmt::format("Records left out. {} of {} could not be read",
+                                    counted(records.bad), counted(records.total));
+    if (std::ssize(bad_ones) < records.bad)
+        title += fmt::format("; the first {}{}", counted(std::ssize(bad_ones)),
+                             std::ssize(bad_ones) < std::ssize(records.bad_records)
+                                 ? " (--all lists more)"
+                                 : ", which is all that the table holds");
+    return titled_list(std::move(title), std::move(bad_ones));
 }
 
-Facts frame_facts(const EnuTable& table) {
-    if (!table.origin) return {{{"Frame", engineering_crs_text()}}};
+Block frame_facts(const EnuTable& table) {
+    if (!table.origin) return facts({{"Frame", engineering_crs_text()}});
     const Geodetic& at = table.origin->position;
-    Facts facts{
-        {{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
-         {"Origin",
-          fmt::format("latitude {}, longitude {}, height {} m",
-                      format_fixed(at.latitude.degrees(), 9),
-                      format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3))},
-         {"Chosen by", table.origin->source == "attempt"
-                           ? "the attempt"
-                           : "the program: it is the first position of the recording"}}};
+    Block told =
+        facts({{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
+               {"Origin",
+                fmt::format("latitude {}, longitude {}, height {} m",
+                            format_fixed(at.latitude.degrees(), 9),
+                            format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3))},
+               {"Chosen by", table.origin->source == "attempt"
+                                 ? "the attempt"
+                                 : "the program: it is the first position of the recording"}});
     for (const FramePlace& place : table.origin->places)
-        facts.add("Another place, from", place_text(place));
-    return facts;
+        add_fact(told, "Another place, from", place_text(place));
+    return told;
 }
 
-Entries ephemerides_of(const PhaseTable& phase) {
-    Entries entries;
+std::vector<std::string> ephemerides_of(const PhaseTable& phase) {
+    std::vector<std::string> used;
     for (const UsedEphemeris& each : phase.ephemerides)
-        entries.items.push_back(fmt::format("{}, issue {}, of {}, at {}{}", each.satellite,
-                                            each.issue, each.reference_gps, each.place,
-                                            each.healthy ? "" : "; the satellite is not healthy"));
-    return entries;
+        used.push_back(fmt::format("{}, issue {}, of {}, at {}{}", each.satellite, each.issue,
+                                   each.reference_gps, each.place,
+                                   each.healthy ? "" : "; the satellite is not healthy"));
+    return used;
 }
 
 /// The part about the raw phases of a receiver that has some.
-std::vector<Section> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all) {
     if (!one.phase) return {};
     const PhaseTable& phase = *one.phase;
-    Section section =
-        product_section(record, "Raw phases", phase.header, one.phase_file,
-                        fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), all);
-    if (!phase.notes.empty()) section.add(Entries{.items = phase.notes});
-    section.add(Paragraph{fmt::format(
+    std::vector<Block> blocks{heading("Raw phases")};
+    append(blocks, product_blocks(
+                       record, phase.header, one.phase_file,
+                       fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), all));
+    if (!phase.notes.empty()) blocks.push_back(list_of(phase.notes));
+    blocks.push_back(paragraph(fmt::format(
         "Satellites' places are computed from {} (line or byte of the navigation at the end).",
         phase.ephemerides.size() == 1
             ? "one broadcast ephemeris"
-            : counted(std::ssize(phase.ephemerides)) + " broadcast ephemerides")});
-    if (all) section.add(ephemerides_of(phase));
-    return {std::move(section)};
+            : counted(std::ssize(phase.ephemerides)) + " broadcast ephemerides")));
+    if (all) blocks.push_back(list_of(ephemerides_of(phase)));
+    return blocks;
 }
 
 }  // namespace
 
-Section import_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const std::string title = stage_title("import", one.receiver.id);
-    if (!one.observations) return missing_section(title, one.observations_file);
+std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     const Observations& observations = *one.observations;
-    Section section = product_section(record, title, observations.header, one.observations_file,
-                                      counted(std::ssize(observations.rows), "epoch"), all);
-    section.add(facts_of(one.receiver, observations));
-    if (Facts facts = declared(one.receiver); !facts.facts.empty()) section.add(std::move(facts));
-    section.add(left_out_blocks(observations.records, all));
-    if (!observations.notes.empty()) {
-        section.add(Paragraph{"Noticed while reading:"});
-        section.add(Entries{.items = observations.notes});
-    }
-    section.add(parameter_blocks(record.attempt, observations.header, all));
-    section.parts = imported_phases(record, one, all);
-    return section;
+    std::vector<Block> blocks =
+        product_blocks(record, observations.header, one.observations_file,
+                       counted(std::ssize(observations.rows), "epoch"), all);
+    blocks.push_back(recording_facts(one.receiver, observations));
+    if (Block told = declared(one.receiver); !told.facts.empty()) blocks.push_back(std::move(told));
+    blocks.push_back(left_out_block(observations.records, all));
+    if (!observations.notes.empty())
+        blocks.push_back(titled_list("Noticed while reading", observations.notes));
+    append(blocks, parameter_blocks(record.attempt, observations.header, all));
+    append(blocks, imported_phases(record, one, all));
+    return blocks;
 }
 
-Section enu_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const std::string title = stage_title("enu", one.receiver.id);
-    if (!one.enu) return missing_section(title, one.enu_file);
+std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     const EnuTable& table = *one.enu;
     const auto positions = std::ranges::count_if(
         table.rows, [](const EnuEpoch& row) { return row.east_m.has_value(); });
-    Section section =
-        product_section(record, title, table.header, one.enu_file,
-                        fmt::format("{}, {} with a position",
-                                    counted(std::ssize(table.rows), "epoch"), counted(positions)),
-                        all);
-    section.add(frame_facts(table));
-    section.add(parameter_blocks(record.attempt, table.header, all));
-    return section;
+    std::vector<Block> blocks =
+        product_blocks(record, table.header, one.enu_file,
+                       fmt::format("{}, {} with a position",
+                                   counted(std::ssize(table.rows), "epoch"), counted(positions)),
+                       all);
+    blocks.push_back(frame_facts(table));
+    append(blocks, parameter_blocks(record.attempt, table.header, all));
+    return blocks;
 }
 
 }  // namespace runcert

@@ -22,35 +22,37 @@ std::string correlated_error_text(const NoiseSummary& noise) {
 }
 
 /// `follows`: whether the trajectory says the jerk density epoch by epoch.
-std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
-    Facts facts{{{"Noise", noise_status_text(noise)},
-                 {"Stated standard deviation",
-                  fmt::format("{} m (root mean square){}", quantity_text(noise.stated_sigma_m),
-                              noise.stated_all_equal ? ", the same at all epochs" : "")}}};
-    if (noise.status != NoiseBasis::fitted) return {std::move(facts)};
-    facts.add("Search",
-              fmt::format("{} of the likelihood{}", counted(noise.evaluations, "evaluation"),
-                          noise.converged ? "" : "; it did NOT converge"));
-    facts.add("Scale of it", noise_parameter_text(noise.measurement_scale, noise));
-    facts.add("Jerk density", noise_parameter_text(noise.jerk_density, noise, "m s^-2.5") +
-                                  (follows ? "; the trajectory takes the larger of this and what "
-                                             "the motion shows there (column jerk_density)"
-                                           : ""));
-    facts.add("Acceleration",
-              noise.acceleration_time_s
-                  ? fmt::format("correlation time {}; that is more likely than that it persists "
-                                "(log-likelihood {} higher)",
-                                noise_parameter_text(*noise.acceleration_time_s, noise, "s"),
-                                format_fixed(noise.singer_gain, 2))
-                  : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
-                                format_fixed(noise.singer_gain, 2)));
-    facts.add("Time-correlated error", correlated_error_text(noise));
-    facts.add("Models weighed",
-              counted(std::ssize(noise.posterior)) + ", by their profile likelihood");
-    return {std::move(facts)};
+Block noise_facts(const NoiseSummary& noise, bool follows) {
+    Block told =
+        facts({{"Noise", noise_status_text(noise)},
+               {"Stated standard deviation",
+                fmt::format("{} m (root mean square){}", quantity_text(noise.stated_sigma_m),
+                            noise.stated_all_equal ? ", the same at all epochs" : "")}});
+    if (noise.status != NoiseBasis::fitted) return told;
+    add_fact(told, "Search",
+             fmt::format("{} of the likelihood{}", counted(noise.evaluations, "evaluation"),
+                         noise.converged ? "" : "; it did NOT converge"));
+    add_fact(told, "Scale of it", noise_parameter_text(noise.measurement_scale, noise));
+    add_fact(told, "Jerk density",
+             noise_parameter_text(noise.jerk_density, noise, "m s^-2.5") +
+                 (follows ? "; the trajectory takes the larger of this and what "
+                            "the motion shows there (column jerk_density)"
+                          : ""));
+    add_fact(told, "Acceleration",
+             noise.acceleration_time_s
+                 ? fmt::format("correlation time {}; that is more likely than that it persists "
+                               "(log-likelihood {} higher)",
+                               noise_parameter_text(*noise.acceleration_time_s, noise, "s"),
+                               format_fixed(noise.singer_gain, 2))
+                 : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
+                               format_fixed(noise.singer_gain, 2)));
+    add_fact(told, "Time-correlated error", correlated_error_text(noise));
+    add_fact(told, "Models weighed",
+             counted(std::ssize(noise.posterior)) + ", by their profile likelihood");
+    return told;
 }
 
-std::vector<Block> health_blocks(const FilterHealth& health) {
+Block health_facts(const FilterHealth& health) {
     const std::string bounds = fmt::format(
         "mean square {} of {} innovations, expected within {} to {}; {} of {} spans outside their "
         "limits, {} allowed by chance: {}",
@@ -58,7 +60,7 @@ std::vector<Block> health_blocks(const FilterHealth& health) {
         format_fixed(health.lower, 4), format_fixed(health.upper, 4), counted(health.spans_outside),
         counted(health.spans), counted(health.spans_allowed),
         health.consistent ? "consistent" : "NOT CONSISTENT");
-    return {Facts{
+    return facts(
         {{"Innovations", bounds},
          {"Correlation",
           fmt::format("{} from one innovation to the next ({} with the noise as stated): {}",
@@ -68,55 +70,53 @@ std::vector<Block> health_blocks(const FilterHealth& health) {
          {"Numbers",
           fmt::format("largest condition {:.3g}, largest asymmetry {:.2g}, {} covariances repaired",
                       health.largest_condition, health.largest_asymmetry,
-                      counted(health.repaired))}}}};
+                      counted(health.repaired))}});
 }
 
-Facts agreement_facts(const EstimationSummary& estimation) {
-    return {{{"Arcs", fmt::format("{}, with {} degrees of freedom", counted(estimation.arcs),
-                                  counted(estimation.degrees_of_freedom))},
-             {"Batch and smoother",
-              fmt::format("differ by at most {:.2g} m and {:.2g} m/s; the batch was solved in {}",
-                          estimation.largest_position_difference_m,
-                          estimation.largest_velocity_difference_m_s,
-                          counted(estimation.batch_stretches) +
-                              (estimation.batch_stretches == 1 ? " stretch" : " stretches"))},
-             {"Variance factor",
-              fmt::format("{} after the estimate; {} applied to the stated covariances",
-                          format_fixed(estimation.variance_factor, 3),
-                          format_fixed(estimation.variance_factor_applied, 3))},
-             {"Robust batch", fmt::format("{} with less than half their weight; {} not solved",
-                                          counted(estimation.robust_downweighted, "epoch"),
-                                          counted(estimation.robust_unsolved, "arc"))}}};
+Block agreement_facts(const EstimationSummary& estimation) {
+    return facts(
+        {{"Arcs", fmt::format("{}, with {} degrees of freedom", counted(estimation.arcs),
+                              counted(estimation.degrees_of_freedom))},
+         {"Batch and smoother",
+          fmt::format("differ by at most {:.2g} m and {:.2g} m/s; the batch was solved in {}",
+                      estimation.largest_position_difference_m,
+                      estimation.largest_velocity_difference_m_s,
+                      counted(estimation.batch_stretches) +
+                          (estimation.batch_stretches == 1 ? " stretch" : " stretches"))},
+         {"Variance factor",
+          fmt::format("{} after the estimate; {} applied to the stated covariances",
+                      format_fixed(estimation.variance_factor, 3),
+                      format_fixed(estimation.variance_factor_applied, 3))},
+         {"Robust batch", fmt::format("{} with less than half their weight; {} not solved",
+                                      counted(estimation.robust_downweighted, "epoch"),
+                                      counted(estimation.robust_unsolved, "arc"))}});
 }
 
-Section axes_part(const char* title, const AxesEstimation& axes, bool follows) {
-    Section part{.title = title, .blocks = noise_blocks(axes.noise, follows)};
-    part.add(health_blocks(axes.health));
-    return part;
+void add_axes(std::vector<Block>& blocks, const char* title, const AxesEstimation& axes,
+              bool follows) {
+    append(blocks, {heading(title), noise_facts(axes.noise, follows), health_facts(axes.health)});
 }
 
 }  // namespace
 
-Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const std::string title = stage_title("smooth", one.receiver.id);
-    if (!one.trajectory) return missing_section(title, one.trajectory_file);
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     const TrajectoryTable& table = *one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
     const bool follows = std::ranges::any_of(table.rows, [](const TrajectoryEpoch& row) {
         return row.jerk_density || row.jerk_density_up;
     });
-    Section section =
-        product_section(record, title, table.header, one.trajectory_file,
-                        fmt::format("{}, {} with a smoothed speed",
-                                    counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
-                        all);
-    section.add(agreement_facts(table.estimation));
-    section.add(parameter_blocks(record.attempt, table.header, all));
-    section.parts.push_back(axes_part("Horizontally", table.estimation.horizontal, follows));
+    std::vector<Block> blocks =
+        product_blocks(record, table.header, one.trajectory_file,
+                       fmt::format("{}, {} with a smoothed speed",
+                                   counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
+                       all);
+    blocks.push_back(agreement_facts(table.estimation));
+    append(blocks, parameter_blocks(record.attempt, table.header, all));
+    add_axes(blocks, "Horizontally", table.estimation.horizontal, follows);
     if (const auto& axes = table.estimation.vertical)
-        section.parts.push_back(axes_part("Vertically", *axes, follows));
-    return section;
+        add_axes(blocks, "Vertically", *axes, follows);
+    return blocks;
 }
 
 }  // namespace runcert

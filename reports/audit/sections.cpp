@@ -21,17 +21,16 @@ std::string hash_text(const std::string& sha256, bool all) {
                                                         : sha256.substr(0, enough_to_tell_apart);
 }
 
-FactTable inputs_table(const RunRecord& record, const Header& header, bool all) {
-    FactTable table{.caption = "Came in",
-                    .heads = {"as", "file", "bytes", "SHA-256", "in the folder"}};
+Block inputs_table(const RunRecord& record, const Header& header, bool all) {
+    Block inputs = table({"as", "file", ">bytes", "SHA-256", "in the folder"}, "Came in");
     for (const InputFile& input : header.inputs) {
-        const std::string handed_in =
-            input.original.empty() ? "" : " (handed in as " + input.original + ")";
-        table.rows.push_back(
-            {input.role, input.file + handed_in, counted(static_cast<std::int64_t>(input.bytes)),
+        TableRow& row = add_row(
+            inputs,
+            {input.role, input.file, counted(static_cast<std::int64_t>(input.bytes)),
              hash_text(input.sha256, all), record.files.contains(input.file) ? "yes" : "NO"});
+        if (!input.original.empty()) row.further = {"handed in as " + input.original};
     }
-    return table;
+    return inputs;
 }
 
 std::string named_text(const RunRecord& record, const std::string& file) {
@@ -78,6 +77,9 @@ struct Product {
     std::string receiver;
     std::string file;
     const Header* header = nullptr;  ///< null where the file is not there
+    /// Of a receiver's: whose, and what makes its blocks.
+    const ReceiverRecord* of = nullptr;
+    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverRecord&, bool) = nullptr;
 };
 
 template <class T>
@@ -89,11 +91,15 @@ std::vector<Product> products_of(const RunRecord& record) {
     std::vector<Product> products;
     for (const ReceiverRecord& one : record.receivers) {
         const std::string& id = one.receiver.id;
-        products.push_back({"import", id, one.observations_file, header_of(one.observations)});
-        products.push_back({"enu", id, one.enu_file, header_of(one.enu)});
-        products.push_back({"screen", id, one.screened_file, header_of(one.screened)});
-        products.push_back({"smooth", id, one.trajectory_file, header_of(one.trajectory)});
-        products.push_back({"window", id, one.windows_file, header_of(one.windows)});
+        products.push_back({"import", id, one.observations_file, header_of(one.observations), &one,
+                            import_blocks});
+        products.push_back({"enu", id, one.enu_file, header_of(one.enu), &one, enu_blocks});
+        products.push_back(
+            {"screen", id, one.screened_file, header_of(one.screened), &one, screen_blocks});
+        products.push_back(
+            {"smooth", id, one.trajectory_file, header_of(one.trajectory), &one, smooth_blocks});
+        products.push_back(
+            {"window", id, one.windows_file, header_of(one.windows), &one, window_blocks});
     }
     products.push_back({"check", {}, record.verdict_file, header_of(record.verdict)});
     products.push_back({"report", {}, "report.json", record.report ? &*record.report : nullptr});
@@ -118,112 +124,187 @@ std::string signatures_text(const RunRecord& record) {
     return listed(record.signatures) + ": whether they hold, `runcert verify` says";
 }
 
-Facts facts_of(const RunRecord& record) {
+Block facts_of(const RunRecord& record) {
     const Attempt& attempt = record.attempt;
-    Facts facts{{{"Attempt", attempt.id},
-                 {"Craft", fmt::format("{}, class {}", attempt.craft.name, attempt.craft.kind)},
-                 {"Place", attempt.place.empty() ? "not given" : attempt.place},
-                 {"Date", attempt.date.empty() ? "not given" : attempt.date},
-                 {"Officials", officials_text(attempt.officials)}}};
+    Block told =
+        facts({{"Attempt", attempt.id},
+               {"Craft", fmt::format("{}, class {}", attempt.craft.name, attempt.craft.kind)},
+               {"Place", attempt.place.empty() ? "not given" : attempt.place},
+               {"Date", attempt.date.empty() ? "not given" : attempt.date},
+               {"Officials", officials_text(attempt.officials)}});
     for (const ReceiverRecord& one : record.receivers)
-        facts.add("Receiver " + one.receiver.id, one.recording);
-    facts.add("Rules claimed under", listed(attempt.profiles));
-    if (attempt.record) facts.add("Record to beat", record_text(*attempt.record));
+        add_fact(told, "Receiver " + one.receiver.id, one.recording);
+    add_fact(told, "Rules claimed under", listed(attempt.profiles));
+    if (attempt.record) add_fact(told, "Record to beat", record_text(*attempt.record));
     for (const auto& [profile, beaten] : attempt.records)
-        facts.add("Record under " + profile, record_text(beaten));
-    facts.add("Report",
-              record.report ? "id " + record.report_id : "report.json is not in the folder");
-    facts.add("Signatures", signatures_text(record));
-    return facts;
+        add_fact(told, "Record under " + profile, record_text(beaten));
+    add_fact(told, "Report",
+             record.report ? "id " + record.report_id : "report.json is not in the folder");
+    add_fact(told, "Signatures", signatures_text(record));
+    return told;
 }
 
-std::vector<Block> makers_of(const std::vector<Product>& products) {
-    FactTable table{.caption = "Who made the files",
-                    .heads = {"stage", "receiver", "file", "program", "source revision"}};
-    std::set<std::string> makers;
+Block makers_of(const std::vector<Product>& products) {
+    Block makers =
+        table({"stage", "receiver", "file", "program", "source revision"}, "Who made the files");
     for (const Product& product : products) {
         const Header* header = product.header;
-        if (header) makers.insert(header->program_version + " " + header->source_revision);
-        table.rows.push_back({product.stage, product.receiver, product.file,
-                              header ? "runcert " + header->program_version : "MISSING",
-                              header ? header->source_revision : ""});
+        add_row(makers, {product.stage, product.receiver, product.file,
+                         header ? "runcert " + header->program_version : "MISSING",
+                         header ? header->source_revision : ""});
     }
-    const std::string finding =
+    return makers;
+}
+
+/// What the makers and the files that are there, or not, come to.
+std::vector<std::string> findings_of(const std::vector<Product>& products) {
+    std::set<std::string> makers;
+    std::vector<std::string> missing;
+    for (const Product& product : products) {
+        if (product.header)
+            makers.insert(product.header->program_version + " " + product.header->source_revision);
+        else
+            missing.push_back(fmt::format("{} ({})", product.file, product.stage));
+    }
+    std::vector<std::string> findings{
         makers.empty() ? "No file of a stage is there."
         : makers.size() == 1
             ? "All of them were made by the same program."
-            : fmt::format("They were made by {} DIFFERENT versions of the program.", makers.size());
-    return {std::move(table), Paragraph{finding}};
+            : fmt::format("They were made by {} DIFFERENT versions of the program.",
+                          makers.size())};
+    if (!missing.empty())
+        findings.push_back(fmt::format(
+            "MISSING from the folder: {}. The walk has nothing to show there, and the hashes that "
+            "these files name are not checked.",
+            listed(missing)));
+    return findings;
 }
 
-std::vector<Block> missing_of(const std::vector<Product>& products) {
-    std::vector<std::string> missing;
-    for (const Product& product : products)
-        if (!product.header) missing.push_back(fmt::format("{} ({})", product.file, product.stage));
-    if (missing.empty()) return {};
-    return {Paragraph{fmt::format(
-        "MISSING from the folder: {}. The walk has nothing to show there, and the hashes that "
-        "these files name are not checked.",
-        listed(missing))}};
-}
-
-std::vector<Block> replaced_of(const Attempt& attempt) {
+std::string replaced_text(const Attempt& attempt) {
     if (attempt.overrides.empty() && attempt.rules.empty())
-        return {Paragraph{"The attempt replaces no parameter and no figure of a rule."}};
+        return "The attempt replaces no parameter and no figure of a rule.";
     std::vector<std::string> figures = attempt.overrides;
     for (const ReplacedFigure& figure : attempt.rules)
         figures.push_back(figure.profile + " " + figure.figure);
-    return {Paragraph{
-        fmt::format("The attempt replaces {}; the stages below say what by.", listed(figures))}};
+    return fmt::format("The attempt replaces {}; the stages below say what by.", listed(figures));
 }
 
 /// What the run is, who made its files, and what is missing.
 Section run_section(const RunRecord& record, bool all) {
     const std::vector<Product> products = products_of(record);
-    Section section{.title = "The run", .blocks = {facts_of(record)}};
-    section.add(makers_of(products));
-    section.add(missing_of(products));
-    section.add(replaced_of(record.attempt));
-    section.add(Paragraph{
+    std::vector<std::string> findings = findings_of(products);
+    findings.push_back(replaced_text(record.attempt));
+    findings.emplace_back(
         "Every hash (SHA-256) that one file of the folder names of another that is there was "
-        "computed again, and holds."});
-    if (!all) section.add(Paragraph{"Hashes are cut to their first digits (--all: in full)."});
-    return section;
+        "computed again, and holds.");
+    if (!all) findings.emplace_back("Hashes are cut to their first digits (--all: in full).");
+    return {.anchor = "run",
+            .title = "The run",
+            .blocks = {facts_of(record), makers_of(products), list_of(std::move(findings))}};
 }
 
-}  // namespace
-
-Section product_section(const RunRecord& record, const std::string& title, const Header& header,
-                        const std::string& file, const std::string& contents, bool all) {
-    const InputFile& own = record.files.at(file);
-    return {
-        .title = title,
-        .blocks = {inputs_table(record, header, all),
-                   Facts{{{"Went out", fmt::format("{}: {}, {} bytes", file, contents,
-                                                   counted(static_cast<std::int64_t>(own.bytes)))},
-                          {"Its SHA-256", hash_text(own.sha256, all)},
-                          {"That hash is named", named_text(record, file)},
-                          {"Made by", fmt::format("runcert {}, source {}; schema {} {}",
-                                                  header.program_version, header.source_revision,
-                                                  header.schema_name, header.schema_version)}}}}};
-}
-
-Section missing_section(const std::string& title, const std::string& file) {
-    return {.title = title,
-            .blocks = {Paragraph{fmt::format(
-                "{} is MISSING from the folder: what this stage decided cannot be shown. The walk "
-                "goes on with what is there.",
-                file)}}};
-}
-
+/// "3. screen, receiver primary"
 std::string stage_title(const std::string& stage, const std::string& receiver) {
     const auto& stages = audited_stages();
     const auto number = std::find(stages.begin(), stages.end(), stage) - stages.begin() + 1;
     return fmt::format("{}. {}{}", number, stage, receiver.empty() ? "" : ", receiver " + receiver);
 }
 
-std::string file_speed_text(double speed_m_s) {
-    return format_fixed(speed_m_s, 6) + " m/s";
+Section stage_section(const Product& product) {
+    Section section{.anchor = product.stage, .title = stage_title(product.stage, product.receiver)};
+    if (!product.receiver.empty()) section.anchor += "-" + product.receiver;
+    if (!product.header)
+        add(section, paragraph(fmt::format("{} is MISSING from the folder: what this stage decided "
+                                           "cannot be shown. The walk goes on with what is there.",
+                                           product.file)));
+    return section;
+}
+
+}  // namespace
+
+void append(std::vector<Block>& blocks, std::vector<Block> more) {
+    std::ranges::move(more, std::back_inserter(blocks));
+}
+
+Block titled_list(std::string title, std::vector<std::string> items) {
+    Block list = list_of(std::move(items));
+    list.text = std::move(title);
+    return list;
+}
+
+std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
+                                  const std::string& file, const std::string& contents, bool all) {
+    const InputFile& own = record.files.at(file);
+    return {inputs_table(record, header, all),
+            facts({{"Went out", fmt::format("{}: {}, {} bytes", file, contents,
+                                            counted(static_cast<std::int64_t>(own.bytes)))},
+                   {"Its SHA-256", hash_text(own.sha256, all)},
+                   {"That hash is named", named_text(record, file)},
+                   {"Made by", fmt::format("runcert {}, source {}", header.program_version,
+                                           header.source_revision)},
+                   {"Schema", header.schema_name + " " + header.schema_version}})};
+}
+
+RuleSpeeds::RuleSpeeds(const RunRecord& record, const std::string& profile,
+                       const std::optional<SpeedsToShow>& measured) {
+    const ProfileVerdict* verdict = verdict_of(record, profile);
+    const Record* beaten = record.attempt.record_for(profile);
+    unit_ = speed_unit(verdict && verdict->shown ? verdict->shown->unit
+                       : beaten                  ? beaten->unit
+                                                 : "");
+    if (!measured) return;
+    std::optional<int> decimals;
+    if (verdict && verdict->shown) decimals = decimals_in(verdict->shown->speed);
+    shown_ = shown_in(*measured, unit_, decimals);
+    in_file_ = shown_in(*measured, speed_unit("m/s"));
+}
+
+namespace {
+
+std::string with_unit(const std::optional<ShownFigures>& shown, const SpeedUnit& unit,
+                      double speed_m_s, SafeSide side) {
+    return fmt::format(
+        "{} {}",
+        shown ? beside(*shown, speed_m_s, side) : speed_text(speed_m_s, std::nullopt, unit),
+        unit.name);
+}
+
+}  // namespace
+
+std::string RuleSpeeds::speed(double speed_m_s, SafeSide side) const {
+    return with_unit(shown_, unit_, speed_m_s, side);
+}
+
+std::string RuleSpeeds::speed_in_file(double speed_m_s, SafeSide side) const {
+    const SpeedUnit& si = speed_unit("m/s");
+    if (unit_.name == si.name) return speed(speed_m_s, side);
+    return fmt::format("{} ({})", speed(speed_m_s, side), with_unit(in_file_, si, speed_m_s, side));
+}
+
+std::string RuleSpeeds::measured_in_file() const {
+    return in_file_ && unit_.name != in_file_->unit ? measured_speed_text(*in_file_) : "";
+}
+
+std::string RuleSpeeds::uncertainty(double uncertainty_m_s) const {
+    return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit_.per_m_s),
+                       unit_.name);
+}
+
+std::string RuleSpeeds::uncertainty_in_file(double uncertainty_m_s) const {
+    return unit_.name == "m/s" ? uncertainty(uncertainty_m_s)
+                               : fmt::format("{} ({} m/s)", uncertainty(uncertainty_m_s),
+                                             uncertainty_rounded_up(uncertainty_m_s));
+}
+
+std::string RuleSpeeds::difference(double difference_m_s) const {
+    return fmt::format("{} {}", significant_text(difference_m_s * unit_.per_m_s, 2), unit_.name);
+}
+
+const ProfileVerdict* verdict_of(const RunRecord& record, const std::string& profile) {
+    if (!record.verdict) return nullptr;
+    const auto found =
+        std::ranges::find(record.verdict->profiles, profile, &ProfileVerdict::profile);
+    return found == record.verdict->profiles.end() ? nullptr : &*found;
 }
 
 std::string span_text(const WindowSpan& span) {
@@ -234,8 +315,8 @@ std::string span_text(const WindowSpan& span) {
 }
 
 std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all) {
-    if (header.parameters->empty()) return {Paragraph{"Parameters. The stage has none."}};
-    FactTable table{.heads = {"parameter", "used", "default", "unit", "set by"}};
+    if (header.parameters->empty()) return {paragraph("Parameters. The stage has none.")};
+    Block parameters = table({"parameter", "used", "default", "unit", "set by"});
     std::int64_t replaced = 0;
     for (const auto& [name, used] : header.parameters->items()) {
         const std::string path = header.stage + "." + name;
@@ -244,22 +325,22 @@ std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header
         const bool is_default = rule && is_same(used, fallback);
         replaced += is_default ? 0 : 1;
         if (!is_default || all)
-            table.rows.push_back({path, value_text(used),
-                                  !rule                ? "not known"
-                                  : fallback.is_null() ? "none"
-                                                       : value_text(fallback),
-                                  rule ? rule->unit : "", set_by(attempt, path, is_default)});
+            add_row(parameters, {path, value_text(used),
+                                 !rule                ? "not known"
+                                 : fallback.is_null() ? "none"
+                                                      : value_text(fallback),
+                                 rule ? rule->unit : "", set_by(attempt, path, is_default)});
     }
     const auto count = static_cast<std::int64_t>(header.parameters->size());
     std::vector<Block> blocks;
     if (replaced == 0)
-        blocks.emplace_back(Paragraph{
+        blocks.push_back(paragraph(
             fmt::format("Parameters. All {} have the default of the class {}{}.", counted(count),
-                        attempt.craft.kind, all ? "" : " (--all lists them)")});
+                        attempt.craft.kind, all ? "" : " (--all lists them)")));
     else
-        table.caption = fmt::format("Parameters, {} of {} not the default of the class {}",
-                                    counted(replaced), counted(count), attempt.craft.kind);
-    if (!table.rows.empty()) blocks.emplace_back(std::move(table));
+        parameters.text = fmt::format("Parameters, {} of {} not the default of the class {}",
+                                      counted(replaced), counted(count), attempt.craft.kind);
+    if (!parameters.rows.empty()) blocks.push_back(std::move(parameters));
     return blocks;
 }
 
@@ -269,24 +350,22 @@ const std::vector<std::string>& audited_stages() {
     return stages;
 }
 
-Walk walk_through(const RunRecord& record, const WalkOptions& options) {
-    Walk walk{.title = fmt::format("Audit of the attempt {}", record.attempt.id)};
+Document walk_through(const RunRecord& record, const WalkOptions& options) {
+    Document walk{.title = fmt::format("Audit of the attempt {}", record.attempt.id)};
     if (options.stages.empty()) walk.sections.push_back(run_section(record, options.all));
-    const auto is_asked = [&](const std::string& stage) {
-        return options.stages.empty() || options.stages.contains(stage);
-    };
-    using Make = Section (*)(const RunRecord&, const ReceiverRecord&, bool);
-    constexpr std::pair<const char*, Make> makers[] = {{"import", import_section},
-                                                       {"enu", enu_section},
-                                                       {"screen", screen_section},
-                                                       {"smooth", smooth_section},
-                                                       {"window", window_section}};
-    for (const auto& [stage, make] : makers)
-        for (const ReceiverRecord& one : record.receivers)
-            if (is_asked(stage) &&
-                (options.receiver.empty() || options.receiver == one.receiver.id))
-                walk.sections.push_back(make(record, one, options.all));
-    if (is_asked("check")) walk.sections.push_back(check_section(record, options.all));
+    const std::vector<Product> products = products_of(record);
+    for (const std::string& stage : audited_stages()) {
+        if (!options.stages.empty() && !options.stages.contains(stage)) continue;
+        for (const Product& product : products) {
+            const bool asked =
+                options.receiver.empty() || !product.of || options.receiver == product.receiver;
+            if (product.stage != stage || !asked) continue;
+            Section& section = walk.sections.emplace_back(stage_section(product));
+            if (product.header)
+                add(section, product.of ? product.blocks(record, *product.of, options.all)
+                                        : check_blocks(record, options.all));
+        }
+    }
     return walk;
 }
 

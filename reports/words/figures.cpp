@@ -126,11 +126,13 @@ ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit) {
     return shown_in(speeds, speed_unit(unit));
 }
 
+int decimals_in(std::string_view figure) {
+    const std::size_t point = figure.find('.');
+    return point == std::string_view::npos ? 0 : static_cast<int>(figure.size() - point - 1);
+}
+
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side) {
-    const std::size_t point = shown.speed.find('.');
-    const int decimals =
-        point == std::string::npos ? 0 : static_cast<int>(shown.speed.size() - point - 1);
-    return shown_figure(speed_m_s * speed_unit(shown.unit).per_m_s, decimals, side);
+    return shown_figure(speed_m_s * speed_unit(shown.unit).per_m_s, decimals_in(shown.speed), side);
 }
 
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,

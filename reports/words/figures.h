@@ -80,6 +80,9 @@ ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
 /// The figures that a verdict, which has a speed, shows; else made of its numbers in that unit.
 ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 
+/// How many decimals a figure is written with.
+int decimals_in(std::string_view figure);
+
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 

@@ -24,13 +24,9 @@ std::string lasting(std::string text, const fs::path& folder) {
         text.replace(at, folder.string().size(), "FOLDER");
     replace("\\b[0-9a-f]{12,64}\\b(-modified)?", "HASH");
     replace("[0-9,]+ bytes", "N bytes");
-    replace("[0-9,]+ +HASH", "N HASH");
+    replace(" *[0-9,]+ +HASH", "  N HASH");
     replace(" +[0-9]+\\.[0-9]{2} s(?=\\n)", " T s");
     replace("agrees within [0-9]e-[0-9]+ m +[0-9.]+ s", "agrees within E m T s");
-    // Where this paragraph is broken into lines hangs on how long the revision is.
-    if (const std::size_t at = text.find("Files. Written by"); at != std::string::npos)
-        for (std::size_t end; (end = text.find('\n', at)), text.compare(end, 5, "\n    ") == 0;)
-            text.replace(end, text.find_first_not_of(' ', end + 1) - end, " ");
     return text;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "reports/audit/record.h"
+#include "reports/document/document_text.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -51,7 +52,8 @@ RunRecord record_of(const std::string& parameters = {}) {
 }
 
 std::string text_of(const RunRecord& record, const WalkOptions& options = {}) {
-    return std::regex_replace(walk_text(walk_through(record, options)), std::regex("\n {4,}"), " ");
+    return std::regex_replace(document_text(walk_through(record, options), 80),
+                              std::regex("\n {2,}"), " ");
 }
 
 void expect_in(const std::string& text, const std::vector<std::string>& all) {
@@ -61,21 +63,22 @@ void expect_in(const std::string& text, const std::vector<std::string>& all) {
 
 TEST(WalkThrough, WhatIsThereIsShownAndWhatIsNotIsNamed) {
     const std::string text = text_of(record_of());
-    expect_in(text, {"Audit of the attempt small", "yacht, class land-yacht",
-                     "recording.primary.pos (handed in as a.pos)", "aaaaaaaaaaaa  yes",
-                     "1-observations.ecsv: 2 epochs, 99 bytes",
-                     "by no file of the folder: nothing shows that it was not changed",
-                     "line 7 (at epoch 2): cut", "1 of 3 could not be read",
-                     "rtklib-pos, recognised by the recording's content",
-                     "MISSING from the folder: 2-enu.ecsv (enu)", "2-enu.ecsv is MISSING",
-                     "6-verdict.yaml is MISSING", "report.json is not in the folder",
-                     "All of them were made by the same program."});
+    expect_in(text,
+              {"Audit of the attempt small", "yacht, class land-yacht",
+               "recording  recording.primary.pos  1,234  aaaaaaaaaaaa  yes handed in as a.pos",
+               "1-observations.ecsv: 2 epochs, 99 bytes",
+               "by no file of the folder: nothing shows that it was not changed",
+               "line 7 (at epoch 2): cut", "1 of 3 could not be read",
+               "rtklib-pos, recognised by the recording's content",
+               "MISSING from the folder: 2-enu.ecsv (enu)", "2-enu.ecsv is MISSING",
+               "6-verdict.yaml is MISSING", "report.json is not in the folder",
+               "All of them were made by the same program."});
     EXPECT_EQ(text.find(hash_a), std::string::npos);
     EXPECT_NE(text_of(record_of(), {.all = true}).find(hash_a), std::string::npos);
 }
 
 TEST(WalkThrough, TheStagesAskedForAndNoOthers) {
-    const Walk walk = walk_through(record_of(), {.stages = {"enu", "import"}});
+    const Document walk = walk_through(record_of(), {.stages = {"enu", "import"}});
     ASSERT_EQ(walk.sections.size(), 2U);
     EXPECT_EQ(walk.sections[0].title, "1. import, receiver primary");
     EXPECT_EQ(walk.sections[1].title, "2. enu, receiver primary");

@@ -133,45 +133,43 @@ std::vector<std::string> ClauseView::answers() const {
     return found == of.options.answers.end() ? std::vector<std::string>() : found->second;
 }
 
-std::string clause_text(const ClauseView& view) {
+Section clause_section(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
-    std::string text = heading(words_of(requirement.status),
-                               fmt::format("{}/{}", view.of.verdict.profile, requirement.clause));
-    text += labelled("The rule", requirement.text);
-    text += labelled("Its source", fmt::format("{} {}", sentence(source_text(requirement)),
-                                               certainty_words(requirement.certainty)));
-    text += labelled("Decided by", computation_words(view));
-    for (std::size_t i = 0; i < requirement.figures.size(); ++i)
-        text += labelled(i == 0 ? "Figures" : "", sentence(figure_text(requirement.figures[i])));
-    if (const std::string limit = view.limit(); !limit.empty()) text += labelled("Limit", limit);
-    for (const std::string& words : override_words(view.of.verdict, figures_behind(view)))
-        text += labelled("Replaced", words);
-    text += labelled("Outcome", outcome_sentence(requirement));
+    const std::string name = fmt::format("{}/{}", view.of.verdict.profile, requirement.clause);
+    Block told = facts({{"The rule", requirement.text},
+                        {"Its source", fmt::format("{} {}", sentence(source_text(requirement)),
+                                                   certainty_words(requirement.certainty))},
+                        {"Decided by", computation_words(view)}});
+    for (const Figure& figure : requirement.figures)
+        add_fact(told, "Figure", sentence(figure_text(figure)));
+    add_fact(told, "Limit", view.limit());
+    for (std::string& words : override_words(view.of.verdict, figures_behind(view)))
+        add_fact(told, "Replaced", std::move(words));
+    add_fact(told, "Outcome", outcome_sentence(requirement));
     if (requirement.status == RequirementStatus::attest)
-        text += labelled("To do", std::string(phrase_of(view.requirement.decided_by)));
+        add_fact(told, "To do", std::string(phrase_of(view.requirement.decided_by)));
     if (requirement.answered_by)
-        text +=
-            labelled("Answered by", fmt::format("{} in the role {}", requirement.answered_by->count,
-                                                requirement.answered_by->role));
-    for (const std::string& answer : view.answers())
-        text += labelled("Answers", answer);
-    return text;
+        add_fact(told, "Answered by",
+                 fmt::format("{} in the role {}", requirement.answered_by->count,
+                             requirement.answered_by->role));
+    for (std::string& answer : view.answers())
+        add_fact(told, "Answer", std::move(answer));
+    return {.anchor = name,
+            .title = fmt::format("{}: {}", name, upper_case(words_of(requirement.status))),
+            .blocks = {std::move(told)}};
 }
 
-std::string clause_in_short(const ClauseView& view) {
+TableRow clause_row(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
-    constexpr std::size_t indent = 13;
-    const std::string blanks(indent, ' ');
-    std::string text = fmt::format("  {:<{}}{}", upper_case(words_of(requirement.status)),
-                                   indent - 2, wrapped(requirement.clause, indent, indent));
     const std::string doubt = requirement.certainty == Certainty::unconfirmed
                                   ? " (Not confirmed that the rule says so.)"
                                   : "";
-    text += blanks + wrapped(requirement.text + doubt, indent, indent);
-    text += blanks + wrapped(sentence(requirement.evidence), indent, indent);
-    for (const std::string& answer : view.answers())
-        text += blanks + wrapped(answer, indent, indent);
-    return text;
+    TableRow row{.cells = {upper_case(words_of(requirement.status)), requirement.clause},
+                 .mark = std::string(to_text(requirement.status)),
+                 .further = {requirement.text + doubt, sentence(requirement.evidence)}};
+    for (std::string& answer : view.answers())
+        row.further.push_back(std::move(answer));
+    return row;
 }
 
 }  // namespace runcert

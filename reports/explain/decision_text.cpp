@@ -23,16 +23,17 @@ std::string speed_shown(const ProfileView& view) {
     return measured_speed_text(shown_of(view.verdict, unit_of(view)), view.verdict.coverage_factor);
 }
 
-std::string title(const ProfileView& view) {
-    return heading(view.verdict.profile,
-                   fmt::format("{}, {}", view.verdict.title, view.verdict.body));
+Section titled(const ProfileView& view) {
+    const ProfileVerdict& verdict = view.verdict;
+    return {.anchor = verdict.profile,
+            .title = fmt::format("{}: {}, {}", verdict.profile, verdict.title, verdict.body)};
 }
 
-std::string outcome_lines(const ProfileView& view) {
+Block outcome_facts(const ProfileView& view) {
     OutcomeState state = state_of(view.verdict);
     state.vouched = view.options.vouched;
-    return labelled("Outcome", outcome_words(state).title + ".") +
-           labelled("Standing", capitalised(standing_text(state.standing)) + ".");
+    return facts({{"Outcome", outcome_words(state).title + "."},
+                  {"Standing", capitalised(standing_text(state.standing)) + "."}});
 }
 
 std::string window_text(const ProfileView& view) {
@@ -144,40 +145,36 @@ std::string level_sentence(const Decision& decision) {
 }
 
 /// What compares the speed with a record.
-std::string comparison_text(const ProfileView& view) {
+void add_comparison(Block& told, const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     const std::string unit = unit_of(view);
-    std::string text = labelled("Record", record_text(view));
+    add_fact(told, "Record", record_text(view));
     if (verdict.required_speed_m_s) {
-        text +=
-            labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
-                                           rounding_words(view.profile)));
-        text +=
-            labelled("Required speed",
-                     speed_beside(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
+        add_fact(told, "Margin",
+                 fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
+                             rounding_words(view.profile)));
+        add_fact(told, "Required speed",
+                 speed_beside(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
     }
     if (verdict.speed_m_s) {
-        text += labelled("Speed", speed_text(view));
-        text += labelled("Uncertainty", uncertainty_text(view));
+        add_fact(told, "Speed", speed_text(view));
+        add_fact(told, "Uncertainty", uncertainty_text(view));
     }
-    if (verdict.decision) {
-        text += labelled("Conformance", probability_text(verdict.decision->probability) +
-                                            " that the true speed reaches the required speed.");
-        const std::string silent = silent_rule_text(view.profile);
-        text += labelled("Decision rule",
-                         level_sentence(*verdict.decision) + (silent.empty() ? "" : " " + silent));
-        text += labelled("Agreement", agreement_text(view.options.rule_agreed, verdict.window));
-        text += labelled("Acceptance limit",
-                         fmt::format("{}: the lowest measured speed that would count as beaten "
-                                     "with this uncertainty.",
-                                     speed_beside(verdict, verdict.decision->acceptance_limit_m_s,
-                                                  unit, SafeSide::up)));
-        if (const std::string guard = guard_band_text(verdict, speed_unit(unit)); !guard.empty())
-            text += labelled("Guard band", guard);
-        if (const std::string risk = risk_text(verdict); !risk.empty())
-            text += labelled("Risk", capitalised(risk));
-    }
-    return text;
+    if (!verdict.decision) return;
+    add_fact(told, "Conformance",
+             fmt::format("Probability {} that the true speed reaches the required speed.",
+                         probability_text(verdict.decision->probability)));
+    const std::string silent = silent_rule_text(view.profile);
+    add_fact(told, "Decision rule",
+             level_sentence(*verdict.decision) + (silent.empty() ? "" : " " + silent));
+    add_fact(told, "Agreement", agreement_text(view.options.rule_agreed, verdict.window));
+    add_fact(told, "Acceptance limit",
+             fmt::format("{}: the lowest measured speed that would count as beaten with this "
+                         "uncertainty.",
+                         speed_beside(verdict, verdict.decision->acceptance_limit_m_s, unit,
+                                      SafeSide::up)));
+    add_fact(told, "Guard band", guard_band_text(verdict, speed_unit(unit)));
+    add_fact(told, "Risk", capitalised(risk_text(verdict)));
 }
 
 }  // namespace
@@ -230,45 +227,50 @@ std::vector<std::string> notes_of(const ProfileVerdict& verdict) {
     return notes;
 }
 
-std::string decision_text(const ProfileView& view) {
+Section decision_section(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view) + outcome_lines(view);
-    text += labelled("Window", window_text(view));
-    text += comparison_text(view);
-    text += labelled("Why", why_text(view));
-    for (const std::string& words : override_words(verdict, {}))
-        text += labelled("Replaced", words);
-    for (const std::string& note : notes_of(verdict))
-        text += labelled("Note", note);
+    Block told = outcome_facts(view);
+    add_fact(told, "Window", window_text(view));
+    add_comparison(told, view);
+    add_fact(told, "Why", why_text(view));
+    for (std::string& words : override_words(verdict, {}))
+        add_fact(told, "Replaced", std::move(words));
+    for (std::string& note : notes_of(verdict))
+        add_fact(told, "Note", std::move(note));
     if (verdict.indicated)
-        text +=
-            labelled("Refused",
-                     fmt::format("{} at {} s, of the raw positions: {}.",
+        add_fact(
+            told, "Refused",
+            sentence(fmt::format("{} at {} s, of the raw positions: {}",
                                  speed_beside(verdict, verdict.indicated->speed_m_s, unit_of(view)),
                                  format_fixed(verdict.indicated->span.start.seconds(), 3),
-                                 listed(verdict.indicated->refusals)));
-    return text;
+                                 listed(verdict.indicated->refusals))));
+    Section section = titled(view);
+    add(section, std::move(told));
+    return section;
 }
 
-std::string decision_in_short(const ProfileView& view) {
+Section decision_in_short(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view) + outcome_lines(view);
+    Block told = outcome_facts(view);
     if (const std::string speed = speed_shown(view); !speed.empty()) {
-        const std::string unit = unit_of(view);
         const std::string required_speed =
             verdict.required_speed_m_s
                 ? fmt::format("; required {}", speed_beside(verdict, *verdict.required_speed_m_s,
-                                                            unit, SafeSide::up))
+                                                            unit_of(view), SafeSide::up))
                 : "";
-        text += labelled("Speed", speed + required_speed);
+        add_fact(told, "Speed", speed + required_speed);
     }
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        text += labelled("Conformance", fmt::format("probability {} (at least {} required)",
-                                                    probability_text(verdict.decision->probability),
-                                                    level_text(verdict.decision->level)));
+        add_fact(told, "Conformance",
+                 fmt::format("probability {} (at least {} required)",
+                             probability_text(verdict.decision->probability),
+                             level_text(verdict.decision->level)));
     if (verdict.decision)
-        text += labelled("Decision rule", agreement_text(view.options.rule_agreed, verdict.window));
-    return text + labelled("Why", sentence(verdict.reason));
+        add_fact(told, "Decision rule", agreement_text(view.options.rule_agreed, verdict.window));
+    add_fact(told, "Why", sentence(verdict.reason));
+    Section section = titled(view);
+    add(section, std::move(told));
+    return section;
 }
 
 }  // namespace runcert

@@ -16,8 +16,6 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t label_columns = 20;
-
 /// A clause of this program's own, and who answers for it.
 std::string with_role(const Clause& own) {
     return fmt::format("{} ({})", own.id, own.answered_by.role);
@@ -102,16 +100,16 @@ bool is_decision(const ProfileView& view, const std::string& name) {
         [&](std::string_view word) { return name == word || name == full_name(view, word); });
 }
 
-std::string one_clause(const std::vector<ProfileView>& views, const std::string& name) {
-    std::vector<std::string> blocks;
+std::vector<Section> one_clause(const std::vector<ProfileView>& views, const std::string& name) {
+    std::vector<Section> sections;
     for (const ProfileView& view : views) {
-        if (is_decision(view, name)) blocks.push_back(decision_text(view));
+        if (is_decision(view, name)) sections.push_back(decision_section(view));
         for (const Requirement& requirement : view.verdict.requirements)
             if (requirement.clause == name || full_name(view, requirement.clause) == name)
-                blocks.push_back(clause_text(clause_view(view, requirement)));
+                sections.push_back(clause_section(clause_view(view, requirement)));
     }
-    if (blocks.empty()) refuse_clause(views, name);
-    return fmt::format("{}", fmt::join(blocks, "\n"));
+    if (sections.empty()) refuse_clause(views, name);
+    return sections;
 }
 
 std::string counts_of(const ProfileVerdict& verdict) {
@@ -124,29 +122,44 @@ std::string counts_of(const ProfileVerdict& verdict) {
                        count(RequirementStatus::attest));
 }
 
-std::string in_short(const ProfileView& view) {
-    std::string text = decision_in_short(view);
-    text += labelled("Clauses", counts_of(view.verdict));
-    for (const std::string& words : override_words(view.verdict, {}))
-        text += labelled("Replaced", words);
-    for (const std::string& note : notes_of(view.verdict))
-        text += labelled("Note", note);
+Section in_short(const ProfileView& view) {
+    Section section = decision_in_short(view);
+    Block& told = section.blocks.back();
+    add_fact(told, "Clauses", counts_of(view.verdict));
+    for (std::string& words : override_words(view.verdict, {}))
+        add_fact(told, "Replaced", std::move(words));
+    for (std::string& note : notes_of(view.verdict))
+        add_fact(told, "Note", std::move(note));
+    Block clauses = table({"", ""});
     for (const Requirement& requirement : view.verdict.requirements)
-        text += fmt::format("\n{}", clause_in_short(clause_view(view, requirement)));
-    return text;
+        clauses.rows.push_back(clause_row(clause_view(view, requirement)));
+    if (!clauses.rows.empty()) add(section, std::move(clauses));
+    return section;
+}
+
+/// Who says what the figures rest on.
+Section origins_section(const std::vector<VerdictInput>& origins) {
+    Block told = facts({});
+    for (const InputsOfOrigin& said : inputs_by_origin(origins))
+        add_fact(told, said.label, sentence(said.text));
+    return {.anchor = "origins", .title = "Who says what", .blocks = {std::move(told)}};
+}
+
+/// How to read on.
+Section further_section(const ProfileView& first) {
+    const auto& requirements = first.verdict.requirements;
+    return {.anchor = "further",
+            .title = "In full",
+            .blocks = {
+                facts({{"One clause", fmt::format("runcert explain RUN_DIR {}",
+                                                  requirements.empty()
+                                                      ? "CLAUSE"
+                                                      : shell_word(plain_text(full_name(
+                                                            first, requirements.front().clause))))},
+                       {"The decision", "runcert explain RUN_DIR decision"}})}};
 }
 
 }  // namespace
-
-std::string labelled(std::string_view label, std::string_view text) {
-    return fmt::format("  {:<{}}{}", label, label_columns - 2,
-                       wrapped(text, label_columns, label_columns));
-}
-
-std::string heading(std::string_view outcome, std::string_view text) {
-    const std::string word = upper_case(outcome);
-    return fmt::format("{}  {}", word, wrapped(text, word.size() + 2, word.size() + 2));
-}
 
 std::string inputs_table_text() {
     std::string text =
@@ -161,43 +174,35 @@ std::string inputs_table_text() {
     return text;
 }
 
-std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
-                         const ExplainOptions& options) {
+Document explained(const Verdict& verdict, const std::vector<Profile>& profiles,
+                   const ExplainOptions& options) {
+    Document document{.title = fmt::format("Verdict on the attempt {}", verdict.attempt)};
     const std::vector<ProfileView> views = views_of(verdict, profiles, options);
-    if (!options.clause.empty()) return one_clause(views, options.clause);
-    std::string text;
+    if (!options.clause.empty()) {
+        document.sections = one_clause(views, options.clause);
+        return document;
+    }
     for (const ProfileView& view : views)
-        text += fmt::format("{}\n", in_short(view));
-    for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
-        text += labelled(said.label, sentence(said.text));
-    if (!verdict.origins.empty()) text += "\n";
-    const ProfileView& first = views.front();
-    return text +
-           wrapped(fmt::format("One clause in full: runcert explain RUN_DIR {}. How the outcome "
-                               "was decided: runcert explain RUN_DIR decision.",
-                               first.verdict.requirements.empty()
-                                   ? "CLAUSE"
-                                   : shell_word(plain_text(full_name(
-                                         first, first.verdict.requirements.front().clause)))),
-                   0);
+        document.sections.push_back(in_short(view));
+    if (!verdict.origins.empty()) document.sections.push_back(origins_section(verdict.origins));
+    document.sections.push_back(further_section(views.front()));
+    return document;
 }
 
-std::string profiles_text(const std::vector<Profile>& profiles) {
-    std::string text;
+Document profiles_document(const std::vector<Profile>& profiles) {
+    Block rules = table({"", ""});
     for (const Profile& profile : profiles) {
-        text += wrapped(profile.id, 0);
-        text += "    " + wrapped(sentence(profile.title), 4, 4);
-        text += "    " + wrapped(sentence(profile.body), 4, 4);
-        text += "    " + wrapped(measures_words(profile), 4, 4);
-        if (!profile.looked_at.empty())
-            text +=
-                "    " + wrapped(fmt::format("Texts looked at until {}.", profile.looked_at), 4, 4);
-        if (!profile.valid_from.empty())
-            text += "    " + wrapped(fmt::format("For runs from {}.", profile.valid_from), 4, 4);
-        if (!profile.superseded_by.empty())
-            text += "    " + wrapped(fmt::format("Superseded by {}.", profile.superseded_by), 4, 4);
+        TableRow& row = add_row(rules, {profile.id, sentence(profile.title)});
+        row.further = {sentence(profile.body), measures_words(profile)};
+        const auto add_line = [&](std::string_view what, const std::string& value) {
+            if (!value.empty()) row.further.push_back(fmt::format("{} {}.", what, value));
+        };
+        add_line("Texts looked at until", profile.looked_at);
+        add_line("For runs from", profile.valid_from);
+        add_line("Superseded by", profile.superseded_by);
     }
-    return text;
+    return {.title = "Rules that come with the program",
+            .sections = {{.anchor = "rules", .blocks = {std::move(rules)}}}};
 }
 
 std::string citations_text(const std::vector<Profile>& profiles) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "schemas/attempt/declared.h"
+#include "schemas/document/document.h"
 #include "schemas/profile/profile.h"
 #include "schemas/verdict/declared.h"
 
@@ -24,14 +25,13 @@ struct ExplainOptions {
     std::optional<DecisionRuleAgreement> rule_agreed = std::nullopt;
 };
 
-/// The verdict in plain words, in lines of at most 100 characters: one clause of the rules in full,
-/// or the decision, or all in short. `profiles` are those of the verdict, with the figures that the
-/// attempt put in place of theirs.
+/// The verdict in plain words: one clause of the rules in full, or the decision, or all in short.
+/// `profiles` are those of the verdict, with the figures that the attempt put in place of theirs.
 ///
 /// Failure for a clause or profile that the verdict does not have, naming those that it has; and
 /// where a profile of the verdict is not among `profiles`.
-std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
-                         const ExplainOptions& options = {});
+Document explained(const Verdict& verdict, const std::vector<Profile>& profiles,
+                   const ExplainOptions& options = {});
 
 /// A table, in Markdown, of every field of an attempt that can change what is certified: who says
 /// it, what it can change, and the clauses in which an official answers for it, with the role. A
@@ -39,7 +39,7 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
 std::string inputs_table_text();
 
 /// Id, title and body of each, what it averages over, and until when its texts were looked at.
-std::string profiles_text(const std::vector<Profile>& profiles);
+Document profiles_document(const std::vector<Profile>& profiles);
 
 /// A table, in Markdown, of where every clause of these rules is known from: source, edition,
 /// place, certainty and what decides it; also of what is not known of them, and, last, of the

@@ -4,9 +4,10 @@
 #include <filesystem>
 
 #include "core/failure.h"
+#include "core/prose.h"
 #include "core/text.h"
+#include "reports/document/document_text.h"
 #include "reports/explain/explain.h"
-#include "reports/explain/parts.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
@@ -70,12 +71,13 @@ std::string explain_run(const Options& options) {
     ExplainOptions what = options.what;
     add_answers(verdict, options, what);
     what.rule_agreed = run.attempt().decision_rule_agreed;
-    std::string text = explain_text(verdict, profiles, what);
+    Document document = explained(verdict, profiles, what);
     if (!missing.empty())
-        text += "\n" + wrapped(fmt::format("Not checked, since the folder does not hold it: {}.",
-                                           fmt::join(missing, ", ")),
-                               4);
-    return text;
+        document.sections.push_back(
+            {.anchor = "missing",
+             .title = "Not checked",
+             .blocks = {paragraph(fmt::format("The folder does not hold {}.", listed(missing)))}});
+    return document_text(document, terminal_columns());
 }
 
 /// The rules that come with the program, or the one of that id.
@@ -90,7 +92,8 @@ std::string builtin_profiles_text(const Options& options) {
             "--profile",
             fmt::format("no profile \"{}\" comes with the program", escape_for_message(wanted)),
             fmt::format("Use one of: {}", fmt::join(builtin_profiles(), ", ")));
-    return options.clauses ? citations_text(profiles) : profiles_text(profiles);
+    return options.clauses ? citations_text(profiles)
+                           : document_text(profiles_document(profiles), terminal_columns());
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "reports/explain/explain.h"
 #include "reports/words/figures.h"
 
-// The parts of an explanation, which `explain_text` puts together, and the words that they share.
+// The parts of an explanation, which `explained` puts together, and the words that they share.
 
 namespace runcert {
 
@@ -32,14 +32,14 @@ struct ClauseView {
 };
 
 /// A clause in full: text, source, computation, figures, limit, outcome.
-std::string clause_text(const ClauseView& view);
-/// Its outcome, text and evidence.
-std::string clause_in_short(const ClauseView& view);
+Section clause_section(const ClauseView& view);
+/// Its outcome and name; beneath them text, evidence and answers.
+TableRow clause_row(const ClauseView& view);
 
 /// How the outcome of a profile was decided, in full.
-std::string decision_text(const ProfileView& view);
+Section decision_section(const ProfileView& view);
 /// Outcome, speed and reason.
-std::string decision_in_short(const ProfileView& view);
+Section decision_in_short(const ProfileView& view);
 
 /// By how much the record must be beaten: "by 1 mph".
 std::string margin_words(const Profile& profile);
@@ -51,11 +51,5 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names);
 /// The notes without those on a replaced figure, which `override_words` tells.
 std::vector<std::string> notes_of(const ProfileVerdict& verdict);
-
-/// "  Its source        headings of a published report": a line of a block, with its label.
-std::string labelled(std::string_view label, std::string_view text);
-
-/// "NOT MET  nalsa/flat-course": the first line of a block, its outcome in capitals.
-std::string heading(std::string_view outcome, std::string_view text);
 
 }  // namespace runcert

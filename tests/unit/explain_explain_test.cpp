@@ -9,7 +9,9 @@
 
 #include "approved.h"
 #include "core/failure.h"
+#include "core/prose.h"
 #include "core/text.h"
+#include "reports/document/document_text.h"
 #include "reports/explain/parts.h"
 #include "reports/words/outcome.h"
 
@@ -133,12 +135,12 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
     return verdict;
 }
 
-/// On one line, however long.
-std::string unwrapped(const std::string& text) {
-    return std::regex_replace(text, std::regex("\n +"), " ");
+std::string explain_text(const Verdict& of, const std::vector<Profile>& profiles,
+                         const ExplainOptions& options = {}, std::size_t columns = 80) {
+    return document_text(explained(of, profiles, options), columns);
 }
 
-std::string explained(const Verdict& of, const std::string& name) {
+std::string one_explained(const Verdict& of, const std::string& name) {
     return explain_text(of, {profile()}, {.clause = name, .profile = {}});
 }
 
@@ -149,17 +151,18 @@ void expect_in(const std::string& text, const std::string& part) {
 TEST(Explain, EveryClauseIsExplained) {
     test::ApprovedTexts texts("explain_clauses.txt");
     for (const Clause& clause : profile().clauses) {
-        texts.add(clause.id + ", met", explained(verdict(Outcome::beaten), clause.id));
+        texts.add(clause.id + ", met", one_explained(verdict(Outcome::beaten), clause.id));
         texts.add(clause.id + ", to attest",
-                  explained(verdict(Outcome::beaten, RequirementStatus::attest), clause.id));
+                  one_explained(verdict(Outcome::beaten, RequirementStatus::attest), clause.id));
     }
-    texts.add("not met", explained(verdict(Outcome::not_certifiable, RequirementStatus::not_met),
-                                   "rule/slope-clause"));
+    texts.add("not met",
+              one_explained(verdict(Outcome::not_certifiable, RequirementStatus::not_met),
+                            "rule/slope-clause"));
     Verdict of = verdict(Outcome::beaten);
     for (const Certainty certainty : {Certainty::quoted, Certainty::unconfirmed}) {
         of.profiles[0].requirements[0].certainty = certainty;
         texts.add(fmt::format("certainty {}", to_text(certainty)),
-                  explained(of, "window_complete-clause"));
+                  one_explained(of, "window_complete-clause"));
     }
     texts.add("in short, not confirmed", explain_text(of, {profile()}));
 }
@@ -186,21 +189,21 @@ TEST(Explain, AReplacedFigureStandsWithWhatHangsOnItAlone) {
         {.figure = "margin.value", .rule = 1.0, .used = 2.0, .unit = "mph", .reason = {}}};
     of.profiles[0].notes = {"The attempt replaces margin.value.", "The wind is not known."};
     for (const char* clause : {"flatness-clause", "margin-clause", "slope-clause", "outcome"})
-        texts.add(clause, explained(of, clause));
+        texts.add(clause, one_explained(of, clause));
 }
 
 TEST(Explain, EveryOutcomeIsTakenApart) {
     test::ApprovedTexts texts("explain_outcomes.txt");
     Verdict of = verdict(Outcome::not_proven);
-    texts.add("not proven", explained(of, "decision"));
-    EXPECT_EQ(explained(of, "decision"), explained(of, "outcome"));
-    EXPECT_EQ(explained(of, "decision"), explained(of, "rule/outcome"));
+    texts.add("not proven", one_explained(of, "decision"));
+    EXPECT_EQ(one_explained(of, "decision"), one_explained(of, "outcome"));
+    EXPECT_EQ(one_explained(of, "decision"), one_explained(of, "rule/outcome"));
     of = verdict(Outcome::beaten);
     of.profiles[0].decision->probability = 0.975;
-    texts.add("beaten", explained(of, "outcome"));
+    texts.add("beaten", one_explained(of, "outcome"));
     of = verdict(Outcome::not_beaten);
     of.profiles[0].decision->probability = 1e-9;
-    texts.add("not beaten", explained(of, "outcome"));
+    texts.add("not beaten", one_explained(of, "outcome"));
     of = verdict(Outcome::not_certifiable);
     // The speed may be far above the one to reach: that says nothing, and no probability is given.
     texts.add("not certifiable, in short", explain_text(of, {profile()}));
@@ -208,12 +211,12 @@ TEST(Explain, EveryOutcomeIsTakenApart) {
     of.profiles[0].window.reset();
     of.profiles[0].decision.reset();
     of.profiles[0].shown.reset();
-    texts.add("not certifiable, without a window", explained(of, "outcome"));
+    texts.add("not certifiable, without a window", one_explained(of, "outcome"));
     of = verdict(Outcome::not_proven);
     of.profiles[0].decision.reset();
     of.profiles[0].record.reset();
     of.profiles[0].required_speed_m_s.reset();
-    texts.add("without a record", explained(of, "outcome"));
+    texts.add("without a record", one_explained(of, "outcome"));
 }
 
 TEST(Explain, AMeanOfSeveralWindowsIsSaidToBeOne) {
@@ -257,15 +260,18 @@ TEST(Explain, NoLineIsLongerThanAPage) {
     Verdict of = verdict(Outcome::not_proven, RequirementStatus::attest);
     of.profiles[0].requirements[6].evidence = std::string(250, 'x') + " \xC3\xA9 \x1b[31m red";
     of.profiles[0].notes = {std::string(300, 'n')};
-    for (const char* name : {"", "decision", "flatness-clause", "current-clause"}) {
-        const std::string text = explain_text(of, {profile()}, {.clause = name, .profile = {}});
-        EXPECT_EQ(text.find('\x1b'), std::string::npos);
-        std::istringstream lines(text);
-        for (std::string line; std::getline(lines, line);) {
-            EXPECT_LE(line.size(), 101U) << line;  // one letter has two bytes
-            EXPECT_FALSE(line.ends_with(' ')) << line;
+    for (const std::size_t columns : {40U, 80U})
+        for (const char* name : {"", "decision", "flatness-clause", "current-clause"}) {
+            const std::string text =
+                explain_text(of, {profile()}, {.clause = name, .profile = {}}, columns);
+            EXPECT_EQ(text.find('\x1b'), std::string::npos);
+            EXPECT_FALSE(std::regex_search(text, std::regex(R"(\.\.(?!\.)(\s|$))"))) << text;
+            std::istringstream lines(text);
+            for (std::string line; std::getline(lines, line);) {
+                EXPECT_LE(characters_in(line), columns) << line;
+                EXPECT_FALSE(line.ends_with(' ')) << line;
+            }
         }
-    }
 }
 
 TEST(Explain, AClauseOfTwoProfilesIsExplainedForBoth) {
@@ -277,8 +283,8 @@ TEST(Explain, AClauseOfTwoProfilesIsExplainedForBoth) {
     const auto text = [&](const std::string& name, const std::string& only) {
         return explain_text(of, rules, {.clause = name, .profile = only});
     };
-    expect_in(text("slope-clause", ""), "MET  rule/slope-clause\n");
-    expect_in(text("slope-clause", ""), "MET  other/slope-clause\n");
+    expect_in(text("slope-clause", ""), "\nrule/slope-clause: MET\n");
+    expect_in(text("slope-clause", ""), "\nother/slope-clause: MET\n");
     EXPECT_EQ(text("other/slope-clause", "").find("rule/slope-clause"), std::string::npos);
     EXPECT_EQ(text("slope-clause", "other"), text("other/slope-clause", ""));
     EXPECT_EQ(text("", "other").find("rule: top speed"), std::string::npos);
@@ -305,10 +311,13 @@ TEST(Explain, TheProfilesThatComeWithTheProgramHaveTitleAndBody) {
     std::vector<Profile> rules;
     for (const std::string& name : builtin_profiles())
         rules.push_back(read_profile(builtin_profile(name), name));
-    const std::string text = profiles_text(rules);
-    for (const Profile& rule : rules) {
-        expect_in(text, rule.id + "\n");
-        expect_in(unwrapped(text), sentence(rule.title) + " " + sentence(rule.body));
+    const Document document = profiles_document(rules);
+    const std::vector<TableRow>& rows = document.sections.at(0).blocks.at(0).rows;
+    ASSERT_EQ(rows.size(), rules.size());
+    for (std::size_t i = 0; i < rules.size(); ++i) {
+        EXPECT_EQ(rows[i].cells, (std::vector<std::string>{rules[i].id, sentence(rules[i].title)}));
+        EXPECT_EQ(rows[i].further.at(0), sentence(rules[i].body));
+        expect_in(document_text(document, 80), "\n" + rules[i].id + " ");
     }
 }
 

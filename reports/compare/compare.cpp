@@ -198,6 +198,7 @@ ProfileComparison compare_profile(const Task& task, const Methods& methods) {
     if (windows.best) {
         comparison.certified_start = windows.best->span.start;
         comparison.certified_duration = windows.best->span.duration;
+        comparison.expanded_uncertainty_m_s = expanded_uncertainty_m_s(*windows.best, 2.0);
         comparison.true_m_s = task.truth_in(*task.certified);
     }
     for (const MethodTrack& track : methods.tracks)

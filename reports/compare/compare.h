@@ -8,6 +8,7 @@
 
 #include "reports/compare/methods.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/document/document.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 
@@ -53,6 +54,7 @@ struct ProfileComparison {
     std::int64_t candidates = 0;                 ///< certifiable windows
     std::optional<ElapsedTime> certified_start;  ///< empty where there is no certified window
     std::optional<ElapsedTime> certified_duration;
+    double expanded_uncertainty_m_s = 0.0;  ///< of its measured speed, k = 2; 0: not known
     std::optional<double> true_m_s;  ///< in the certified window, by the profile's definition
     std::vector<MethodResult> methods;
 };
@@ -80,7 +82,8 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
                            const Windows& windows, const CompareConfig& config,
                            const std::vector<std::optional<TruthEpoch>>* truth);
 
-/// The comparison as an aligned table of at most 100 columns, for people; speeds in km/h.
-std::string comparison_text(const Comparison& comparison, const std::string& attempt);
+/// The comparison for people, each rule's speeds in the unit of the record to beat, rounded as the
+/// measured one is.
+Document comparison_document(const Comparison& comparison, const Attempt& attempt);
 
 }  // namespace runcert

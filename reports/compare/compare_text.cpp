@@ -1,15 +1,13 @@
 #include <fmt/format.h>
 
-#include "core/speed_unit.h"
+#include "core/prose.h"
+#include "core/rounding.h"
 #include "core/text.h"
 #include "reports/compare/compare.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
-
-std::string in_km_h(std::optional<double> mps) {
-    return mps ? format_fixed(*mps * km_h_per_m_s, 3) : "-";
-}
 
 std::string in_seconds(std::optional<ElapsedTime> time) {
     return time ? format_fixed(time->seconds(), 3) : "-";
@@ -31,66 +29,94 @@ std::string_view short_name(SpeedDefinition definition) {
     return "";
 }
 
-std::string heading(const ProfileComparison& profile) {
-    std::string text =
-        fmt::format("\n{}: {} s, {}; {} windows can be certified\n", profile.profile,
-                    profile.duration_s, words_of(profile.definition), profile.candidates);
-    if (!profile.certified_start) return text + "no certified window\n";
-    text += fmt::format("certified window: {} s from {} s", in_seconds(profile.certified_duration),
-                        in_seconds(profile.certified_start));
+/// How the speeds of one rule are written, without their unit.
+struct ShownSpeeds {
+    SpeedUnit unit;
+    int decimals = 2;
+
+    std::string speed(std::optional<double> speed_m_s) const {
+        return speed_m_s ? shown_figure(*speed_m_s * unit.per_m_s, decimals, SafeSide::down) : "-";
+    }
+    /// Against a truth that has no uncertainty: with one decimal more.
+    std::string error(std::optional<double> error_m_s) const {
+        return error_m_s ? format_fixed(*error_m_s * unit.per_m_s, decimals + 1) : "-";
+    }
+};
+
+Block speeds_table(const ProfileComparison& profile, const ShownSpeeds& shown) {
+    Block speeds = table({"method", "by", ">best from, s", ">best", ">certified"},
+                         fmt::format("Speeds in the best window of each method and in the "
+                                     "certified one, {}",
+                                     shown.unit.name));
+    for (const MethodResult& method : profile.methods)
+        add_row(speeds,
+                {method.name, std::string(short_name(method.window_speed)),
+                 in_seconds(method.best_start), shown.speed(method.best_m_s),
+                 shown.speed(method.certified_m_s)},
+                method.name == "certified" ? "chosen" : "");
+    return speeds;
+}
+
+Block errors_table(const ProfileComparison& profile, const ShownSpeeds& shown) {
+    Block errors =
+        table({"method", ">RMS", ">best", ">certified"},
+              fmt::format("Errors of its speeds, and in these windows, {}", shown.unit.name));
+    for (const MethodResult& method : profile.methods)
+        add_row(errors,
+                {method.name, shown.error(method.rms_error_m_s), shown.error(method.best_error_m_s),
+                 shown.error(method.certified_error_m_s)});
+    return errors;
+}
+
+Section rule_section(const ProfileComparison& profile, const Record* record, bool with_truth) {
+    const SpeedUnit& unit = speed_unit(record ? record->unit : "");
+    const ShownSpeeds shown{
+        unit, decimals_of(profile.expanded_uncertainty_m_s * unit.per_m_s, std::nullopt)};
+    std::string certified = "none";
+    if (profile.certified_start)
+        certified = fmt::format("{} s from {} s", in_seconds(profile.certified_duration),
+                                in_seconds(profile.certified_start));
+    Block told = facts({{"Speed", fmt::format("over {}, {}", time_span_text(profile.duration_s),
+                                              words_of(profile.definition))},
+                        {"Windows", counted(profile.candidates) + " can be certified"},
+                        {"Certified window", certified}});
     if (profile.true_m_s)
-        text += fmt::format("; true speed in it {} km/h", in_km_h(profile.true_m_s));
-    return text + "\n";
+        add_fact(told, "True speed in it",
+                 fmt::format("{} {}", shown.speed(profile.true_m_s), unit.name));
+    Section section{.anchor = profile.profile,
+                    .title = "Rule " + profile.profile,
+                    .blocks = {std::move(told), speeds_table(profile, shown)}};
+    if (with_truth) add(section, errors_table(profile, shown));
+    return section;
 }
 
-std::string column_names(bool with_truth) {
-    std::string text =
-        fmt::format("{:<32} {:<6} {:>9} {:>9} {:>9}", "", "", "best", "best", "certified");
-    if (with_truth) text += fmt::format(" {:>9} {:>9} {:>9}", "RMS", "error in", "error in");
-    text += fmt::format("\n{:<32} {:<6} {:>9} {:>9} {:>9}", "method", "by", "from s", "window",
-                        "window");
-    if (with_truth) text += fmt::format(" {:>9} {:>9} {:>9}", "error", "certified", "best");
-    return text + "\n";
-}
-
-std::string row(const MethodResult& method, bool with_truth) {
-    std::string text = fmt::format("{:<32} {:<6} {:>9} {:>9} {:>9}", method.name,
-                                   short_name(method.window_speed), in_seconds(method.best_start),
-                                   in_km_h(method.best_m_s), in_km_h(method.certified_m_s));
-    if (with_truth)
-        text += fmt::format(" {:>9} {:>9} {:>9}", in_km_h(method.rms_error_m_s),
-                            in_km_h(method.certified_error_m_s), in_km_h(method.best_error_m_s));
-    return text + "\n";
-}
-
-std::string legend(const Comparison& comparison) {
-    std::string text =
-        "\nby: d/T displacement over time, path/T path length over time, N+1 mean of the window's\n"
-        "speeds, both ends included; N the same without the first, each speed being that of the\n"
-        "step before it. certified: the speed that the certificate states.\n";
+Section legend(const Comparison& comparison) {
+    std::vector<std::string> items{
+        "by: d/T displacement over time, path/T path length over time; N+1 mean of the window's "
+        "speeds, both ends included; N the same without the first, each speed being that of the "
+        "step before it.",
+        "certified: the speed that the certificate states, and each method's in the same window."};
     if (comparison.with_truth)
-        text += fmt::format(
-            "Errors are estimate less truth. The truth of a window is by the profile's "
-            "definition;\n"
-            "RMS is of the speeds at {} of {} epochs, those with truth.\n",
-            comparison.epochs_with_truth, comparison.epochs);
+        items.push_back(fmt::format(
+            "Errors are estimate less truth. The truth of a window is by the profile's definition; "
+            "RMS is of the speeds at {} of {} epochs, those with truth.",
+            comparison.epochs_with_truth, comparison.epochs));
     for (const std::string& note : comparison.notes)
-        text += note + ".\n";
-    return text;
+        items.push_back(sentence(note));
+    return {.anchor = "legend", .title = "Legend and notes", .blocks = {list_of(std::move(items))}};
 }
 
 }  // namespace
 
-std::string comparison_text(const Comparison& comparison, const std::string& attempt) {
-    std::string text = fmt::format(
-        "All estimators side by side: attempt {}, receiver {}. Speeds in km/h, times in s.\n",
-        attempt, comparison.receiver);
-    for (const ProfileComparison& profile : comparison.profiles) {
-        text += heading(profile) + column_names(comparison.with_truth);
-        for (const MethodResult& method : profile.methods)
-            text += row(method, comparison.with_truth);
-    }
-    return text + legend(comparison);
+Document comparison_document(const Comparison& comparison, const Attempt& attempt) {
+    Document document{
+        .title = "All estimators side by side",
+        .subtitle = fmt::format("Attempt {}, receiver {}", attempt.id, comparison.receiver)};
+    for (const ProfileComparison& profile : comparison.profiles)
+        document.sections.push_back(
+            rule_section(profile, attempt.record_for(profile.profile), comparison.with_truth));
+    document.sections.push_back(legend(comparison));
+    return document;
 }
 
 }  // namespace runcert

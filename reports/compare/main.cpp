@@ -4,6 +4,7 @@
 
 #include "core/failure.h"
 #include "reports/compare/compare.h"
+#include "reports/document/document_text.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
@@ -29,9 +30,9 @@ std::string compare_run(const Options& options) {
     std::optional<std::vector<std::optional<TruthEpoch>>> truth;
     if (!options.truth.empty())
         truth = truth_at_rows(read_truth(read_file(options.truth), options.truth), trajectory);
-    return comparison_text(compare_methods(screened, trajectory, windows, compare_config(attempt),
-                                           truth ? &*truth : nullptr),
-                           attempt.id);
+    const Comparison comparison = compare_methods(
+        screened, trajectory, windows, compare_config(attempt), truth ? &*truth : nullptr);
+    return document_text(comparison_document(comparison, attempt), terminal_columns());
 }
 
 }  // namespace

@@ -9,10 +9,10 @@
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
-/// One row of the table: what follows the method's name.
+/// What the two tables say of a method.
 struct TableRow {
     std::string by;
-    std::vector<std::string> cells;  ///< from s, best, certified, RMS, error certified, error best
+    std::vector<std::string> cells;  ///< from s, best, certified; RMS, error best, error certified
 
     double number(std::size_t cell) const {
         const std::optional<double> value = parse_double(cells.at(cell));
@@ -21,22 +21,25 @@ struct TableRow {
     }
 };
 
-/// The rows of the profile by the method's name.
+/// The rows of the rule by the method's name, which takes the first 31 columns.
 std::map<std::string, TableRow> table_of(const std::string& text, const std::string& profile) {
+    constexpr std::size_t name_columns = 33;
     std::map<std::string, TableRow> rows;
     std::istringstream lines(text);
-    std::string in_profile;
-    for (std::string line; std::getline(lines, line);) {
-        EXPECT_LE(line.size(), 100U) << line;
-        if (line.find(" windows can be certified") != std::string::npos)
-            in_profile = line.substr(0, line.find(':'));
-        if (line.empty() || in_profile != profile || line.size() < 60) continue;
-        std::istringstream rest(line.substr(32));
-        TableRow row;
-        rest >> row.by;
+    std::string in_section;
+    std::string line_before;
+    bool errors = false;
+    for (std::string line; std::getline(lines, line); line_before = line) {
+        EXPECT_LE(line.size(), 80U) << line;
+        if (line.starts_with("---")) in_section = line_before;
+        if (line.starts_with("Speeds in ") || line.starts_with("Errors of "))
+            errors = line.starts_with("Errors of ");
+        if (in_section != "Rule " + profile || line.size() < 50 || line.ends_with(':')) continue;
+        std::istringstream rest(line.substr(name_columns));
+        TableRow& row = rows[std::string(trim(line.substr(0, name_columns)))];
+        if (!errors) rest >> row.by;
         for (std::string cell; rest >> cell;)
             row.cells.push_back(cell);
-        rows[std::string(trim(line.substr(0, 32)))] = row;
     }
     return rows;
 }
@@ -64,20 +67,21 @@ TEST(Compare, SaltLakeAgainstItsTruth) {
         const TableRow& smoother = rows.at("smoother of the trajectory");
         const TableRow& full = rows.at("fixed lag, full");
         EXPECT_EQ(full.by, "d/T");
-        for (std::size_t cell = 0; cell < 6; ++cell)
-            EXPECT_NEAR(full.number(cell), smoother.number(cell), 1.01e-3) << cell;
+        for (std::size_t cell = 0; cell < 6; ++cell)  // by one in the last digit shown
+            EXPECT_NEAR(full.number(cell), smoother.number(cell), cell < 3 ? 0.0101 : 1.01e-3)
+                << cell;
         // The window was chosen on the trajectory.
         const YamlValue best = profile["best"];
         EXPECT_NEAR(smoother.number(0), best["start_time_s"].real(), 1e-9);
         EXPECT_EQ(smoother.cells[1], smoother.cells[2]);
-        EXPECT_NEAR(rows.at("certified").number(2), best["speed_m_s"].real() * 3.6, 1e-3);
+        EXPECT_NEAR(rows.at("certified").number(2), best["speed_m_s"].real() * 3.6, 0.01);
         // What was measured of these methods elsewhere: the smoother is better than v1 and v2, and
         // the paper's filter is late by metres per second while the craft accelerates.
         EXPECT_LT(smoother.number(3), 0.25);
         EXPECT_LT(smoother.number(3), rows.at("v2 [DHD22]").number(3));
         EXPECT_LT(rows.at("v2 [DHD22]").number(3), rows.at("v1 [DHD22]").number(3));
         EXPECT_GT(rows.at("Kalman filter [DHD22]").number(3), 1.0);
-        EXPECT_LT(std::abs(smoother.number(4)), 0.1);
+        EXPECT_LT(std::abs(smoother.number(5)), 0.1);
         EXPECT_EQ(rows.at("recorded velocity").cells[1], "-");
     }
     EXPECT_NE(result.output.find("Not available: recorded velocity"), std::string::npos);

@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "motion/smoother.h"
+#include "reports/document/document_text.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 
@@ -226,25 +227,53 @@ TEST(Compare, RecordedVelocitiesAndTheEnhancedFilterWhereThereAreSome) {
     EXPECT_TRUE(said);
 }
 
-TEST(CompareText, IsAnAlignedTableOfAHundredColumns) {
-    const Comparison comparison = compared(sample());
-    const std::string text = comparison_text(comparison, "run-1");
-    EXPECT_TRUE(text.starts_with("All estimators side by side: attempt run-1, receiver primary."));
-    EXPECT_NE(text.find("true speed in it 71.325 km/h"), std::string::npos) << text;
-    EXPECT_NE(text.find("those with truth"), std::string::npos);
+/// An attempt under the profile of the sample, with a record in that unit.
+Attempt attempt_with(const std::string& unit) {
+    Attempt attempt;
+    attempt.id = "run-1";
+    if (!unit.empty()) attempt.record = Record{.speed = 40.0, .unit = unit, .source = "a board"};
+    return attempt;
+}
+
+TEST(CompareDocument, HasATableOfSpeedsAndOneOfErrorsAgainstATruth) {
+    const std::string text =
+        document_text(comparison_document(compared(sample()), attempt_with("")), 80);
+    EXPECT_TRUE(text.starts_with("All estimators side by side\n"));
+    for (const char* said :
+         {"\nAttempt run-1, receiver primary\n", "\nTrue speed in it  71.32 km/h\n",
+          "those with truth",
+          // Values end where their heads end.
+          "\nmethod                           by   best from, s    best  certified\n",
+          "\nbatch                            N+1         4.500   73.08      73.08\n",
+          "\nmethod                             RMS    best  certified\n",
+          "\nbatch                            1.800   1.755      1.755\n"})
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     std::istringstream lines(text);
-    int rows = 0;
-    for (std::string line; std::getline(lines, line);) {
-        EXPECT_LE(line.size(), 100U) << line;
-        if (!line.starts_with("batch ")) continue;
-        ++rows;
-        // Values end where their headings end.
-        EXPECT_EQ(line.substr(39, 30), "     4.500    73.080    73.080") << line;
-    }
-    EXPECT_EQ(rows, 1);
-    const std::string plain = comparison_text(compared(sample(), false), "run-1");
+    for (std::string line; std::getline(lines, line);)
+        EXPECT_LE(line.size(), 80U) << line;
+    const std::string plain =
+        document_text(comparison_document(compared(sample(), false), attempt_with("")), 80);
     EXPECT_EQ(plain.find("RMS"), std::string::npos);
-    EXPECT_EQ(plain.find("true"), std::string::npos);
+    EXPECT_EQ(plain.find("rue speed"), std::string::npos);
+    EXPECT_EQ(plain.find(".."), std::string::npos) << plain;
+}
+
+TEST(CompareDocument, SpeedsAreInTheRecordsUnitWithTheDecimalsOfTheMeasuredOne) {
+    Sample one = sample();
+    one.windows.profiles[0].best->standard_uncertainty_m_s = 0.15;
+    const Document document = comparison_document(compared(one), attempt_with("kn"));
+    const Block& speeds = document.sections.at(0).blocks.at(1);
+    const TableRow& certified = speeds.rows.back();
+    // 19.7 m/s are 38.293 kn; the expanded uncertainty of 0.3 m/s is 0.58 kn.
+    EXPECT_EQ(certified.cells,
+              (std::vector<std::string>{"certified", "d/T", "4.500", "38.29", "38.29"}));
+    one.windows.profiles[0].best->standard_uncertainty_m_s = 1.5;
+    EXPECT_EQ(comparison_document(compared(one), attempt_with("kn"))
+                  .sections.at(0)
+                  .blocks.at(1)
+                  .rows.back()
+                  .cells.at(3),
+              "38.2");
 }
 
 }  // namespace

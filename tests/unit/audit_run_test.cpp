@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "reports/audit/record.h"
+#include "reports/audit/sections.h"
 #include "reports/document/document_text.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -138,6 +139,82 @@ TEST(WalkThrough, NoMoreThanTwentyRecordsLeftOutUnlessAll) {
     };
     EXPECT_EQ(listed(false), 20);
     EXPECT_EQ(listed(true), 1000);
+}
+
+/// A verdict of the rule nalsa, whose sentences end as they like.
+ProfileVerdict verdict_in(const std::string& unit) {
+    ProfileVerdict verdict;
+    verdict.profile = "nalsa";
+    verdict.outcome = Outcome::not_proven;
+    verdict.reason = "The uncertainty leaves it open.";
+    verdict.speed_m_s = 60.00562;
+    verdict.expanded_uncertainty_m_s = 0.0972;
+    verdict.required_speed_m_s = 60.01;
+    verdict.coverage_factor = 2.0;
+    verdict.shown = shown_in(
+        {.speed_m_s = 60.00562, .expanded_uncertainty_m_s = 0.0972, .required_speed_m_s = 60.01},
+        speed_unit(unit), unit == "km/h" ? std::optional(1) : std::nullopt);
+    verdict.requirements = {
+        {.clause = "flat",
+         .status = RequirementStatus::not_met,
+         .evidence = "the course rises by 3 m.",
+         .text = "The course is flat.",
+         .source = "rules of the body.",
+         .figures = {{.name = "rise", .value = 3.0, .unit = "m", .note = "up."}}}};
+    verdict.indicated =
+        RefusedWindow{.span = {}, .speed_m_s = 61.25, .refusals = {"it holds a step."}};
+    return verdict;
+}
+
+RunRecord record_with(const ProfileVerdict& verdict) {
+    RunRecord record = record_of("record: {speed: 216, unit: kn, source: board}\n");
+    record.verdict.emplace().profiles = {verdict};
+    record.verdict->header.parameters = nlohmann::ordered_json::object();
+    record.files["6-verdict.yaml"] = {"verdict", "6-verdict.yaml", hash_b, 1, ""};
+    return record;
+}
+
+TEST(RuleSpeedsShown, AreInTheVerdictsUnitWithThatOfTheFileBeside) {
+    const SpeedsToShow measured{.speed_m_s = 60.00562, .expanded_uncertainty_m_s = 0.0972};
+    const RuleSpeeds speeds(record_with(verdict_in("km/h")), "nalsa", measured);
+    // The verdict has one decimal, and 0.0972 m/s three.
+    EXPECT_EQ(speeds.speed(60.00562), "216.0 km/h");
+    EXPECT_EQ(speeds.speed_in_file(60.00562), "216.0 km/h (60.005 m/s)");
+    EXPECT_EQ(speeds.speed_in_file(60.01, SafeSide::up), "216.1 km/h (60.010 m/s)");
+    EXPECT_EQ(speeds.uncertainty(0.0972), "0.35 km/h");
+    EXPECT_EQ(speeds.uncertainty_in_file(0.0972), "0.35 km/h (0.098 m/s)");
+    EXPECT_EQ(speeds.difference(-0.000126), "-0.00045 km/h");
+    EXPECT_EQ(speeds.measured_in_file(), "60.005 m/s ± 0.098 m/s");
+}
+
+TEST(RuleSpeedsShown, OfARecordInMetresPerSecondAreWrittenOnce) {
+    const SpeedsToShow measured{.speed_m_s = 60.00562, .expanded_uncertainty_m_s = 0.0972};
+    const RuleSpeeds speeds(record_with(verdict_in("m/s")), "nalsa", measured);
+    EXPECT_EQ(speeds.speed_in_file(60.00562), "60.005 m/s");
+    EXPECT_EQ(speeds.uncertainty_in_file(0.0972), "0.098 m/s");
+    EXPECT_EQ(speeds.measured_in_file(), "");
+}
+
+TEST(RuleSpeedsShown, WithoutAVerdictAreInTheRecordsUnit) {
+    const RunRecord record = record_of("record: {speed: 216, unit: kn, source: board}\n");
+    EXPECT_EQ(RuleSpeeds(record, "nalsa").speed_in_file(60.0), "116.63 kn (60.000 m/s)");
+    EXPECT_EQ(RuleSpeeds(record_of(), "nalsa").unit().name, "km/h");
+    // No more digits than a tenth of the uncertainty.
+    const RuleSpeeds rough(record, "nalsa",
+                           SpeedsToShow{.speed_m_s = 60.0, .expanded_uncertainty_m_s = 0.9});
+    EXPECT_EQ(rough.speed_in_file(60.0), "116.6 kn (60.00 m/s)");
+}
+
+TEST(WalkThrough, AVerdictHasItsSpeedsInBothUnitsAndNoSentenceTwoStops) {
+    const Document walk = walk_through(record_with(verdict_in("km/h")), {.stages = {"check"}});
+    const std::string text = document_text(walk, 1000);
+    expect_in(text,
+              {"216.0 km/h ± 0.35 km/h (k = 2); in the file 60.005 m/s ± 0.098 m/s\n",
+               "Required speed  216.1 km/h (60.010 m/s)\n", "shows as 220.5 km/h (61.250 m/s) over",
+               "NOT MET  flat ",
+               "\n    The course rises by 3 m.\n    Figure: rise: 3 m; up.\n    The clause: The "
+               "course is flat. Source (quoted): Rules of the body.\n"});
+    EXPECT_EQ(text.find(".."), std::string::npos) << text;
 }
 
 TEST(ReportRecord, IsReadOrRefused) {

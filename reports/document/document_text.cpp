@@ -108,6 +108,10 @@ class TextWriter {
             const std::size_t word = longest_word(fact.value);
             const bool beneath = values + word > columns_ && word_indent + word <= columns_;
             const std::size_t indent = beneath ? word_indent : values;
+            if (fact.value.empty()) {
+                text += lines(name, 2);
+                continue;
+            }
             const bool fits = characters_in(name) <= names && !beneath;
             text += (fits ? padded(name, values) : lines(name, 2) + std::string(indent, ' ')) +
                     lines(fact.value, indent, indent);

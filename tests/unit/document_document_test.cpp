@@ -95,8 +95,8 @@ TEST(DocumentText, LinesAreBrokenAtTheColumnsAskedFor) {
               "   is twice the combined standard\n"
               "   uncertainty of its budget.\n");
     // A word that fits in a line is whole.
-    EXPECT_EQ(text_of(facts({{"Hash", std::string(36, 'a')}, {"b", "c"}}), 40),
-              "Hash\n    " + std::string(36, 'a') + "\nb     c\n");
+    EXPECT_EQ(text_of(facts({{"Hash", std::string(36, 'a')}, {"b", "c"}, {"d", ""}}), 40),
+              "Hash\n    " + std::string(36, 'a') + "\nb     c\nd\n");
     EXPECT_EQ(text_of(list_of({sentences}), 40),
               "- The expanded uncertainty of the speed\n"
               "  is twice the combined standard\n"

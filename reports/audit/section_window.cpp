@@ -156,7 +156,7 @@ Block checks_of(const CertifiableWindow& best, const RuleSpeeds& speeds) {
 
 /// "0.0010 m/s"; a ratio has no unit.
 std::string source_size(const BudgetRow& row) {
-    const std::string size = significant_text(row.standard_uncertainty, 2);
+    std::string size = significant_text(row.standard_uncertainty, 2);
     if (row.unit.empty() || row.unit == "1") return size;
     return fmt::format("{} {}", size, row.unit == "m / s" ? "m/s" : row.unit);
 }

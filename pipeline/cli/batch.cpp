@@ -14,6 +14,7 @@
 #include "make/memory_budget.h"
 #include "make/slurm.h"
 #include "reports/diff/day_difference.h"
+#include "reports/document/document_text.h"
 #include "schemas/day/day.h"
 #include "store/process.h"
 #include "trust/signing.h"
@@ -150,7 +151,9 @@ void say_difference(const BatchOptions& options, const fs::path& out) {
             nlohmann::ordered_json{{"event", "comparison"}, {"comparison", comparison_json(found)}}
                 .dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
     else
-        fmt::print("{}", comparison_text(found, options.compare, out, options.explain));
+        fmt::print("\n{}",
+                   document_text(comparison_document(found, options.compare, out, options.explain),
+                                 terminal_columns()));
 }
 
 int batch(const BatchOptions& options) {

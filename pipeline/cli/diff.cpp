@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "reports/diff/run_difference.h"
+#include "reports/document/document_text.h"
 
 namespace runcert {
 namespace {
@@ -23,7 +24,9 @@ int diff(const DiffOptions& options) {
                    difference_json(difference)
                        .dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
     else
-        fmt::print("{}", difference_text(difference, options.run_a, options.run_b, options.all));
+        fmt::print("{}", document_text(difference_document(difference, options.run_a, options.run_b,
+                                                           options.all),
+                                       terminal_columns()));
     return difference.equal() ? 0 : 1;
 }
 

@@ -38,7 +38,7 @@ DayCounts counts_of(const std::vector<AttemptResult>& attempts);
 /// Text that a spreadsheet would take for a formula gets an apostrophe before it.
 std::string day_csv(const DayResults& results);
 
-/// The day as one page that needs nothing else: no network, no other file, no script to be read
+/// The day as one page, a document of blocks: no network, no other file, no script to be read
 /// (with one, tables sort). It computes nothing but where to draw: every figure stands in the
 /// results. Everything from outside is escaped.
 std::string day_page(const DayResults& results);

@@ -1,14 +1,10 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/day/day.h"
 #include "reports/day/page_parts.h"
-#include "store/base64.h"
-#include "store/sha256.h"
+#include "reports/document/document_html.h"
 
 namespace runcert {
 
@@ -16,134 +12,138 @@ std::string_view day_page_text(std::string_view name);
 
 namespace {
 
-/// Failures that are seen at once; the others are folded away.
-constexpr std::size_t failures_shown = 12;
+/// Failures that stand above the rankings; the others stand below them.
+constexpr std::size_t failures_above = 12;
 
-TemplateData failure_data(const AttemptResult& attempt) {
-    const DayFailure failure = attempt.failure.value_or(DayFailure{});
-    TemplateData data = template_map();
-    set_text(data, "id", attempt.id);
-    set_text(data, "source", attempt.source);
-    set_text(data, "step", failure.step);
-    set_text(data, "problem", failure.problem);
-    set_text(data, "where", failure.where);
-    set_text(data, "remedy", failure.remedy);
-    data.set("notes", texts_of(attempt.notes));
-    return data;
+Section counts_section(const DayResults& results) {
+    const DayCounts& counts = results.counts;
+    const auto marked = [](std::int64_t count, const char* sign) {
+        return count > 0 ? fmt::format("{} {}", sign, counted(count)) : counted(count);
+    };
+    Block tally = facts({{.name = "Attempts", .value = counted(counts.attempts)},
+                         {.name = "Processed", .value = counted(counts.done)},
+                         {.name = "Failed", .value = marked(counts.failed, "⚠")}},
+                        {}, "narrow");
+    if (counts.not_processed > 0) add_fact(tally, "Left out", counted(counts.not_processed));
+    add_fact(tally, "Above a record", marked(counts.beaten, "✓"));
+    Section section{.anchor = "counts", .blocks = {std::move(tally)}};
+    if (!results.profiles.empty())
+        add(section, paragraph("Ranked by outcome (above the record, not proven, not beaten, not "
+                               "certifiable), then by speed, then by uncertainty. Ranks marked ≈ "
+                               "cannot be separated: their speeds differ by less than the expanded "
+                               "uncertainty of the difference, √(U₁² + U₂²) (JCGM 100:2008, "
+                               "5.1.2).",
+                               "note"));
+    return section;
 }
 
-void set_failures(TemplateData& data, const DayResults& results) {
-    TemplateData first = template_list();
-    TemplateData more = template_list();
-    std::size_t count = 0;
+void add_failure(Block& failures, const AttemptResult& attempt) {
+    const DayFailure failure = attempt.failure.value_or(DayFailure{});
+    TableRow& row = add_row(
+        failures, {"⚠ " + attempt.id, attempt.source, failure.step, sentence(failure.problem)},
+        "refused");
+    if (!failure.where.empty()) row.further.push_back("Where: " + failure.where);
+    if (!failure.remedy.empty()) row.further.push_back("What to do: " + sentence(failure.remedy));
+    row.further.insert(row.further.end(), attempt.notes.begin(), attempt.notes.end());
+}
+
+/// What failed: above the rankings, and below where it is too much for a page's beginning.
+struct Failures {
+    Block above = table({"Attempt|22", "From|22", "Step|12", "What is wrong|44"});
+    Block below = above;
+};
+
+Failures failures_of(const DayResults& results) {
+    Failures failures;
     for (const AttemptResult& attempt : results.attempts)
         if (attempt.state == "failed")
-            (count++ < failures_shown ? first : more).push_back(failure_data(attempt));
-    set_list(data, "failures", first, count > 0);
-    set_list(data, "more_failures", more, count > failures_shown);
-    set_text(
-        data, "more_count",
-        counted(static_cast<std::int64_t>(count > failures_shown ? count - failures_shown : 0)));
+            add_failure(
+                failures.above.rows.size() < failures_above ? failures.above : failures.below,
+                attempt);
+    return failures;
 }
 
-void set_counts(TemplateData& data, const DayCounts& counts) {
-    const auto set = [&](const std::string& name, std::int64_t count) {
-        set_text(data, name, counted(count));
-        data.set("any_" + name, TemplateData(count > 0));
-    };
-    set("attempts", counts.attempts);
-    set("done", counts.done);
-    set("failed", counts.failed);
-    set("left_out", counts.not_processed);
-    set("beaten", counts.beaten);
+void add_failed(Document& page, const Failures& failures) {
+    if (failures.above.rows.empty()) return;
+    Section section{.anchor = "failures", .title = "What could not be processed"};
+    add(section, failures.above);
+    if (const std::int64_t more = std::ssize(failures.below.rows); more > 0)
+        add(section,
+            paragraph(fmt::format("{} more stand below the rankings.", counted(more)), "strong"));
+    page.sections.push_back(std::move(section));
 }
 
-void set_left_out(TemplateData& data, const DayResults& results) {
-    TemplateData rows = template_list();
-    for (const AttemptResult& attempt : results.attempts) {
-        if (attempt.state != "not_processed") continue;
-        TemplateData row = template_map();
-        set_text(row, "id", attempt.id);
-        set_text(row, "source", attempt.source);
-        set_text(row, "reason", attempt.reason);
-        rows.push_back(row);
-    }
-    data.set("left_out_rows", rows);
+void add_more_failed(Document& page, const Failures& failures) {
+    if (failures.below.rows.empty()) return;
+    page.sections.push_back({.anchor = "more-failures",
+                             .title = "What else could not be processed",
+                             .blocks = {failures.below}});
+}
+
+void add_left_out(Document& page, const DayResults& results) {
+    Block left_out = table({"Attempt|22", "From|30", "Why|48"});
+    for (const AttemptResult& attempt : results.attempts)
+        if (attempt.state == "not_processed")
+            add_row(left_out, {attempt.id, attempt.source, attempt.reason});
+    if (left_out.rows.empty()) return;
+    page.sections.push_back(
+        {.anchor = "left-out", .title = "Left out", .blocks = {std::move(left_out)}});
 }
 
 /// Notes of the day, and of the attempts that are done.
-void set_notes(TemplateData& data, const DayResults& results) {
-    TemplateData notes = texts_of(results.notes);
-    bool any = !results.notes.empty();
-    for (const AttemptResult& attempt : results.attempts) {
-        if (attempt.state == "failed") continue;
-        for (const std::string& text : attempt.notes) {
-            TemplateData item = template_map();
-            set_text(item, "id", attempt.id);
-            set_text(item, "text", text);
-            notes.push_back(item);
-            any = true;
-        }
-    }
-    set_list(data, "notes", notes, any);
+void add_notes(Document& page, const DayResults& results) {
+    std::vector<std::string> notes = results.notes;
+    for (const AttemptResult& attempt : results.attempts)
+        if (attempt.state != "failed")
+            for (const std::string& text : attempt.notes)
+                notes.push_back(fmt::format("{}: {}", attempt.id, text));
+    if (notes.empty()) return;
+    page.sections.push_back(
+        {.anchor = "notes", .title = "Notes", .blocks = {list_of(std::move(notes))}});
 }
 
-void set_files(TemplateData& data, const Header& header) {
-    TemplateData files = template_list();
-    for (const InputFile& input : header.inputs) {
-        TemplateData file = template_map();
-        set_text(file, "role", input.role);
-        set_text(file, "file", input.file);
-        file.set("link", link_to(input.file));
-        set_text(file, "sha256", input.sha256);
-        set_text(file, "bytes", counted(static_cast<std::int64_t>(input.bytes)));
-        files.push_back(file);
-    }
-    set_list(data, "files", files, !header.inputs.empty());
-    set_text(data, "program",
+Section made_from(const Header& header) {
+    Block made = facts({}, {}, "narrow");
+    add_fact(made, "Made by",
              fmt::format("runcert-{} {}, source {}", header.stage, header.program_version,
                          header.source_revision));
-    set_text(data, "version", header.program_version);
-}
-
-void set_scripts(TemplateData& data) {
-    std::string script;
-    for (const char* name : {"elements.js", "tables.js", "template/day.js"})
-        script += std::string(day_page_text(name)) + "\n";
-    data.set("style", std::string(day_page_text("report.css")) +
-                          std::string(day_page_text("page.css")) +
-                          std::string(day_page_text("template/day.css")));
-    data.set("script_hash", base64_of_hex(sha256_hex(script)));
-    data.set("script", script);
+    add_fact(made, "Figures", "day.yaml", "day.yaml");
+    add_fact(made, "For spreadsheets", "day.csv", "day.csv");
+    Section section{.anchor = "made-from", .title = "What this was made from"};
+    add(section, {std::move(made),
+                  paragraph("This page is a list, not a certificate: what certifies an attempt is "
+                            "its report, which `runcert verify` checks.",
+                            "note")});
+    Block files = table({"File|40", "SHA-256|60"}, "Verdicts and reports", "small");
+    for (const InputFile& input : header.inputs)
+        add_row(files, {input.file, input.sha256}).link = input.file;
+    if (!files.rows.empty()) add(section, std::move(files));
+    return section;
 }
 
 }  // namespace
 
 std::string day_page(const DayResults& results) {
-    TemplateData data = template_map();
-    set_text(data, "day", results.day);
-    set_counts(data, results.counts);
-    set_failures(data, results);
+    Document page{.title = results.day, .subtitle = "Results of the day"};
+    PageParts parts;
+    page.sections.push_back(counts_section(results));
+    const Failures failures = failures_of(results);
+    add_failed(page, failures);
     const AttemptsById attempts = attempts_by_id(results);
-    TemplateData profiles = template_list();
-    std::size_t number = 0;
-    for (const DayProfile& profile : results.profiles)
-        profiles.push_back(profile_data(profile, attempts, ++number));
-    set_list(data, "profiles", profiles, number > 0);
-    data.set("several_rules", TemplateData(number > 1));
-    set_left_out(data, results);
-    set_notes(data, results);
-    set_files(data, results.header);
-    set_scripts(data);
-    kainjow::mustache::partial failure(
-        [] { return std::string(day_page_text("template/failure.html")); });
-    data.set("failure", TemplateData(failure));
-    kainjow::mustache::mustache page{std::string(day_page_text("template/day.html"))};
-    std::string html = page.render(data);
-    if (!page.is_valid())
-        throw Failure("template/day.html", page.error_message(),
-                      "This is a fault of the program; please report it");
-    return html;
+    for (const DayProfile& profile : results.profiles) {
+        RankingPart rule = ranking_part(profile, attempts, parts.images.size());
+        page.sections.push_back(std::move(rule.section));
+        parts.images.push_back(std::move(rule.picture));
+    }
+    add_more_failed(page, failures);
+    add_left_out(page, results);
+    add_notes(page, results);
+    page.sections.push_back(made_from(results.header));
+    parts.style =
+        std::string(day_page_text("page.css")) + std::string(day_page_text("template/day.css"));
+    for (const char* name : {"elements.js", "tables.js", "template/day.js"})
+        parts.script += std::string(day_page_text(name)) + "\n";
+    return document_page(page, parts);
 }
 
 }  // namespace runcert

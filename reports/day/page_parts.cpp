@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
@@ -36,41 +36,47 @@ bool shares_rank(const std::vector<DayPlace>& places, std::size_t i) {
     return places[i].rank && ((i > 0 && same(i - 1)) || (i + 1 < places.size() && same(i + 1)));
 }
 
-void set_speed(TemplateData& row, const DayResult& result) {
-    const auto& shown = result.shown;
-    row.set("has_speed", TemplateData(shown.has_value()));
-    if (!result.own_arithmetic.empty()) set_text(row, "own_arithmetic", result.own_arithmetic);
-    if (!shown) return;
-    set_text(row, "speed", shown->speed);
-    set_text(row, "uncertainty", shown->expanded_uncertainty);
-    set_text(row, "unit", shown->unit);
-    set_text(row, "required_speed", shown->required_speed);
+/// What stands beneath a place of the ranking.
+std::vector<std::string> further_of(const DayResult& result, const std::string& apart) {
+    std::vector<std::string> lines;
+    if (!apart.empty()) lines.push_back("≈ " + apart);
+    if (!result.own_arithmetic.empty())
+        lines.push_back("By the rule’s own arithmetic: " + result.own_arithmetic);
+    if (!result.reason.empty()) lines.push_back(result.reason);
+    if (!result.replaced.empty())
+        lines.push_back(
+            fmt::format("The attempt replaced figures of the rule: {}.", listed(result.replaced)));
+    lines.insert(lines.end(), result.answers.begin(), result.answers.end());
+    return lines;
 }
 
-TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
+/// "Yacht B, land-yacht".
+std::string craft_words(const DayCraft& craft) {
+    return craft.name.empty() || craft.craft_class.empty()
+               ? craft.name + craft.craft_class
+               : fmt::format("{}, {}", craft.name, craft.craft_class);
+}
+
+void add_place(Block& ranking, const DayProfile& profile, std::size_t i,
+               const AttemptResult& attempt) {
     const DayPlace& place = profile.ranking[i];
     const DayResult& result = *result_by(attempt, profile.profile);
     const OutcomeWords outcome = outcome_words(state_of(result));
-    TemplateData row = template_map();
-    set_text(row, "rank", place.rank ? fmt::format("{}", *place.rank) : "");
-    row.set("shared", TemplateData(shares_rank(profile.ranking, i)));
-    set_text(row, "apart",
-             told_apart_words(place, next_rank(profile.ranking, i, -1),
-                              next_rank(profile.ranking, i, 1)));
-    set_text(row, "id", attempt.id);
-    row.set("link", link_to(main_page(attempt)));
-    const DayCraft craft = attempt.craft.value_or(DayCraft{});
-    set_text(row, "craft", craft.name);
-    set_text(row, "class", craft.craft_class);
-    set_text(row, "outcome", outcome.title);
-    set_text(row, "sign", outcome.mark);
-    set_text(row, "tone", outcome.tone);
-    set_speed(row, result);
-    set_text(row, "window", window_words(result));
-    set_text(row, "reason", result.reason);
-    set_text(row, "replaced", listed(result.replaced));
-    row.set("answers", texts_of(result.answers));
-    return row;
+    const std::string apart = told_apart_words(place, next_rank(profile.ranking, i, -1),
+                                               next_rank(profile.ranking, i, 1));
+    const std::string window = window_words(result);
+    const std::string rank =
+        place.rank ? fmt::format("{}{}{}", *place.rank, shares_rank(profile.ranking, i) ? "=" : "",
+                                 apart.empty() ? "" : " ≈")
+                   : "–";
+    TableRow& row = add_row(
+        ranking,
+        {attempt.id, rank, craft_words(attempt.craft.value_or(DayCraft{})),
+         fmt::format("{} {}", outcome.mark, outcome.title),
+         result.shown ? measured_speed_text(*result.shown) : "–", window.empty() ? "–" : window},
+        outcome.tone);
+    row.link = main_page(attempt);
+    row.further = further_of(result, apart);
 }
 
 /// The speeds of a ranking, of the first places that have one.
@@ -98,49 +104,36 @@ Picture picture_of(const DayProfile& profile, const AttemptsById& attempts) {
     return picture;
 }
 
-void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsById& attempts) {
-    const Picture picture = picture_of(profile, attempts);
-    data.set("has_picture", TemplateData(!picture.lines.empty()));
-    data.set("picture", picture_svg(picture));
+/// How many of the speeds are drawn, where not all are.
+std::string cut_words(const DayProfile& profile, const AttemptsById& attempts,
+                      const Picture& picture) {
     const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
         return result_by(*attempts.at(place.id), profile.profile)->speed_m_s.has_value();
     });
     const auto drawn = std::ssize(picture.lines);
-    set_text(data, "cut",
-             drawn < with_speed
-                 ? fmt::format("The first {} of {} speeds are drawn; the table below has them all.",
-                               drawn, counted(with_speed))
-                 : "");
+    if (drawn == with_speed) return {};
+    return fmt::format(" The first {} of {} speeds are drawn; the table below has them all.", drawn,
+                       counted(with_speed));
 }
 
-void set_count(TemplateData& counts, const OutcomeState& state, const std::string& words,
-               std::int64_t count) {
-    if (count == 0) return;
-    const OutcomeWords outcome = outcome_words(state);
-    TemplateData entry = template_map();
-    set_text(entry, "sign", outcome.mark);
-    set_text(entry, "words", words);
-    set_text(entry, "tone", outcome.tone);
-    set_text(entry, "count", counted(count));
-    counts.push_back(entry);
-}
-
-TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
+Block tally_of(const DayProfile& profile, const AttemptsById& attempts) {
     const auto no_record = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
         return result.outcome == Outcome::not_proven && !result.required_speed_m_s;
     });
-    TemplateData counts = template_list();
-    const auto add = [&](Outcome outcome, const std::string& words, std::int64_t count,
+    Block tally = facts({}, {}, "narrow");
+    const auto add = [&](Outcome outcome, const char* words, std::int64_t count,
                          bool record_named = true) {
-        set_count(counts, {.outcome = outcome, .record_named = record_named}, words, count);
+        const OutcomeState state{.outcome = outcome, .record_named = record_named};
+        if (count > 0)
+            add_fact(tally, fmt::format("{} {}", outcome_words(state).mark, words), counted(count));
     };
     add(Outcome::beaten, "above the record", profile.counts.beaten);
     add(Outcome::not_proven, "not proven", profile.counts.not_proven - no_record);
     add(Outcome::not_proven, "measured, no record named", no_record, false);
     add(Outcome::not_beaten, "not beaten", profile.counts.not_beaten);
     add(Outcome::not_certifiable, "not certifiable", profile.counts.not_certifiable);
-    return counts;
+    return tally;
 }
 
 }  // namespace
@@ -193,29 +186,6 @@ std::string best_words(const BestOfDay& best) {
                 : "as the best of that many it exceeds the record too");
 }
 
-std::string link_to(std::string_view file) {
-    std::string link;
-    for (const char c : file) {
-        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                           (c >= '0' && c <= '9') ||
-                           std::string_view("-._~/").find(c) != std::string_view::npos;
-        link += plain
-                    ? std::string(1, c)
-                    : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    }
-    return link;
-}
-
-TemplateData texts_of(const std::vector<std::string>& texts) {
-    TemplateData data = template_list();
-    for (const std::string& text : texts) {
-        TemplateData item = template_map();
-        set_text(item, "text", text);
-        data.push_back(item);
-    }
-    return data;
-}
-
 AttemptsById attempts_by_id(const DayResults& results) {
     AttemptsById attempts;
     for (const AttemptResult& attempt : results.attempts)
@@ -225,42 +195,23 @@ AttemptsById attempts_by_id(const DayResults& results) {
     return attempts;
 }
 
-TemplateData template_map() {
-    return TemplateData{TemplateData::type::object};
-}
-
-TemplateData template_list() {
-    return TemplateData{TemplateData::type::list};
-}
-
-void set_list(TemplateData& map, const std::string& name, TemplateData items, bool any) {
-    map.set(name, std::move(items));
-    map.set("has_" + name, TemplateData(any));
-}
-
-void set_text(TemplateData& map, const std::string& name, const std::string& text) {
-    // An empty text is nothing to a template: a section of that name is left out.
-    if (text.empty())
-        map.set(name, TemplateData(false));
-    else
-        map.set(name, plain_text(text));
-}
-
-TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,
-                          std::size_t number) {
-    TemplateData data = template_map();
-    data.set("anchor", fmt::format("rule-{}", number));
-    set_text(data, "profile", profile.profile);
-    set_text(data, "body", profile.body);
-    set_text(data, "title", profile.title);
-    data.set("tally", tally_of(profile, attempts));
-    set_text(data, "best", profile.best ? best_words(*profile.best) : "");
-    set_picture(data, profile, attempts);
-    TemplateData places = template_list();
+RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts, std::size_t number) {
+    const Picture picture = picture_of(profile, attempts);
+    Section section{.anchor = fmt::format("rule-{}", number + 1), .title = profile.title};
+    add(section, {paragraph(fmt::format("{}, rule {}", profile.body, profile.profile), "note"),
+                  tally_of(profile, attempts)});
+    if (profile.best) add(section, paragraph(best_words(*profile.best), "note"));
+    if (!picture.lines.empty())
+        add(section, plot(number, "Speeds",
+                          "Each with its expanded uncertainty; the dashed line is the required "
+                          "speed." +
+                              cut_words(profile, attempts, picture)));
+    Block ranking = table(
+        {"Attempt|17", ">Rank|8", "Craft|17", "Outcome|26", ">Speed ± U|16", "Window from|16"});
     for (std::size_t i = 0; i < profile.ranking.size(); ++i)
-        places.push_back(place_data(profile, i, *attempts.at(profile.ranking[i].id)));
-    data.set("places", places);
-    return data;
+        add_place(ranking, profile, i, *attempts.at(profile.ranking[i].id));
+    add(section, std::move(ranking));
+    return {.section = std::move(section), .picture = picture_svg(picture)};
 }
 
 }  // namespace runcert

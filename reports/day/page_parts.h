@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <kainjow/mustache.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,26 +9,20 @@
 
 #include "reports/words/outcome.h"
 #include "schemas/day_results/day_results.h"
+#include "schemas/document/document.h"
 
 namespace runcert {
-
-using TemplateData = kainjow::mustache::data;
 
 /// Attempts by their id; of equal ids the one that is done.
 using AttemptsById = std::map<std::string_view, const AttemptResult*>;
 AttemptsById attempts_by_id(const DayResults& results);
 
-/// A map for a template, and a list with its `has_NAME` beside it.
-TemplateData template_map();
-TemplateData template_list();
-void set_list(TemplateData& map, const std::string& name, TemplateData list, bool any);
-void set_text(TemplateData& map, const std::string& name, const std::string& text);
-/// Maps whose `text` is one of them each.
-TemplateData texts_of(const std::vector<std::string>& texts);
-
 /// One rule: its counts, its picture and its ranking.
-TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,
-                          std::size_t number);
+struct RankingPart {
+    Section section;
+    std::string picture;  ///< of that number; empty where there is nothing to draw
+};
+RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts, std::size_t number);
 
 /// What the title of a result speaks of.
 OutcomeState state_of(const DayResult& result);
@@ -44,9 +37,6 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
 
 /// What the best of the day's attempts is as the best of so many, in a sentence.
 std::string best_words(const BestOfDay& best);
-
-/// A file's name as a relative link: every byte but letters, digits and - . _ ~ / as %NN.
-std::string link_to(std::string_view file);
 
 /// One line of the picture of a ranking.
 struct PictureLine {

@@ -121,8 +121,8 @@ std::string line_svg(const Axis& axis, const PictureLine& line, int top) {
     svg += fmt::format("<line class=\"rule\" x1=\"0\" x2=\"100%\" y1=\"{0}\" y2=\"{0}\"/>\n", top);
     const std::string from = axis.at(line.speed - line.expanded_uncertainty);
     const std::string to = axis.at(line.speed + line.expanded_uncertainty);
-    svg += fmt::format("<line class=\"bar\" x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\"/>\n", from, to,
-                       y, y);
+    svg += fmt::format("<line class=\"interval\" x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\"/>\n", from,
+                       to, y, y);
     svg += vertical("end", from, y - 7, y + 7) + vertical("end", to, y - 7, y + 7);
     svg += fmt::format("<svg class=\"mark\" x=\"{}\" y=\"{}\">{}</svg>\n", axis.at(line.speed), y,
                        marker(line.tone));
@@ -139,7 +139,8 @@ std::string picture_svg(const Picture& picture) {
     const Axis axis = axis_of(picture.lines);
     const int bottom = head + line_height * static_cast<int>(picture.lines.size());
     std::string svg = fmt::format(
-        "<svg class=\"picture\" width=\"100%\" height=\"{}\" role=\"img\" aria-label=\"{}\">\n",
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"picture\" width=\"100%\" height=\"{}\" "
+        "role=\"img\" aria-label=\"{}\">\n",
         bottom + foot, escaped(picture.title));
     svg += ticks(axis, picture.unit, bottom);
     const std::optional<double> required_speed = common_required_speed(picture.lines);

@@ -65,10 +65,10 @@ DayComparison compare_days(const std::filesystem::path& old_out,
 /// The results alone, without causes.
 DayComparison compare_results(const DayResults& old_day, const DayResults& new_day);
 
-/// For people: a line on what is the same, then every difference and why; at most 100 columns.
-/// Lists are cut at 20 unless `all`; attempts that changed for the same reasons stand together.
-std::string comparison_text(const DayComparison& comparison, const std::filesystem::path& old_out,
-                            const std::filesystem::path& new_out, bool all = false);
+/// For people: what is the same, then every difference and why. Lists are cut at 20 unless `all`;
+/// attempts that changed for the same reasons stand together.
+Document comparison_document(const DayComparison& comparison, const std::filesystem::path& old_out,
+                             const std::filesystem::path& new_out, bool all = false);
 
 /// For machines, complete.
 nlohmann::ordered_json comparison_json(const DayComparison& comparison);

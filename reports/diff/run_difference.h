@@ -9,6 +9,7 @@
 
 #include "reports/diff/table_comparison.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/document/document.h"
 
 namespace runcert {
 
@@ -109,9 +110,9 @@ struct RunDifference : RunCauses {
 /// Compares two run folders. Failure where one is not a run folder, or holds what cannot be read.
 RunDifference difference_of_runs(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// For people, in at most 100 columns: what is the same, and every difference; `all` cuts no list.
-std::string difference_text(const RunDifference& difference, const std::filesystem::path& a,
-                            const std::filesystem::path& b, bool all);
+/// For people: what is the same, and every difference; `all` cuts no list.
+Document difference_document(const RunDifference& difference, const std::filesystem::path& a,
+                             const std::filesystem::path& b, bool all);
 
 /// For machines, complete.
 nlohmann::ordered_json difference_json(const RunDifference& difference);

@@ -1,9 +1,13 @@
 #include "reports/document/document_html.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "store/base64.h"
+#include "store/sha256.h"
 
 namespace runcert {
 
@@ -20,7 +24,6 @@ struct WordPieces {
     std::string_view before, after;
 };
 constexpr WordPieces on_screen{"", "<wbr/>"}, on_paper{"<span>", "\u200B</span>"};
-
 constexpr std::size_t long_word = 400;
 
 /// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
@@ -48,6 +51,11 @@ std::string escaped(const std::string& text, const WordPieces& pieces) {
     return out;
 }
 
+/// Makes a link of the file that a fact or a row names.
+void make_link(Json& of) {
+    if (of.contains("link")) of["link"] = link_to(of.at("link").get<std::string>());
+}
+
 /// The cells of a row, each with what its column says of it: its head where that can stand in an
 /// attribute, which takes no pieces of a long word.
 Json shown_cells(const Json& row, const Json& columns) {
@@ -65,11 +73,15 @@ Json shown_cells(const Json& row, const Json& columns) {
 
 Json shown_block(Json block) {
     block["is_" + block.at("kind").get<std::string>()] = true;
+    if (block.contains("facts"))
+        for (Json& fact : block["facts"])
+            make_link(fact);
     if (!block.contains("rows")) return block;
     const Json columns = block.at("columns");
     block["has_heads"] =
         std::ranges::any_of(columns, [](const Json& column) { return column.contains("head"); });
     for (Json& row : block["rows"]) {
+        make_link(row);
         row["cells"] = shown_cells(row, columns);
         row["span"] = std::to_string(columns.size());
     }
@@ -86,7 +98,35 @@ Json contents_of(const Json& document) {
     return contents;
 }
 
+Json with_images(Json document, const std::vector<std::string>& images) {
+    for (Json& section : document["sections"])
+        for (Json& block : section["blocks"])
+            for (std::size_t i = 0; block.contains("plots") && i < block["plots"].size(); ++i) {
+                Json& plot = block["plots"][i];
+                const auto number = plot.at("plot").get<std::size_t>();
+                if (number < images.size()) plot["image"] = images[number];
+            }
+    return document;
+}
+
+/// As a script of HTML and of XML.
+std::string script_text(const std::string& script) {
+    return "//<![CDATA[\n" + script + "//]]>";
+}
+
 }  // namespace
+
+std::string link_to(std::string_view file) {
+    std::string link;
+    for (const char c : file) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) ||
+                           std::string_view("-._~/").find(c) != std::string_view::npos;
+        link += plain
+                    ? std::string(1, c)
+                    : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return link.starts_with('/') || link.size() > long_word ? std::string() : link;
+}
 
 TemplateData template_data(const Json& value) {
     if (value.is_object()) {
@@ -150,12 +190,17 @@ std::string_view document_style() {
     return document_part("template/document.css");
 }
 
-std::string document_page(const Document& document) {
-    const Json json = members_json(document);
+std::string document_page(const Document& document, const PageParts& parts) {
+    const Json json = with_images(members_json(document), parts.images);
     Json data{{"page_title", document.title}, {"subtitle", document.subtitle}};
     data["contents"] = contents_of(json);
     TemplateData shown = template_data(data);
-    shown.set("style", std::string(document_style()));
+    shown.set("style", std::string(document_style()) + parts.style);
+    if (!parts.script.empty()) {
+        const std::string script = script_text(parts.script);
+        shown.set("script_hash", base64_of_hex(sha256_hex(script)));
+        shown.set("script", script);
+    }
     shown.set("content", sections_html(json));
     return rendered(document_part("template/page.html"), shown);
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schemas/document/document.h"
 
@@ -22,8 +23,12 @@ TemplateData template_data(const nlohmann::ordered_json& value);
 std::string rendered(std::string_view text, const TemplateData& data,
                      Medium medium = Medium::screen);
 
-/// A document's JSON (members_json) as `template/sections.html` gets it: blocks have `is_KIND`, and
-/// a cell of a table knows the head of its column.
+/// A file's name as a relative link: every byte but letters, digits and - . _ ~ / as %NN. Empty
+/// where it leads elsewhere, or is too long to stay whole.
+std::string link_to(std::string_view file);
+
+/// A document's JSON (members_json) as `template/sections.html` gets it: blocks have `is_KIND`, a
+/// cell of a table knows the head of its column, and files that are named are links (`link_to`).
 nlohmann::ordered_json shown_sections(const nlohmann::ordered_json& document);
 
 /// The sections as HTML. `beside` is what else the template gets: `signers` and what a page fills
@@ -36,8 +41,15 @@ std::string sections_html(const nlohmann::ordered_json& document,
 std::string_view sections_template();
 std::string_view document_style();
 
-/// A page for the screen and for paper, HTML and well-formed XML: no script, nothing from
-/// elsewhere, all escaped, with its contents.
-std::string document_page(const Document& document);
+/// What a page has beside its document.
+struct PageParts {
+    std::string style = {};                ///< after the style of all
+    std::string script = {};               ///< the only one that runs
+    std::vector<std::string> images = {};  ///< elements of HTML, by the numbers of figures
+};
+
+/// A page for the screen and for paper, HTML and well-formed XML: nothing from elsewhere, all
+/// escaped, with its contents.
+std::string document_page(const Document& document, const PageParts& parts = {});
 
 }  // namespace runcert

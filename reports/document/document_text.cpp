@@ -61,7 +61,7 @@ class TextWriter {
             case BlockKind::items:
                 return items(block);
             case BlockKind::code:
-                return fmt::format("    {}\n", plain_text(block.text));
+                return code(block);
             case BlockKind::plots:
                 return plots(block);
             case BlockKind::headline:
@@ -81,6 +81,14 @@ class TextWriter {
         std::string text = title(block);
         for (const std::string& item : block.items)
             text += fmt::format("{:{}}- {}", "", indent - 2, lines(item, indent, indent));
+        return text;
+    }
+
+    /// Lines stay whole however long they are: who types them copies them from here.
+    static std::string code(const Block& block) {
+        std::string text;
+        for (const std::string& line : block.items)
+            text += fmt::format("    {}\n", plain_text(line));
         return text;
     }
 
@@ -193,13 +201,15 @@ class TextWriter {
         return blanks.substr(between_columns) + text + std::string(between_columns, ' ');
     }
 
-    /// Whether an empty line separates two blocks: around headings, tables, facts and before lists
+    /// Whether an empty line separates two blocks: around headings, tables, facts, code and lists
     /// with a title, except for a list that belongs to what stands before it.
     static bool are_parted(const Block& before, const Block& after) {
         if (after.kind == BlockKind::items && after.look == "apart") return false;
         if (before.kind == BlockKind::heading) return false;
         const auto stands_apart = [](const Block& block) {
-            return block.kind == BlockKind::table || block.kind == BlockKind::facts;
+            return block.kind == BlockKind::table || block.kind == BlockKind::facts ||
+                   block.kind == BlockKind::code ||
+                   (block.kind == BlockKind::items && !block.text.empty());
         };
         const bool titled = after.kind == BlockKind::items && !after.text.empty();
         return after.kind == BlockKind::heading || titled || stands_apart(before) ||

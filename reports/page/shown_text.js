@@ -50,7 +50,8 @@ function missingSignatures(required, signers) {
 /** A block as the template gets it: with is_KIND, and cells that know the heads of their columns. */
 function shownBlock({ kind, look, slot, text, sign, beside, items, facts, columns, rows, plots }) {
   // Nothing else of a block reaches the template, whatever the JSON has.
-  const given = { kind, look, slot, text, sign, beside, items, facts, columns, plots };
+  const given = { kind, look, slot, text, sign, beside, items, columns, plots,
+    facts: facts?.map(({ name, value, mark }) => ({ name, value, ...(mark === undefined ? {} : { mark }) })) };
   const shown = Object.fromEntries(Object.entries(given).filter(([, value]) => value !== undefined));
   shown["is_" + kind] = true;
   if (rows === undefined) return shown;
@@ -60,7 +61,10 @@ function shownBlock({ kind, look, slot, text, sign, beside, items, facts, column
   }));
   return {
     ...shown, has_heads: columns.some(({ head }) => head !== undefined),
-    rows: rows.map((row) => ({ ...row, cells: cellsOf(row), span: String(columns.length) })),
+    rows: rows.map(({ cells, share, mark, further }) => ({
+      cells: cellsOf({ cells, share }), span: String(columns.length),
+      ...(mark === undefined ? {} : { mark }), ...(further === undefined ? {} : { further }),
+    })),
   };
 }
 

@@ -22,8 +22,8 @@ Block facts(std::vector<Fact> facts, std::string title, std::string look) {
             .facts = std::move(facts)};
 }
 
-Block code(std::string text) {
-    return {.kind = BlockKind::code, .text = std::move(text)};
+Block code(const std::string& text) {
+    return {.kind = BlockKind::code, .items = lines_of(text)};
 }
 
 Block plot(std::size_t index, std::string title, std::string caption) {
@@ -55,8 +55,10 @@ void add(Section& section, std::vector<Block> blocks) {
         add(section, std::move(block));
 }
 
-void add_fact(Block& facts, std::string name, std::string value) {
-    if (!value.empty()) facts.facts.push_back({.name = std::move(name), .value = std::move(value)});
+void add_fact(Block& facts, std::string name, std::string value, std::string link) {
+    if (value.empty()) return;
+    facts.facts.push_back(
+        {.name = std::move(name), .value = std::move(value), .link = std::move(link)});
 }
 
 TableRow& add_row(Block& table, std::vector<std::string> cells, std::string mark) {

@@ -16,7 +16,8 @@ Block paragraph(std::string text, std::string look = {});
 Block heading(std::string text);
 Block list_of(std::vector<std::string> items, std::string look = {});
 Block facts(std::vector<Fact> facts, std::string title = {}, std::string look = {});
-Block code(std::string text);
+/// What a person types, line by line.
+Block code(const std::string& text);
 Block plot(std::size_t index, std::string title, std::string caption);
 
 /// A head begins with `>` where its column holds figures, and ends with `|20` where it takes 20 %
@@ -27,7 +28,7 @@ Block table(const std::vector<std::string>& heads, std::string title = {}, std::
 void add(Section& section, Block block);
 void add(Section& section, std::vector<Block> blocks);
 /// Appends a name and what it is, unless that is empty.
-void add_fact(Block& facts, std::string name, std::string value);
+void add_fact(Block& facts, std::string name, std::string value, std::string link = {});
 /// Appends a row, and returns it.
 TableRow& add_row(Block& table, std::vector<std::string> cells, std::string mark = {});
 

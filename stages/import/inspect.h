@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "schemas/document/document.h"
 #include "schemas/observations/observations.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/recording.h"
@@ -105,18 +106,20 @@ inline constexpr const char* says_simulated =
 /// by the mean of the vertical velocity. Of several epochs with one time, the first counts.
 Inspection inspect(const Observations& observations);
 
-/// The same for a person, about 20 lines, with what an official should look at. `now`: later dates
-/// cannot be; empty where that is not asked.
-std::string inspection_text(const Inspection& inspection, const std::string& file_name,
-                            const std::optional<GpsTime>& now = std::nullopt);
+/// The same for a person, in a section: what the positions are, and what an official should look
+/// at. `now`: later dates cannot be; empty where that is not asked.
+Section positions_section(const Inspection& inspection,
+                          const std::optional<GpsTime>& now = std::nullopt);
 
 /// Of a table that no format recognises: the lines of an attempt that would describe it, what they
 /// leave unsure, and what `inspect` says of the recording so described. Nothing for a text that is
 /// no table.
-std::optional<std::string> table_text(const RecordingBytes& recording);
+std::vector<Section> table_sections(const RecordingBytes& recording);
 
-/// What raw measurements hold, in a few lines: satellites, signals, gaps, slips, whether the
-/// receiver moved, and its fastest 3 s by carrier phase alone.
-std::string phase_inspection_text(const StreamedPhases& phases, const std::string& path);
+/// What raw measurements hold: satellites, signals, gaps, slips, whether the receiver moved, and
+/// its fastest 3 s by carrier phase alone. The navigation file is named where there is one, and who
+/// wrote the measurements where the files say so.
+Section phases_section(const StreamedPhases& phases, const std::string& navigation,
+                       const Observations& said);
 
 }  // namespace runcert

@@ -22,10 +22,6 @@ constexpr double phase_gap_factor = 1.5;
 constexpr double still_m = 0.03;
 constexpr std::size_t most_phase_notes = 6;
 
-void line(std::string& text, std::string_view name, const std::string& value) {
-    text += fmt::format("  {:<10}{}\n", name, value);
-}
-
 /// "7 of GPS (1C 2W), 5 of Galileo (1C 5Q)".
 std::string satellites_text(const PhaseRecord& record) {
     std::map<SatelliteSystem, std::set<std::uint8_t>> numbers;
@@ -131,56 +127,68 @@ PhaseMotion motion_of(const PhaseRecord& record, const PhaseScreening& screening
     return motion;
 }
 
-void motion_lines(std::string& text, const PhaseTable& head, const PhaseRecord& record,
-                  const PhaseScreening& screening) {
+void add_motion(Block& facts, const PhaseTable& head, const PhaseRecord& record,
+                const PhaseScreening& screening) {
     const PhaseMotion motion = motion_of(record, screening);
     if (motion.displacements_m.empty()) {
-        line(text, "Motion", "not enough unbroken phases of six satellites over 3 s to say");
+        add_fact(facts, "Motion", "not enough unbroken phases of six satellites over 3 s to say");
         return;
     }
     const double typical_m = median(motion.displacements_m);
-    line(text, "Motion",
-         fmt::format(
-             "{}; {} of 3 s, the median one {} m", typical_m < still_m ? "stands still" : "moves",
-             counted(std::ssize(motion.displacements_m), "window"), format_fixed(typical_m, 3)));
+    add_fact(facts, "Motion",
+             fmt::format("{}; {} of 3 s, the median one {} m",
+                         typical_m < still_m ? "stands still" : "moves",
+                         counted(std::ssize(motion.displacements_m), "window"),
+                         format_fixed(typical_m, 3)));
     const Fastest& best = motion.fastest;
     const GpsTime start = head.first_epoch.plus_nanoseconds(record.epochs[best.first].time_ns);
-    line(text, "Best 3 s",
-         fmt::format("{} km/h ± {} km/h by carrier phase, {} satellites, from {} GPS time",
-                     format_fixed(best.speed_m_s * km_h_per_m_s, 2),
-                     format_fixed(2.0 * best.deviation_m_s * km_h_per_m_s, 2), best.satellites,
-                     to_iso(start)));
+    add_fact(facts, "Fastest 3 s",
+             fmt::format("{} km/h ± {} km/h by carrier phase, {} satellites, from {} GPS time",
+                         format_fixed(best.speed_m_s * km_h_per_m_s, 2),
+                         format_fixed(2.0 * best.deviation_m_s * km_h_per_m_s, 2), best.satellites,
+                         to_iso(start)));
 }
 
 }  // namespace
 
-std::string phase_inspection_text(const StreamedPhases& phases, const std::string& path) {
+Section phases_section(const StreamedPhases& phases, const std::string& navigation,
+                       const Observations& said) {
     PhaseRecordBuilder builder(phases.head);
     phases.give([&](const PhaseRow& row) { builder.add(row); });
     PhaseRecord record = std::move(builder).take();
     locate_by_pseudoranges(record);
     const PhaseScreening screening = screen_phases(record, {});
     const PhaseTable& head = phases.head;
-    std::string text = fmt::format("{}: raw measurements ({}{})\n", plain_text(path), head.format,
-                                   head.device.empty() ? "" : ", by " + plain_text(head.device));
-    line(text, "Time", fmt::format("from {} GPS time", to_iso(head.first_epoch)));
+    Block all = facts({});
+    add_fact(all, "Format", head.format);
+    add_fact(all, "Made by", head.device);
+    for (const std::string& line : said.written_by)
+        add_fact(all, "It says", line);
+    add_fact(all, "Time", fmt::format("from {} GPS time", to_iso(head.first_epoch)));
     if (record.epochs.empty()) {
-        line(text, "Signals", "none of GPS or Galileo");
-        return text;
+        add_fact(all, "Signals", "none of GPS or Galileo");
+    } else {
+        add_fact(all, "Epochs", epochs_text(head, record));
+        add_fact(all, "Satellites", satellites_text(record));
+        add_fact(all, "In use", in_use_text(record, screening));
+        add_fact(all, "Slips", slips_text(screening));
+        add_fact(all, "Noise",
+                 fmt::format("{} mm of a phase's change at the zenith",
+                             format_fixed(screening.noise.white_m * 1e3, 1)));
+        add_motion(all, head, record, screening);
     }
-    line(text, "Epochs", epochs_text(head, record));
-    line(text, "Satellites", satellites_text(record));
-    line(text, "In use", in_use_text(record, screening));
-    line(text, "Slips", slips_text(screening));
-    line(text, "Noise",
-         fmt::format("{} mm of a phase's change at the zenith",
-                     format_fixed(screening.noise.white_m * 1e3, 1)));
-    motion_lines(text, head, record, screening);
-    for (std::size_t i = 0; i < head.notes.size() && i < most_phase_notes; ++i)
-        text += fmt::format("  - {}\n", plain_text(head.notes[i]));
-    if (head.notes.size() > most_phase_notes)
-        text += fmt::format("  - and {} more\n", head.notes.size() - most_phase_notes);
-    return text;
+    add_fact(all, "Orbits", navigation);
+    std::vector<std::string> notes;
+    if (said.simulated) notes.emplace_back(says_simulated);
+    const std::size_t shown = std::min(head.notes.size(), most_phase_notes);
+    notes.insert(notes.end(), head.notes.begin(),
+                 head.notes.begin() + static_cast<std::ptrdiff_t>(shown));
+    if (head.notes.size() > shown)
+        notes.push_back(fmt::format("and {} more", head.notes.size() - shown));
+    Section section{
+        .anchor = "raw-measurements", .title = "Raw measurements", .blocks = {std::move(all)}};
+    if (!notes.empty()) add(section, list_of(std::move(notes)));
+    return section;
 }
 
 }  // namespace runcert

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
@@ -55,17 +56,18 @@ std::string local_text(GpsTime time, int zone_h) {
     return text;
 }
 
-std::string span_text(const Inspection& it) {
+/// When the recording was made, on each time scale.
+void add_times(const Inspection& it, Block& facts) {
     const std::string length = duration_text(it.span_s);
-    if (!it.first || !it.last) return length + ", from an unknown start";
-    std::string text =
-        fmt::format("{} to {} UTC, {}\n            {} to {} GPS time", to_utc_iso(*it.first),
-                    to_utc_iso(*it.last), length, to_iso(*it.first), to_iso(*it.last));
+    if (!it.first || !it.last) return add_fact(facts, "Time", length + ", from an unknown start");
+    add_fact(facts, "Duration", length);
+    add_fact(facts, "UTC", fmt::format("{} to {}", to_utc_iso(*it.first), to_utc_iso(*it.last)));
+    add_fact(facts, "GPS time", fmt::format("{} to {}", to_iso(*it.first), to_iso(*it.last)));
     if (it.zone_h)
-        text += fmt::format("\n            {} to {} local, if UTC{:+} as the longitude suggests",
-                            local_text(*it.first, *it.zone_h), local_text(*it.last, *it.zone_h),
-                            *it.zone_h);
-    return text;
+        add_fact(facts, "Local time",
+                 fmt::format("{} to {}, if UTC{:+} as the longitude suggests",
+                             local_text(*it.first, *it.zone_h), local_text(*it.last, *it.zone_h),
+                             *it.zone_h));
 }
 
 std::string epochs_text(const Inspection& it) {
@@ -89,12 +91,19 @@ std::string gaps_text(const Inspection& it) {
            fmt::format("; {} repeated and {} backward times", it.repeated_times, it.backward_times);
 }
 
-/// A step with two digits that count, trailing zeros left out.
+/// With two digits that count, where these are behind the point.
+std::string size_text(double size) {
+    constexpr int most = 9;
+    const int decimals =
+        size > 0.0 ? std::clamp(1 - static_cast<int>(std::floor(std::log10(size))), 0, most) : 0;
+    return fixed(size, decimals);
+}
+
+/// A step, trailing zeros left out.
 std::string step_text(const std::optional<double>& step, std::string_view unit) {
     if (!step) return "unclear steps";
-    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*step))), 0, 9);
-    std::string text = fixed(*step, decimals);
-    if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+    std::string text = size_text(*step);
+    if (text.find('.') != std::string::npos) text.erase(text.find_last_not_of('0') + 1);
     if (text.ends_with('.')) text.pop_back();
     return fmt::format("steps of {} {}", text, unit);
 }
@@ -102,8 +111,8 @@ std::string step_text(const std::optional<double>& step, std::string_view unit) 
 std::string accuracy_text(const Inspection& it) {
     if (!it.median_horizontal_m) return "none stated";
     std::string text = fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
-                                   fixed(*it.median_horizontal_m, 4),
-                                   fixed(*it.worst_horizontal_m, 4), it.accuracy_source);
+                                   size_text(*it.median_horizontal_m),
+                                   size_text(*it.worst_horizontal_m), it.accuracy_source);
     if (it.with_accuracy < it.epochs) text += fmt::format(" in {} epochs", it.with_accuracy);
     return text;
 }
@@ -146,10 +155,10 @@ std::string velocity_text(const Inspection& it) {
     else if (it.speeds_alone > 0)
         text += fmt::format(", in {} of them without a course", it.speeds_alone);
     text += delays_text(it);
-    if (it.median_velocity_m_s)
-        text += fmt::format("\n            stated {} m/s (median), {} m/s (worst)",
-                            fixed(*it.median_velocity_m_s, 3), fixed(*it.worst_velocity_m_s, 3));
-    return text + (it.median_velocity_m_s ? "" : "; no accuracy stated");
+    if (!it.median_velocity_m_s) return text + "; no accuracy stated";
+    return text + fmt::format("; stated {} m/s (median), {} m/s (worst)",
+                              size_text(*it.median_velocity_m_s),
+                              size_text(*it.worst_velocity_m_s));
 }
 
 /// Whether the recording is of something that falls or climbs; heights alone, which err more than
@@ -163,7 +172,7 @@ std::string best_text(const std::optional<RawBest>& best) {
     if (!best) return "no stretch of 3 s";
     std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
     if (best->start_gps) at += fmt::format(", {} UTC", to_utc_iso(*best->start_gps));
-    return fmt::format("{} km/h over {} s,\n            from {} (epochs {} to {})",
+    return fmt::format("{} km/h over {} s, from {} (epochs {} to {})",
                        fixed(best->speed_m_s * km_h_per_m_s, 1), fixed(best->duration_s, 3), at,
                        best->first_epoch, best->last_epoch);
 }
@@ -245,9 +254,9 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
     if (it.gaps > 0)
         concerns.push_back(
-            fmt::format("Epochs are missing in {} places; a speed is certified across a gap only "
+            fmt::format("Epochs are missing in {}; a speed is certified across a gap only "
                         "where the rule and screen.gap_max_s allow it.",
-                        it.gaps));
+                        counted(static_cast<std::int64_t>(it.gaps), "place")));
     const bool shared = 3 * it.repeated_times >= it.epochs;
     if (shared)
         concerns.push_back(
@@ -326,39 +335,44 @@ std::string processing_text(const Processing& processing) {
     return fmt::format("{}", fmt::join(parts, "; "));
 }
 
+Block recording_facts(const Inspection& it) {
+    Block all = facts({});
+    add_fact(
+        all, "Format",
+        fmt::format("{}; {}, {}",
+                    it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, it.variant),
+                    frame_text(it.frame), time_scale_text(it.time_scale)));
+    add_fact(all, "Made by", it.device);
+    for (const std::string& said : it.written_by)
+        if (said != it.device) add_fact(all, "It says", said);
+    if (it.processing) add_fact(all, "Solved", processing_text(*it.processing));
+    add_times(it, all);
+    add_fact(all, "Clock", it.time_origin);
+    add_fact(all, "Epochs", epochs_text(it));
+    add_fact(all, "Gaps", gaps_text(it));
+    add_fact(all, "Solutions", fixes_text(it));
+    add_fact(all, "Written",
+             fmt::format("positions in {}, times in {}", step_text(it.position_resolution_m, "m"),
+                         step_text(it.time_resolution_s, "s")));
+    add_fact(all, "Accuracy", accuracy_text(it));
+    add_fact(all, "Velocity", velocity_text(it));
+    return all;
+}
+
+Block best_facts(const Inspection& it) {
+    Block bests = facts({}, "Fastest 3 s, unscreened, not for a certificate");
+    add_fact(bests, "By position", best_text(it.best_by_position));
+    if (it.with_velocity > 0)
+        add_fact(bests, "By recorded velocity", best_text(it.best_by_velocity));
+    if (!is_vertical(it)) return bests;
+    add_fact(bests, "Vertical, by height", best_text(it.best_vertical_by_position));
+    add_fact(bests, "Vertical, by velocity", best_text(it.best_vertical_by_velocity));
+    return bests;
+}
+
 }  // namespace
 
-std::string inspection_text(const Inspection& it, const std::string& file_name,
-                            const std::optional<GpsTime>& now) {
-    std::string text = fmt::format(
-        "{}: {}, {}, {}\n", plain_text(file_name),
-        it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, plain_text(it.variant)),
-        frame_text(it.frame), time_scale_text(it.time_scale));
-    const auto line = [&](std::string_view title, const std::string& value) {
-        text += fmt::format("  {:<10}{}\n", title, value);
-    };
-    if (!it.device.empty()) line("Made by", plain_text(it.device));
-    for (const std::string& said : it.written_by)
-        if (said != it.device) line("It says", plain_text(said));
-    if (it.processing) line("Solved", plain_text(processing_text(*it.processing)));
-    line("Time", span_text(it));
-    if (!it.time_origin.empty()) line("Clock", it.time_origin);
-    line("Epochs", epochs_text(it));
-    line("Gaps", gaps_text(it));
-    line("Solutions", fixes_text(it));
-    line("Written",
-         fmt::format("positions in {}, times in {}", step_text(it.position_resolution_m, "m"),
-                     step_text(it.time_resolution_s, "s")));
-    line("Accuracy", accuracy_text(it));
-    line("Velocity", velocity_text(it));
-    line("Best 3 s", "unscreened, not for a certificate:");
-    line("", "by position " + best_text(it.best_by_position));
-    if (it.with_velocity > 0) line("", "by recorded velocity " + best_text(it.best_by_velocity));
-    if (is_vertical(it)) {
-        line("Vertical", "by height " + best_text(it.best_vertical_by_position));
-        line("", "by recorded velocity " + best_text(it.best_vertical_by_velocity));
-    }
-
+Section positions_section(const Inspection& it, const std::optional<GpsTime>& now) {
     std::vector<std::string> concerns;
     if (it.simulated) concerns.emplace_back(says_simulated);
     add_record_concerns(it, concerns);
@@ -369,10 +383,11 @@ std::string inspection_text(const Inspection& it, const std::string& file_name,
     concerns.insert(
         concerns.end(), it.notes.begin(),
         it.notes.begin() + static_cast<std::ptrdiff_t>(std::min(it.notes.size(), most_notes)));
-    for (const std::string& concern : concerns)
-        text += "  - " + plain_text(concern) + "\n";
-    if (concerns.empty()) text += "  No obvious problems found.\n";
-    return text;
+    return {.anchor = "positions",
+            .title = "Positions",
+            .blocks = {recording_facts(it), best_facts(it),
+                       concerns.empty() ? paragraph("No obvious problems found.")
+                                        : list_of(std::move(concerns))}};
 }
 
 }  // namespace runcert

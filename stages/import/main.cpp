@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "core/text.h"
@@ -203,8 +204,8 @@ std::optional<std::string> navigation_beside(const std::filesystem::path& path) 
     return std::nullopt;
 }
 
-void inspect_phases(const Receiver& receiver, const RecordingBytes& raw,
-                    std::optional<std::string> navigation) {
+Section inspect_phases(const Receiver& receiver, const RecordingBytes& raw,
+                       std::optional<std::string> navigation) {
     if (!navigation) navigation = navigation_beside(raw.name);
     std::optional<FileView> view;
     std::vector<RecordingBytes> navigations;
@@ -212,15 +213,39 @@ void inspect_phases(const Receiver& receiver, const RecordingBytes& raw,
         view.emplace(*navigation);
         navigations.push_back({.name = *navigation, .bytes = view->bytes()});
     }
-    fmt::print("{}", phase_inspection_text(import_phases(receiver, raw, navigations), raw.name));
-    if (navigation) fmt::print("  {:<10}{}\n", "Orbits", plain_text(*navigation));
     Observations said;
     note_writers({raw}, said);
-    for (const std::string& line : said.written_by)
-        fmt::print("  {:<10}{}\n", "It says", plain_text(line));
-    if (said.simulated) fmt::print("  - {}\n", says_simulated);
+    return phases_section(import_phases(receiver, raw, navigations), navigation.value_or(""), said);
 }
 
+/// What a recording's positions are; of a table that no format recognises, what they may be.
+std::vector<Section> inspect_positions(const Receiver& receiver, const RecordingBytes& recording) {
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    if (rinex::recognises(head)) return {};
+    const std::string utf8 = is_utf16(recording.bytes) ? utf8_of_utf16(recording) : std::string();
+    const RecordingBytes readable{.name = recording.name,
+                                  .bytes = utf8.empty() ? recording.bytes : utf8};
+    if (!is_read_by_itself(receiver, readable) && !gpsbabel::recognises(head)) {
+        refuse_not_read(readable, false);
+        require_text(readable);
+        if (std::vector<Section> table = table_sections(readable); !table.empty()) return table;
+    }
+    Observations observations = read_recording(receiver, recording);
+    note_writers({recording}, observations);
+    return {positions_section(inspect(observations), gps_now())};
+}
+
+/// With no character in any text that a reader of the JSON could stumble over.
+nlohmann::ordered_json plain(nlohmann::ordered_json json) {
+    if (json.is_string()) return plain_text(json.get<std::string>());
+    if (json.is_structured())
+        for (auto& each : json)
+            each = plain(std::move(each));
+    return json;
+}
+
+/// Prints what a recording is, as the JSON of a document. Where raw measurements cannot be read,
+/// what the positions are stands there all the same.
 int inspect_file(const std::string& path, std::optional<std::string> navigation) {
     const FileView file(path);
     Receiver receiver;
@@ -230,25 +255,16 @@ int inspect_file(const std::string& path, std::optional<std::string> navigation)
     receiver.place = path;
     const RecordingBytes recording{.name = path, .bytes = file.bytes()};
     const std::string_view head = recording.bytes.substr(0, recognised_by);
-    const std::string utf8 = is_utf16(recording.bytes) ? utf8_of_utf16(recording) : std::string();
-    const RecordingBytes readable{.name = path, .bytes = utf8.empty() ? recording.bytes : utf8};
-    if (!is_read_by_itself(receiver, readable) && !rinex::recognises(head) &&
-        !gpsbabel::recognises(head)) {
-        refuse_not_read(readable, false);
-        require_text(readable);
-        if (const auto text = table_text(readable)) {
-            fmt::print("{}", *text);
-            return 0;
-        }
+    Document document{.title = path, .sections = inspect_positions(receiver, recording)};
+    const auto print = [&] { fmt::print("{}\n", plain(members_json(document)).dump()); };
+    try {
+        if (document.sections.empty() || has_phases(head))
+            document.sections.push_back(inspect_phases(receiver, recording, std::move(navigation)));
+    } catch (const Failure&) {
+        if (!document.sections.empty()) print();
+        throw;
     }
-    if (!rinex::recognises(head)) {
-        Observations observations = read_recording(receiver, recording);
-        note_writers({recording}, observations);
-        fmt::print("{}", inspection_text(inspect(observations), path, gps_now()));
-        if (!has_phases(head)) return 0;
-        fmt::print("\n");
-    }
-    inspect_phases(receiver, recording, std::move(navigation));
+    print();
     return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "reports/diff/day_difference.h"
+#include "reports/document/document_text.h"
 #include "schemas/common/header.h"
 #include "store/sha256.h"
 
@@ -161,7 +162,8 @@ TEST_F(Day, ComparedWithItselfNothingChanged) {
     const DayComparison same = compare_days(out("old"), out("old"));
     EXPECT_TRUE(same.equal());
     EXPECT_EQ(same.unchanged, 5);
-    EXPECT_NE(comparison_text(same, "a", "b").find("Nothing changed.\n"), std::string::npos);
+    EXPECT_NE(document_text(comparison_document(same, "a", "b"), 80).find("Nothing changed.\n"),
+              std::string::npos);
 }
 
 TEST_F(Day, ChangesAreNamedWithTheirCauses) {
@@ -193,7 +195,7 @@ TEST_F(Day, ChangesAreNamedWithTheirCauses) {
     EXPECT_EQ(rule.causes.attempt[0].what, "rules");
     for (const char* same : {"land-yacht", "rejected", "salt-lake"})
         EXPECT_TRUE(of(same).id.empty()) << same;
-    const std::string text = comparison_text(found, out("old"), out("new"));
+    const std::string text = document_text(comparison_document(found, out("old"), out("new")), 200);
     EXPECT_NE(text.find("parameter smooth.noise: \"fitted\" -> \"stated\""), std::string::npos)
         << text;
 }

@@ -52,16 +52,55 @@ AttemptResult failed(const std::string& id) {
 TEST(DayPage, SaysWhatFailedBeforeAnyRanking) {
     const std::string page =
         day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1), failed("b")}));
-    const std::size_t failure = page.find("line 7 is cut off");
+    // A sentence has one full stop, whether what failed gave one or not.
+    const std::size_t failure = page.find(">Line 7 is cut off.<");
     const std::size_t ranking = page.find("because of a");
     ASSERT_NE(failure, std::string::npos);
     ASSERT_NE(ranking, std::string::npos);
     EXPECT_LT(failure, ranking);
-    EXPECT_NE(page.find("Give the whole recording"), std::string::npos);
-    EXPECT_NE(page.find("r.pos:7"), std::string::npos);
+    EXPECT_NE(page.find("What to do: Give the whole recording.<"), std::string::npos);
+    EXPECT_NE(page.find("Where: r.pos:7<"), std::string::npos);
     EXPECT_EQ(
         day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1)})).find("not be processed"),
         std::string::npos);
+}
+
+TEST(DayPage, AddsNoFullStopToASentence) {
+    AttemptResult bad = failed("b");
+    bad.failure->problem = "The file is cut off.";
+    bad.failure->remedy = "Record again!";
+    const std::string page = day_page(results_of({bad}));
+    EXPECT_NE(page.find(">The file is cut off.<"), std::string::npos);
+    EXPECT_NE(page.find("What to do: Record again!<"), std::string::npos);
+    const std::string main = page.substr(page.find("<main"));
+    EXPECT_EQ(main.substr(0, main.find("</main>")).find(".."), std::string::npos);
+}
+
+TEST(DayPage, ManyFailuresDoNotHideTheRankings) {
+    std::vector<AttemptResult> attempts{attempt("a", Outcome::beaten, 52.0, 0.1)};
+    for (int i = 0; i < 30; ++i)
+        attempts.push_back(failed(fmt::format("bad-{}", i)));
+    const std::string page = day_page(results_of(attempts));
+    const std::size_t ranking = page.find("because of a");
+    EXPECT_LT(page.find("⚠ bad-11<"), ranking);
+    EXPECT_LT(page.find("18 more stand below the rankings."), ranking);
+    EXPECT_GT(page.find("⚠ bad-12<"), ranking);
+    for (int i = 0; i < 30; ++i)
+        EXPECT_EQ(count_of(page, fmt::format("⚠ bad-{}<", i)), 1U);
+    EXPECT_EQ(complaints_of(page), "");
+}
+
+TEST(DayPage, LeadsToTheReportsAndTables) {
+    AttemptResult done = attempt("a", Outcome::beaten, 52.0, 0.1);
+    done.pages = {"a/report.pdf", "a/report.html"};
+    DayResults results = results_of({done, attempt("b", Outcome::not_beaten, 49.0, 0.1)});
+    results.header.inputs.push_back(
+        {.role = "verdict", .file = "a/6-verdict.yaml", .sha256 = "ab", .original = {}});
+    const std::string page = day_page(results);
+    for (const char* link :
+         {"a/report.html\"><bdi>a<", "b/report.json\"><bdi>b<", "day.yaml\"><bdi>day.yaml<",
+          "day.csv\"><bdi>day.csv<", "a/6-verdict.yaml\"><bdi>a/6-verdict.yaml<"})
+        EXPECT_EQ(count_of(page, std::string("<a href=\"") + link), 1U) << link;
 }
 
 TEST(DayPage, MarksRanksThatAreNotToldApart) {
@@ -147,7 +186,7 @@ TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
     const std::string many = day_page(results_of(attempts));
     EXPECT_EQ(count_of(many, "<svg class=\"mark\""), 24U);
     EXPECT_NE(many.find("The first 24 of 300 speeds are drawn"), std::string::npos);
-    EXPECT_EQ(count_of(many, "<th scope=\"row\" class=\"attempt\">"), 300U);
+    EXPECT_EQ(count_of(many, "<tbody class=\"mark-yes\">"), 300U);
     EXPECT_EQ(complaints_of(many), "");
 }
 
@@ -156,8 +195,8 @@ TEST(DayPage, DrawsBarsInTheScaleOfItsTicks) {
     const std::string page = day_page(results_of({attempt("a", Outcome::not_beaten, 40.0, 0.0),
                                                   attempt("b", Outcome::not_beaten, 50.0, 5.0)}));
     std::smatch found;
-    ASSERT_TRUE(std::regex_search(page, found,
-                                  std::regex("class=\"bar\" x1=\"([0-9.]+)%\" x2=\"([0-9.]+)%\"")));
+    ASSERT_TRUE(std::regex_search(
+        page, found, std::regex("class=\"interval\" x1=\"([0-9.]+)%\" x2=\"([0-9.]+)%\"")));
     const double from = std::stod(found[1]), to = std::stod(found[2]);
     std::vector<double> marks;
     const std::regex mark("class=\"mark\" x=\"([0-9.]+)%\"");
@@ -166,6 +205,22 @@ TEST(DayPage, DrawsBarsInTheScaleOfItsTicks) {
     ASSERT_EQ(marks.size(), 2U);
     EXPECT_NEAR(to - from, std::abs(marks[0] - marks[1]), 0.01);
     EXPECT_NEAR((from + to) / 2.0, std::max(marks[0], marks[1]), 0.01);
+}
+
+// A class without a rule of style draws nothing.
+TEST(DayPage, HasAStyleForWhatItDraws) {
+    const std::string page = day_page(results_of(
+        {attempt("a", Outcome::beaten, 52.0, 0.1), attempt("b", Outcome::not_certifiable, 9, 1)}));
+    const std::size_t begin = page.find("<svg"), end = page.rfind("</svg>");
+    ASSERT_LT(begin, end);
+    const std::string drawn = page.substr(begin, end - begin);
+    const std::string style = page.substr(page.find("<style>"), page.find("</style>"));
+    EXPECT_NE(drawn.find("class=\"required\""), std::string::npos);
+    static const std::regex of_lines("<(?:line|path) class=\"([^\"]*)\"");
+    for (std::sregex_iterator at(drawn.begin(), drawn.end(), of_lines), none; at != none; ++at) {
+        const std::regex rule("\\." + at->str(1) + "\\b[^{}]*\\{[^}]*stroke: var");
+        EXPECT_TRUE(std::regex_search(style, rule)) << at->str(1);
+    }
 }
 
 const std::vector<std::string> hostile{"<script>alert(1)</script>",
@@ -181,6 +236,10 @@ const std::vector<std::string> hostile{"<script>alert(1)</script>",
                                        "+1",
                                        "-1",
                                        "\xff\xfe",
+                                       "javascript:alert(1)",
+                                       "//example.org/",
+                                       std::string(200, 'W'),
+                                       std::string(12'000, 'W'),
                                        "Bj\u00f8rn's \u8239"};
 
 DayResults hostile_day(const std::string& text) {
@@ -208,11 +267,12 @@ TEST(DayPage, WhatComesFromOutsideIsTextAlone) {
         const std::string page = day_page(hostile_day(text));
         // Nothing adds or takes an element, a script, a rule of style or an attribute of events.
         for (const char* part :
-             {"<script", "</script", "<style", "</style", "<img", "<svg", "<tr", "<article"})
+             {"<script", "</script", "<style", "</style", "<img", "<svg", "<tr", "<li"})
             EXPECT_EQ(count_of(page, part), count_of(plain, part)) << part;
         for (const char* part : {"onerror=alert(1)>", "onclick='", "\x1b", "\u202E", "\xff"})
             EXPECT_EQ(page.find(part), std::string::npos) << part;
         EXPECT_EQ(complaints_of(page), "");
+        EXPECT_EQ(count_of(page, "href=\"/"), 0U);
         static const std::regex link("href=\"([^\"]*)\"");
         for (std::sregex_iterator at(page.begin(), page.end(), link), end; at != end; ++at)
             EXPECT_TRUE(std::regex_match(at->str(1), std::regex("[-A-Za-z0-9._~/%#]+")))
@@ -261,11 +321,12 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
 
 TEST(DayPage, IsItsOwnAndNeedsNoScript) {
     const std::string page = day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1)}));
-    // The namespace of SVG is a name, not a place.
-    EXPECT_EQ(count_of(page, "http://"), count_of(page, "'http://www.w3.org/2000/svg'"));
+    // The namespaces of HTML and SVG are names, not places.
+    EXPECT_EQ(count_of(page, "http://"), count_of(page, "'http://www.w3.org/2000/svg'") +
+                                             count_of(page, "xmlns=\"http://www.w3.org/"));
     EXPECT_EQ(page.find("https://"), std::string::npos);
     EXPECT_EQ(page.find(" src="), std::string::npos);
-    EXPECT_EQ(page.find(" style="), std::string::npos);
+    EXPECT_EQ(count_of(page, " style="), count_of(page, "<col style=\"width: "));
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
     // The policy's hash is that of the script, by another program.
     const TemporaryFolder folder;

@@ -1,9 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "core/failure.h"
 #include "reports/diff/day_difference.h"
+#include "reports/document/document_text.h"
+#include "reports/words/figures.h"
 #include "store/process.h"
 
 // What is said of two days' results: each change by hand, at its limit and beyond.
@@ -95,11 +98,13 @@ TEST(CompareDays, OutcomesStatesAndAttemptsThatCameOrWent) {
                           (change.speed_moved ? " s" : ""));
     EXPECT_EQ(results,
               (std::vector<std::string>{"refused nalsa o s", "worse nalsa o", "same fisly o"}));
-    const std::string text = comparison_text(found, "old", "new");
+    const std::string text = document_text(comparison_document(found, "old", "new"), 80);
     for (const char* part :
-         {"The same: 1 of 7 attempts in both", "lost: processed -> failed at import (cut off)",
-          "cured: failed at import (x) -> processed", "worse, nalsa: beaten -> not beaten",
-          "same, fisly: not claimed -> beaten", "Only in the old day: 1", "Only in the new day: 1"})
+         {"The same  1 of 7 attempts in both",
+          "lost     processed             failed at import (cut",
+          "cured    failed at import (x)  processed\n", "worse, nalsa    beaten       not beaten\n",
+          "same, fisly     not claimed  beaten\n", "Only in the old day: 1:\n- gone\n",
+          "Only in the new day: 1:\n- new\n"})
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
     EXPECT_EQ(text.find("Nothing changed"), std::string::npos);
 }
@@ -122,18 +127,41 @@ TEST(CompareDays, AttemptsThatChangedForTheSameReasonsStandTogetherAndListsAreCu
         causes.causes.parameters.push_back({"smooth.jerk_density", "1", i < 49 ? "2" : "3"});
         found.causes.push_back(causes);
     }
-    const std::string text = comparison_text(found, "old", "new\x1b[2J");
+    const std::string text = document_text(comparison_document(found, "old", "new\x1b[2J"), 80);
     EXPECT_NE(text.find("and 30 more"), std::string::npos) << text;
     EXPECT_NE(text.find("parameter smooth.jerk_density: 1 -> 2"), std::string::npos) << text;
     EXPECT_NE(text.find("Why, of run-49:"), std::string::npos) << text;
     EXPECT_EQ(text.find('\x1b'), std::string::npos);
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);)
-        EXPECT_LE(line.size(), 102U) << line;  // "±" has two bytes
-    const std::string all = comparison_text(found, "old", "new", true);
+        EXPECT_LE(characters_in(line), 80U) << line;
+    const std::string all = document_text(comparison_document(found, "old", "new", true), 80);
     EXPECT_NE(all.find("run-33, nalsa"), std::string::npos);
     EXPECT_EQ(comparison_json(found)["results"].size(), 50U);
     EXPECT_EQ(comparison_json(found)["causes"][49]["parameters"][0]["new"], "3");
+}
+
+// A reader compares what reports show, in the record's unit; a move that rounding hides stands
+// beneath, with the digits of the files.
+TEST(CompareDays, SpeedsStandInTheRecordsUnitAndAsTheFilesHaveThem) {
+    const auto shown = [](double speed_m_s) {
+        DayResult one = result(speed_m_s);
+        one.shown =
+            shown_in({.speed_m_s = speed_m_s, .expanded_uncertainty_m_s = 0.2}, speed_unit("km/h"));
+        return one;
+    };
+    const DayComparison found = compared({done("a", {shown(64.0)})}, {done("a", {shown(64.02)})});
+    const Document said = comparison_document(found, "old", "new");
+    const auto moved =
+        std::ranges::find(said.sections.at(0).blocks, BlockKind::table, &Block::kind);
+    ASSERT_NE(moved, said.sections[0].blocks.end());
+    EXPECT_EQ(moved->text, "Speeds and uncertainties that moved: 1");
+    EXPECT_EQ(moved->rows.at(0).cells,
+              (std::vector<std::string>{"a, nalsa", "beaten, 230.40 km/h ± 0.72 km/h",
+                                        "beaten, 230.47 km/h ± 0.72 km/h"}));
+    EXPECT_EQ(moved->rows[0].further,
+              std::vector<std::string>{"in the files 64.000000 m/s ± 0.200000 m/s -> 64.020000 m/s "
+                                       "± 0.200000 m/s, +0.2 of its standard uncertainty"});
 }
 
 TEST(CompareDays, AFolderWithoutADayIsNamed) {

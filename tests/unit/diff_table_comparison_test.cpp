@@ -6,6 +6,7 @@
 #include "core/failure.h"
 #include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
+#include "reports/document/document_text.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -191,12 +192,16 @@ TEST(RunDifference, HostileNamesDoNotSteerTheTerminalAndListsAreCut) {
     for (int i = 0; i < 25; ++i)
         epochs.changes.push_back({.row = {.epoch_a = i, .epoch_b = i}, .a = "used", .b = "out"});
     EXPECT_FALSE(difference.equal());
-    const std::string text = difference_text(difference, "a", "b", false);
+    const std::string text = document_text(difference_document(difference, "a", "b", false), 80);
     EXPECT_EQ(text.find('\x1b'), std::string::npos);
     EXPECT_EQ(text.find("\xE2\x80\xAE"), std::string::npos);
-    EXPECT_NE(text.find("used -> out: 25 epochs"), std::string::npos) << text;
+    EXPECT_NE(text.find("used -> out       25 epochs"), std::string::npos) << text;
     EXPECT_NE(text.find("and 5 more (--all lists them)"), std::string::npos) << text;
-    EXPECT_NE(difference_text(difference, "a", "b", true).find("epoch 24, "), std::string::npos);
+    EXPECT_NE(document_text(difference_document(difference, "a", "b", true), 80)
+                  .find("\n   24  0.000 s  used  out\n"),
+              std::string::npos);
+    EXPECT_NE(text.find("\n   19  0.000 s  used  out\n"), std::string::npos) << text;
+    EXPECT_EQ(text.find("\n   20  "), std::string::npos) << text;
     EXPECT_EQ(difference_json(difference)["epochs"][0]["changes"].size(), 25U);
     EXPECT_EQ(difference_json(difference)["equal"], false);
 }

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "core/random.h"
+#include "import_inspect_support.h"
 #include "import_test_support.h"
-#include "stages/import/inspect.h"
 
 // What inspect says of a table that no format recognises: lines to paste into an attempt.
 
@@ -14,7 +14,8 @@ namespace {
 using namespace import_test;
 
 std::string inspected(const std::string& text) {
-    return table_text({.name = "log.csv", .bytes = text}).value_or("no table");
+    const std::vector<Section> sections = table_sections({.name = "log.csv", .bytes = text});
+    return sections.empty() ? "no table" : text_of(sections);
 }
 
 /// A run to the north at 10 m/s and 10 Hz; `row(i, latitude)` is one line.
@@ -33,7 +34,7 @@ std::string proposed(const std::string& said) {
         const std::size_t end = std::min(said.find('\n', at), said.size());
         if (said.compare(at, 4, "    ") == 0 && said[at + 4] != ' ')
             lines += said.substr(at + 4, end + 1 - at - 4);
-        if (said.compare(at, 12, "So described") == 0) break;
+        if (said.compare(at, 23, "Positions, so described") == 0) break;
         at = end + 1;
     }
     return lines;
@@ -50,8 +51,8 @@ TEST(InspectTable, ProposesColumnsTimesAndUnits) {
         << said;
     EXPECT_TRUE(has(said, "The unit of speeds is not named: km/h fits the positions."));
     EXPECT_TRUE(has(said, "No column holds heights"));
-    EXPECT_TRUE(has(said, "First row timestamp_ms 1773482400000, lat 52.10000000")) << said;
-    EXPECT_TRUE(has(said, "So described:\nlog.csv: csv, latitude, longitude, height, UTC"));
+    EXPECT_TRUE(has(said, "First row  timestamp_ms 1773482400000, lat 52.10000000")) << said;
+    EXPECT_TRUE(has(said, "Format      csv; latitude, longitude, height, UTC\n"));
     EXPECT_TRUE(has(said, "2026-03-14T10:00:00.000Z"));
 }
 
@@ -90,9 +91,29 @@ TEST(InspectTable, ManyTablesOfOneRun) {
         EXPECT_EQ(proposed(said), fmt::format("format: csv\ncolumns: {{{}}}\nframe: geodetic\n{}",
                                               table.columns, table.rest))
             << said;
-        EXPECT_TRUE(has(said, "by position 36.0 km/h over 3.000 s")) << said;
-        EXPECT_EQ(has(said, "by recorded velocity 36.0 km/h"), has(table.columns, "speed")) << said;
+        EXPECT_TRUE(has(said, "\nBy position  ") && has(said, "  36.0 km/h over 3.000 s")) << said;
+        EXPECT_EQ(has(said, "By recorded velocity  36.0 km/h"), has(table.columns, "speed"))
+            << said;
     }
+}
+
+// What is pasted into an attempt is not broken into lines, whatever the terminal's width; the rest
+// is.
+TEST(InspectTable, ProposedLinesStayWholeOnANarrowTerminal) {
+    const std::string text = run_of("timestamp_ms,lat,lon,speed\n", [](int i, double lat) {
+        return fmt::format("{},{:.8f},5.1,36.0\n", 1773482400000 + 100LL * i, lat);
+    });
+    const std::vector<Section> sections = table_sections({.name = "log.csv", .bytes = text});
+    ASSERT_EQ(sections.size(), 2U);
+    ASSERT_EQ(sections[0].blocks.at(1).kind, BlockKind::code);
+    EXPECT_EQ(sections[0].blocks[1].items.size(), 6U);
+    const std::string said = text_of(sections, 50);
+    EXPECT_TRUE(has(said,
+                    "\n    columns: {time: timestamp_ms, latitude: lat, longitude: lon, speed: "
+                    "speed}\n    frame: geodetic\n"))
+        << said;
+    for (const std::string& line : lines_of(said))
+        EXPECT_TRUE(line.size() <= 50 || line.starts_with("    columns: ")) << line;
 }
 
 TEST(InspectTable, SaysWhatItDoesNotKnow) {
@@ -100,11 +121,11 @@ TEST(InspectTable, SaysWhatItDoesNotKnow) {
     EXPECT_TRUE(has(said, "columns: {time: ..., latitude: ..., longitude: ...}")) << said;
     for (const char* key : {"time", "latitude", "longitude"})
         EXPECT_TRUE(has(said, fmt::format("No column's name says which holds the {}", key)));
-    EXPECT_TRUE(has(said, "First row a 1, b 2, c 3, d 4"));
-    EXPECT_FALSE(has(said, "So described"));
+    EXPECT_TRUE(has(said, "First row  a 1, b 2, c 3, d 4"));
+    EXPECT_FALSE(has(said, "so described"));
     const std::string bare = inspected("0.0,52.1,5.1,3\n0.1,52.1,5.1,3\n");
     EXPECT_TRUE(has(bare, "no header line: give columns by number")) << bare;
-    EXPECT_TRUE(has(bare, "First row 1: 0.0, 2: 52.1"));
+    EXPECT_TRUE(has(bare, "First row  1: 0.0, 2: 52.1"));
     const std::string wrong = inspected("time,lat,lon\n0,99999,5.1\n1,99999,5.2\n");
     EXPECT_TRUE(has(wrong, "So described, it cannot be read. log.csv:2")) << wrong;
     EXPECT_EQ(inspected("hello to all of you\nwho read this\n"), "no table");
@@ -142,7 +163,7 @@ TEST(InspectWords, NoSpeedsAndSharedStampsAreSaid) {
     std::string text = "time,lat,lon,h\n";
     for (int i = 0; i < 100; ++i)
         text += fmt::format("{},52.1,5.1,3\n", i / 10);
-    const std::string said = inspection_text(inspect(import_text(csv_receiver(), text)), "log.csv");
+    const std::string said = inspection_text(inspect(import_text(csv_receiver(), text)));
     EXPECT_TRUE(has(said, "Up to 10 positions share one time stamp")) << said;
     EXPECT_TRUE(has(said, "The recording has no speeds, its positions come 1.00 times a second"))
         << said;

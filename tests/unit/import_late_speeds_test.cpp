@@ -1,7 +1,7 @@
+#include "import_inspect_support.h"
 #include "import_test_support.h"
 #include "late_speeds.h"
 #include "stages/import/fit/decode.h"
-#include "stages/import/inspect.h"
 
 // Speeds that are not of the moments of their positions, named by `inspect` in every format.
 
@@ -48,7 +48,7 @@ TEST(LateSpeeds, TheirDelayIsNamedInEveryFormat) {
             EXPECT_NEAR(it.velocity_delays[0].delay_s, delay_s, 0.51);
             EXPECT_TRUE(it.velocity_delays[0].beyond);
             EXPECT_EQ(it.speeds_alone > it.with_velocity / 2, !format.course);
-            const std::string text = inspection_text(it, "a");
+            const std::string text = inspection_text(it);
             EXPECT_NE(text.find(fmt::format("{:g} s ± 0.3 s behind the positions",
                                             it.velocity_delays[0].delay_s)),
                       std::string::npos)
@@ -65,7 +65,7 @@ TEST(LateSpeeds, SpeedsOfTheirPositionsHaveNone) {
             ASSERT_EQ(it.velocity_delays.size(), 1U);
             EXPECT_NEAR(it.velocity_delays[0].delay_s, delay_s, 0.51);
             EXPECT_FALSE(it.velocity_delays[0].beyond);
-            EXPECT_EQ(inspection_text(it, "a").find("are not those of the positions"),
+            EXPECT_EQ(inspection_text(it).find("are not those of the positions"),
                       std::string::npos);
         }
 }
@@ -79,7 +79,7 @@ TEST(LateSpeeds, LostInTheMiddleAreNamedWithWhereTheyAre) {
     EXPECT_FALSE(it.velocity_delays[0].beyond);
     EXPECT_NEAR(it.velocity_delays[1].from_s, 600.0, 31.0);
     EXPECT_NEAR(it.velocity_delays[1].delay_s, 43.0, 0.51);
-    const std::string text = inspection_text(it, "a");
+    const std::string text = inspection_text(it);
     EXPECT_NE(text.find("from 0 s to"), std::string::npos) << text;
     EXPECT_NE(text.find("43 s ± 0.3 s behind the positions"), std::string::npos) << text;
 }

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "import_inspect_support.h"
 #include "import_test_support.h"
-#include "stages/import/inspect.h"
 
 // Recorded velocities that are a speed alone, and how accurate what is recorded is.
 
@@ -184,19 +184,19 @@ TEST(RecordedSpeed, ACourseThatStandsStillAtLowSpeedLeavesTheSpeed) {
 TEST(RecordedSpeed, InspectSaysWhatWasFoundAndWhatToWrite) {
     const auto speed = [](int second) { return fmt::format("{}", 10.0 + 0.5 * (second % 7)); };
     const std::string text = drive(60.0, speed);
-    const std::string said = inspection_text(inspect(import_text(table_of({"speed"}), text)), "f");
-    EXPECT_NE(said.find("Velocity  speed without a course in 60 epochs"), std::string::npos)
+    const std::string said = inspection_text(inspect(import_text(table_of({"speed"}), text)));
+    EXPECT_NE(said.find("Velocity   speed without a course in 60 epochs"), std::string::npos)
         << said;
     EXPECT_NE(said.find("60 recorded velocities state no accuracy: the attempt may give one "
                         "(accuracy: {velocity_mps: ...})."),
               std::string::npos)
         << said;
-    EXPECT_NE(said.find("by recorded velocity 4"), std::string::npos) << said;
+    EXPECT_NE(said.find("By recorded velocity  4"), std::string::npos) << said;
     Receiver stated = table_of({"speed"});
     stated.accuracy = AttemptAccuracy{.velocity_m_s = 0.25};
-    const std::string then = inspection_text(inspect(import_text(stated, text)), "f");
+    const std::string then = inspection_text(inspect(import_text(stated, text)));
     EXPECT_EQ(then.find("velocity_mps"), std::string::npos) << then;
-    EXPECT_NE(then.find("stated 0.250 m/s (median)"), std::string::npos) << then;
+    EXPECT_NE(then.find("stated 0.25 m/s (median)"), std::string::npos) << then;
 }
 
 /// Which recordings have velocities that were computed from their positions.

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "import_inspect_support.h"
 #include "import_test_support.h"
-#include "stages/import/inspect.h"
 #include "stages/import/resolution.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -182,13 +182,13 @@ TEST(Resolution, IsInTheTableAndInTheInspection) {
     EXPECT_EQ(back.facts.position_resolution_m,
               std::round(*read.facts.position_resolution_m * 1e9) / 1e9);
     EXPECT_EQ(back.facts.time_resolution_s, 0.1);
-    EXPECT_NE(inspection_text(inspect(read), "f")
-                  .find("Written   positions in steps of 0.011 m, times in steps of 0.1 s\n"),
+    EXPECT_NE(inspection_text(inspect(read))
+                  .find("Written    positions in steps of 0.011 m, times in steps of 0.1 s\n"),
               std::string::npos)
-        << inspection_text(inspect(read), "f");
+        << inspection_text(inspect(read));
     const Observations unclear =
         import_text(csv_receiver(), "time,lat,lon,h\n0,35.1234567,1371234567e-7,1\n");
-    EXPECT_NE(inspection_text(inspect(unclear), "f")
+    EXPECT_NE(inspection_text(inspect(unclear))
                   .find("positions in unclear steps, times in steps of 1 s\n"),
               std::string::npos);
 }

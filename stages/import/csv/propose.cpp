@@ -305,18 +305,21 @@ Inspection read_as(Proposal& proposal, const RecordingBytes& recording) {
     return read();
 }
 
-std::string read_text(Proposal& proposal, const RecordingBytes& recording) {
+/// What the recording is, read as it is proposed, where it can be.
+std::optional<Section> section_as(Proposal& proposal, const RecordingBytes& recording) {
     for (const std::string& key : proposal.missing)
         proposal.unsure.push_back(
             fmt::format("No column's name says which holds the {}: write it in place of ...", key));
-    if (!proposal.missing.empty()) return {};
+    if (!proposal.missing.empty()) return std::nullopt;
     try {
-        return "\nSo described:\n" + inspection_text(read_as(proposal, recording), recording.name);
+        Section section = positions_section(read_as(proposal, recording));
+        section.title = "Positions, so described";
+        return section;
     } catch (const Failure& failure) {
-        proposal.unsure.push_back(fmt::format("So described, it cannot be read. {}: {}. {}",
-                                              failure.where(), failure.problem(),
-                                              failure.remedy()));
-        return {};
+        proposal.unsure.push_back(fmt::format("So described, it cannot be read. {}: {} {}",
+                                              failure.where(), sentence(failure.problem()),
+                                              sentence(failure.remedy())));
+        return std::nullopt;
     }
 }
 
@@ -325,25 +328,20 @@ std::string read_text(Proposal& proposal, const RecordingBytes& recording) {
 
 namespace runcert {
 
-std::optional<std::string> table_text(const RecordingBytes& recording) {
+std::vector<Section> table_sections(const RecordingBytes& recording) {
     auto proposal = csv::propose(recording);
-    if (!proposal) return std::nullopt;
+    if (!proposal) return {};
     proposal->receiver.id = "inspected";
     proposal->receiver.place = recording.name;
-    const std::string read = csv::read_text(*proposal, recording);
-    std::string text =
-        fmt::format("{}: a table that no format recognises. An attempt's receiver may say:\n\n",
-                    plain_text(recording.name));
-    const std::string lines = proposal->yaml();
-    for (std::size_t at = 0; at < lines.size();) {
-        const std::size_t end = lines.find('\n', at);
-        text += "    " + lines.substr(at, end + 1 - at);
-        at = end + 1;
-    }
-    text += fmt::format("\n  {:<10}{}\n", "First row", plain_text(proposal->first_row));
-    for (const std::string& unsure : proposal->unsure)
-        text += "  - " + plain_text(unsure) + "\n";
-    return text + read;
+    const std::optional<Section> read = csv::section_as(*proposal, recording);
+    Section section{.anchor = "description", .title = "Description"};
+    add(section,
+        {paragraph("A table that no format recognises. An attempt's receiver may say:"),
+         code(proposal->yaml()), facts({{.name = "First row", .value = proposal->first_row}})});
+    if (!proposal->unsure.empty()) add(section, list_of(std::move(proposal->unsure)));
+    std::vector<Section> sections{std::move(section)};
+    if (read) sections.push_back(*read);
+    return sections;
 }
 
 }  // namespace runcert

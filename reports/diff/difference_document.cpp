@@ -1,0 +1,293 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/prose.h"
+#include "core/text.h"
+#include "reports/diff/day_difference.h"
+#include "reports/diff/run_difference.h"
+#include "reports/words/figures.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::ptrdiff_t shown_at_most = 20;
+
+/// Cuts the rows of a table unless `all`, and says how many are left out.
+void cut_rows(Section& section, Block table, bool all, const char* where_all) {
+    const std::ptrdiff_t left = all ? 0 : std::ssize(table.rows) - shown_at_most;
+    if (left > 0) table.rows.resize(shown_at_most);
+    if (!table.rows.empty()) add(section, std::move(table));
+    if (left > 0)
+        add(section, paragraph(fmt::format("and {} more ({})", counted(left), where_all), "note"));
+}
+
+constexpr const char* option_of_all = "--all lists them";
+
+/// What differs of one kind; one sentence where nothing does.
+void add_changes(Section& section, const char* title, const char* same,
+                 const std::vector<Change>& changes) {
+    if (changes.empty()) return add(section, paragraph(fmt::format("{}: {}.", title, same)));
+    const bool noted =
+        std::ranges::any_of(changes, [](const Change& c) { return !c.note.empty(); });
+    Block all = table({"", "A", "B"},
+                      fmt::format("{}, {}", title, counted(std::ssize(changes), "difference")));
+    if (noted) all.columns.push_back({});
+    for (const Change& change : changes) {
+        TableRow& row = add_row(all, {change.what, change.a, change.b});
+        if (noted) row.cells.push_back(change.note);
+    }
+    add(section, std::move(all));
+}
+
+void add_epochs(Section& section, const EpochDifference& epochs, bool all) {
+    const std::string title = fmt::format("Epochs of receiver {}", epochs.receiver);
+    if (epochs.equal())
+        return add(section, paragraph(fmt::format("{}: what became of them is the same, all {}.",
+                                                  title, counted(epochs.joined))));
+    Block counts =
+        facts({{.name = "Compared", .value = counted(epochs.joined)},
+               {.name = "Of another state", .value = counted(std::ssize(epochs.changes))},
+               {.name = "Only in A", .value = counted(epochs.rows_a - epochs.joined)},
+               {.name = "Only in B", .value = counted(epochs.rows_b - epochs.joined)}},
+              title);
+    for (const auto& [change, count] : epochs.counts())
+        add_fact(counts, change, counted(count, "epoch"));
+    add(section, std::move(counts));
+    Block changes = table({">Epoch", ">Time", "A", "B"});
+    for (const EpochChange& change : epochs.changes) {
+        const std::string other = change.row.epoch_a == change.row.epoch_b
+                                      ? ""
+                                      : fmt::format(" (in B {})", change.row.epoch_b);
+        add_row(changes, {fmt::format("{}{}", change.row.epoch_a, other),
+                          format_fixed(change.row.time_s, 3) + " s", change.a, change.b});
+    }
+    cut_rows(section, std::move(changes), all, option_of_all);
+}
+
+/// "+0.012 m/s, 0.3 of its standard uncertainty".
+std::string size_text(const std::optional<double>& difference, const std::optional<double>& ratio,
+                      const std::string& unit) {
+    if (!difference) return {};
+    std::string text = fmt::format("{:+.3g}{}{}", *difference, unit.empty() ? "" : " ", unit);
+    if (ratio) text += fmt::format(", {:.3g} of its standard uncertainty", *ratio);
+    return text;
+}
+
+Block columns_table(const TableComparison& compared) {
+    Block columns = table({"Column", ">Cells", "Largest", "A", "B", "Difference"});
+    for (const ColumnDifference& column : compared.columns) {
+        const CellDifference& cell = column.largest;
+        add_row(columns,
+                {column.column, counted(column.cells),
+                 fmt::format("at epoch {}, {} s (line {} in A, {} in B)", cell.row.epoch_a,
+                             format_fixed(cell.row.time_s, 3), cell.row.line_a, cell.row.line_b),
+                 cell.a, cell.b, size_text(cell.difference, cell.ratio, column.unit)});
+    }
+    return columns;
+}
+
+Block values_table(const std::vector<ValueDifference>& values) {
+    Block all = table({"Value", "A", "B", "Difference"});
+    for (const ValueDifference& value : values)
+        add_row(all, {value.path, value.a, value.b, size_text(value.difference, value.ratio, "")});
+    return all;
+}
+
+void add_product(Section& section, const ProductDifference& product, bool all) {
+    const auto say = [&](const std::string& what) {
+        add(section, paragraph(fmt::format("{}: {}", product.file, what)));
+    };
+    if (product.only_a || product.only_b)
+        return say(fmt::format("MISSING in {}", product.only_a ? "B" : "A"));
+    if (product.equal()) return say("every value is the same.");
+    if (!product.table) {
+        say(fmt::format("{} {}.", counted(std::ssize(product.values), "value"),
+                        product.values.size() == 1 ? "differs" : "differ"));
+        return cut_rows(section, values_table(product.values), all, option_of_all);
+    }
+    const TableComparison& compared = *product.table;
+    say(fmt::format(
+        "{} compared, {} only in A, {} only in B; they differ in {} and {} of the "
+        "header.",
+        counted(compared.joined, "row"), counted(compared.rows_a - compared.joined),
+        counted(compared.rows_b - compared.joined), counted(std::ssize(compared.columns), "column"),
+        counted(std::ssize(compared.header), "value")));
+    if (!compared.columns_only_a.empty())
+        add(section, paragraph("Columns only in A: " + listed(compared.columns_only_a)));
+    if (!compared.columns_only_b.empty())
+        add(section, paragraph("Columns only in B: " + listed(compared.columns_only_b)));
+    if (!compared.columns.empty()) add(section, columns_table(compared));
+    cut_rows(section, values_table(compared.header), all, option_of_all);
+}
+
+constexpr const char* json_has_all = "--json has them all";
+
+void add_list(Section& section, const std::string& title, std::vector<std::string> ids, bool all) {
+    if (ids.empty()) return;
+    const std::ptrdiff_t left = all ? 0 : std::ssize(ids) - shown_at_most;
+    Block list = list_of(std::move(ids));
+    list.text = fmt::format("{}: {}", title, counted(std::ssize(list.items)));
+    if (left > 0) {
+        list.items.resize(shown_at_most);
+        list.items.push_back(fmt::format("and {} more ({})", counted(left), json_has_all));
+    }
+    add(section, std::move(list));
+}
+
+std::string state_words(const std::string& state, const std::optional<DayFailure>& failure) {
+    if (state == "done") return "processed";
+    if (state == "not_processed") return "left out";
+    return failure ? fmt::format("failed at {} ({})", failure->step, failure->problem) : "failed";
+}
+
+/// The outcome, with the speed in the record's unit.
+std::string result_words(const std::optional<DayResult>& result) {
+    if (!result) return "not claimed";
+    std::string text(words_of(result->outcome));
+    return result->shown ? fmt::format("{}, {}", text, measured_speed_text(*result->shown)) : text;
+}
+
+/// With the digits of the file: what moved may be smaller than what is shown.
+std::string in_file(const DayResult& result) {
+    if (!result.speed_m_s) return "no speed";
+    std::string text = format_fixed(*result.speed_m_s, 6) + " m/s";
+    if (result.expanded_uncertainty_m_s)
+        text += fmt::format(" ± {} m/s", format_fixed(*result.expanded_uncertainty_m_s, 6));
+    return text;
+}
+
+Block results_table(const DayComparison& comparison, bool outcomes) {
+    Block results = table({"Attempt, rule", "Old", "New"});
+    for (const ResultChange& change : comparison.results) {
+        if (change.outcome_changed != outcomes) continue;
+        TableRow& row =
+            add_row(results, {fmt::format("{}, {}", change.id, change.profile),
+                              result_words(change.old_result), result_words(change.new_result)});
+        if (!change.speed_moved && !change.uncertainty_moved) continue;
+        std::string moved = fmt::format("in the files {} -> {}", in_file(*change.old_result),
+                                        in_file(*change.new_result));
+        if (change.moved_by)
+            moved += fmt::format(", {:+.3g} of its standard uncertainty", *change.moved_by);
+        row.further.push_back(std::move(moved));
+    }
+    results.text = fmt::format(
+        "{}: {}", outcomes ? "Outcomes that changed" : "Speeds and uncertainties that moved",
+        counted(std::ssize(results.rows)));
+    return results;
+}
+
+/// A hash by its first digits.
+std::string short_value(const std::string& text) {
+    constexpr std::size_t digits_shown = 12;
+    const bool is_hash =
+        text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+    return is_hash ? text.substr(0, digits_shown) : text;
+}
+
+void add_causes(std::vector<std::string>& lines, const char* kind,
+                const std::vector<Change>& changes) {
+    for (const Change& change : changes)
+        lines.push_back(fmt::format("{} {}: {} -> {}", kind, change.what, short_value(change.a),
+                                    short_value(change.b)));
+}
+
+std::vector<std::string> lines_of(const ChangeCauses& causes) {
+    if (!causes.unknown.empty()) return {"not known, " + causes.unknown};
+    std::vector<std::string> lines;
+    add_causes(lines, "input", causes.causes.inputs);
+    add_causes(lines, "parameter", causes.causes.parameters);
+    add_causes(lines, "attempt", causes.causes.attempt);
+    add_causes(lines, "program of", causes.causes.programs);
+    if (lines.empty())
+        lines.emplace_back(
+            "programs, inputs, parameters and attempt are the same: another processor or compiler, "
+            "or a file was changed; `runcert verify RUN --recompute` tells");
+    return lines;
+}
+
+/// Attempts that changed for the same reasons, together, in the order of their first.
+std::vector<Block> causes_blocks(const DayComparison& comparison, bool all) {
+    std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> reasons;
+    for (const ChangeCauses& causes : comparison.causes) {
+        const std::vector<std::string> lines = lines_of(causes);
+        const auto known = std::ranges::find_if(
+            reasons, [&](const auto& reason) { return reason.first == lines; });
+        if (known == reasons.end())
+            reasons.push_back({lines, {causes.id}});
+        else
+            known->second.push_back(causes.id);
+    }
+    std::vector<Block> blocks;
+    for (const auto& [lines, ids] : reasons) {
+        std::vector<std::string> named = ids;
+        if (!all && std::ssize(named) > shown_at_most) {
+            named.resize(shown_at_most);
+            named.push_back(counted(std::ssize(ids) - shown_at_most) + " more");
+        }
+        Block list = list_of(lines);
+        list.text = fmt::format("Why, of {}", listed(named));
+        blocks.push_back(std::move(list));
+    }
+    return blocks;
+}
+
+}  // namespace
+
+Document difference_document(const RunDifference& difference, const std::filesystem::path& a,
+                             const std::filesystem::path& b, bool all) {
+    Section runs{.anchor = "runs",
+                 .blocks = {facts(
+                     {{.name = "A", .value = a.string()}, {.name = "B", .value = b.string()}})}};
+    Section causes{.anchor = "causes", .title = "Causes"};
+    add_changes(causes, "Programs", "every file was made by the same in both", difference.programs);
+    add_changes(causes, "Inputs", "the recordings and rules have the same hashes",
+                difference.inputs);
+    add_changes(causes, "Parameters", "the same", difference.parameters);
+    add_changes(causes, "Attempt", "the same", difference.attempt);
+    Section results{.anchor = "results", .title = "Results"};
+    for (const EpochDifference& epochs : difference.epochs)
+        add_epochs(results, epochs, all);
+    add_changes(results, "Windows", "the same", difference.windows);
+    add_changes(results, "Verdicts", "the same outcomes, and every requirement as in the other",
+                difference.verdicts);
+    Section files{.anchor = "files", .title = "Files"};
+    for (const ProductDifference& product : difference.products)
+        add_product(files, product, all);
+    Section answer{.anchor = "answer",
+                   .blocks = {paragraph(
+                       difference.equal() ? "Nothing differs." : "The runs differ.", "strong")}};
+    return {.title = "Two runs compared",
+            .sections = {std::move(runs), std::move(causes), std::move(results), std::move(files),
+                         std::move(answer)}};
+}
+
+Document comparison_document(const DayComparison& comparison, const std::filesystem::path& old_out,
+                             const std::filesystem::path& new_out, bool all) {
+    Section days{.anchor = "days"};
+    add(days, facts({{.name = "Old", .value = old_out.string()},
+                     {.name = "New", .value = new_out.string()},
+                     {.name = "The same",
+                      .value = fmt::format("{} of {} in both", counted(comparison.unchanged),
+                                           counted(comparison.in_both, "attempt"))}}));
+    add(days, paragraph("The same are state and outcomes; speeds to a tenth of their standard "
+                        "uncertainty, the smaller of the two; uncertainties to a tenth of "
+                        "themselves.",
+                        "note"));
+    add_list(days, "Only in the old day", comparison.only_old, all);
+    add_list(days, "Only in the new day", comparison.only_new, all);
+    Block states =
+        table({"Attempt", "Old", "New"},
+              fmt::format("Processed otherwise: {}", counted(std::ssize(comparison.states))));
+    for (const StateChange& change : comparison.states)
+        add_row(states, {change.id, state_words(change.old_state, change.old_failure),
+                         state_words(change.new_state, change.new_failure)});
+    cut_rows(days, std::move(states), all, json_has_all);
+    for (const bool outcomes : {true, false})
+        cut_rows(days, results_table(comparison, outcomes), all, json_has_all);
+    add(days, causes_blocks(comparison, all));
+    if (comparison.equal()) add(days, paragraph("Nothing changed.", "strong"));
+    return {.title = "Two days compared", .sections = {std::move(days)}};
+}
+
+}  // namespace runcert

@@ -92,11 +92,13 @@ void add_left_out(Document& page, const DayResults& results) {
 
 /// Notes of the day, and of the attempts that are done.
 void add_notes(Document& page, const DayResults& results) {
-    std::vector<std::string> notes = results.notes;
+    std::vector<std::string> notes;
+    for (const std::string& text : results.notes)
+        notes.push_back(sentence(text));
     for (const AttemptResult& attempt : results.attempts)
         if (attempt.state != "failed")
             for (const std::string& text : attempt.notes)
-                notes.push_back(fmt::format("{}: {}", attempt.id, text));
+                notes.push_back(fmt::format("{}: {}", attempt.id, sentence(text)));
     if (notes.empty()) return;
     page.sections.push_back(
         {.anchor = "notes", .title = "Notes", .blocks = {list_of(std::move(notes))}});
@@ -114,7 +116,7 @@ Section made_from(const Header& header) {
                   paragraph("This page is a list, not a certificate: what certifies an attempt is "
                             "its report, which `runcert verify` checks.",
                             "note")});
-    Block files = table({"File|40", "SHA-256|60"}, "Verdicts and reports", "small");
+    Block files = table({"File|40", "SHA-256|60"}, "Files that were read", "small");
     for (const InputFile& input : header.inputs)
         add_row(files, {input.file, input.sha256}).link = input.file;
     if (!files.rows.empty()) add(section, std::move(files));

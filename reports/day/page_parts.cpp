@@ -197,9 +197,9 @@ AttemptsById attempts_by_id(const DayResults& results) {
 
 RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts, std::size_t number) {
     const Picture picture = picture_of(profile, attempts);
-    Section section{.anchor = fmt::format("rule-{}", number + 1), .title = profile.title};
-    add(section, {paragraph(fmt::format("{}, rule {}", profile.body, profile.profile), "note"),
-                  tally_of(profile, attempts)});
+    Section section{.anchor = fmt::format("rule-{}", number + 1),
+                    .title = fmt::format("{} ({})", capitalised(profile.title), profile.profile),
+                    .blocks = {paragraph(profile.body, "note"), tally_of(profile, attempts)}};
     if (profile.best) add(section, paragraph(best_words(*profile.best), "note"));
     if (!picture.lines.empty())
         add(section, plot(number, "Speeds",

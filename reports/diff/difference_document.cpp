@@ -13,13 +13,15 @@ namespace {
 
 constexpr std::ptrdiff_t shown_at_most = 20;
 
-/// Cuts the rows of a table unless `all`, and says how many are left out.
-void cut_rows(Section& section, Block table, bool all, const char* where_all) {
-    const std::ptrdiff_t left = all ? 0 : std::ssize(table.rows) - shown_at_most;
-    if (left > 0) table.rows.resize(shown_at_most);
-    if (!table.rows.empty()) add(section, std::move(table));
-    if (left > 0)
-        add(section, paragraph(fmt::format("and {} more ({})", counted(left), where_all), "note"));
+/// Adds a table that has rows, cut unless `all`; it says how many are left out.
+void add_cut(Section& section, Block table, bool all, const char* where_all) {
+    if (table.rows.empty()) return;
+    if (const auto left = std::ssize(table.rows) - shown_at_most; left > 0 && !all) {
+        table.rows.resize(shown_at_most);
+        table.rows.back().further.push_back(
+            fmt::format("and {} more ({})", counted(left), where_all));
+    }
+    add(section, std::move(table));
 }
 
 constexpr const char* option_of_all = "--all lists them";
@@ -62,7 +64,7 @@ void add_epochs(Section& section, const EpochDifference& epochs, bool all) {
         add_row(changes, {fmt::format("{}{}", change.row.epoch_a, other),
                           format_fixed(change.row.time_s, 3) + " s", change.a, change.b});
     }
-    cut_rows(section, std::move(changes), all, option_of_all);
+    add_cut(section, std::move(changes), all, option_of_all);
 }
 
 /// "+0.012 m/s, 0.3 of its standard uncertainty".
@@ -104,7 +106,7 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
     if (!product.table) {
         say(fmt::format("{} {}.", counted(std::ssize(product.values), "value"),
                         product.values.size() == 1 ? "differs" : "differ"));
-        return cut_rows(section, values_table(product.values), all, option_of_all);
+        return add_cut(section, values_table(product.values), all, option_of_all);
     }
     const TableComparison& compared = *product.table;
     say(fmt::format(
@@ -118,7 +120,7 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
     if (!compared.columns_only_b.empty())
         add(section, paragraph("Columns only in B: " + listed(compared.columns_only_b)));
     if (!compared.columns.empty()) add(section, columns_table(compared));
-    cut_rows(section, values_table(compared.header), all, option_of_all);
+    add_cut(section, values_table(compared.header), all, option_of_all);
 }
 
 constexpr const char* json_has_all = "--json has them all";
@@ -282,9 +284,9 @@ Document comparison_document(const DayComparison& comparison, const std::filesys
     for (const StateChange& change : comparison.states)
         add_row(states, {change.id, state_words(change.old_state, change.old_failure),
                          state_words(change.new_state, change.new_failure)});
-    cut_rows(days, std::move(states), all, json_has_all);
+    add_cut(days, std::move(states), all, json_has_all);
     for (const bool outcomes : {true, false})
-        cut_rows(days, results_table(comparison, outcomes), all, json_has_all);
+        add_cut(days, results_table(comparison, outcomes), all, json_has_all);
     add(days, causes_blocks(comparison, all));
     if (comparison.equal()) add(days, paragraph("Nothing changed.", "strong"));
     return {.title = "Two days compared", .sections = {std::move(days)}};

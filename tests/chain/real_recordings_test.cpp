@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+#include <regex>
+
 #include "chain_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {
@@ -86,6 +89,46 @@ TEST(RealRecordings, Inspect) {
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     for (const char* fact : {"5395", "1799", "3596", "282", "20"})
         EXPECT_NE(result.output.find(fact), std::string::npos) << fact << "\n" << result.output;
+}
+
+// One document says what the positions are and what the raw measurements.
+TEST(RealRecordings, InspectGivesOneDocument) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const std::string recording = (*data / "ubx_walk" / "rover.ubx").string();
+    const ProcessResult result = runcert({"inspect", recording, "--json"});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    const auto document = nlohmann::json::parse(result.output);
+    EXPECT_EQ(document["title"], recording);
+    ASSERT_EQ(document["sections"].size(), 2U);
+    EXPECT_EQ(document["sections"][0]["anchor"], "positions");
+    EXPECT_EQ(document["sections"][1]["anchor"], "raw-measurements");
+    // Every text of it stands on the terminal.
+    const std::string said =
+        std::regex_replace(runcert({"inspect", recording}).output, std::regex("\\s+"), " ");
+    for (const auto& section : document["sections"])
+        for (const auto& block : section["blocks"]) {
+            for (const auto& fact : block.value("facts", nlohmann::json::array()))
+                EXPECT_NE(said.find(fact["name"].get<std::string>() + " " +
+                                    fact["value"].get<std::string>()),
+                          std::string::npos)
+                    << fact << said;
+            for (const auto& item : block.value("items", nlohmann::json::array()))
+                EXPECT_NE(said.find("- " + item.get<std::string>()), std::string::npos) << item;
+        }
+}
+
+// What the positions are is said though the raw measurements cannot be read.
+TEST(RealRecordings, InspectSaysWhatItCanBeforeItFails) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const ProcessResult result =
+        runcert({"inspect", (*data / "ubx_walk" / "rover.ubx").string(), "--navigation",
+                 (*data / "ppk_urban_car" / "rover.pos").string()});
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_NE(result.output.find("Positions\n---------\n"), std::string::npos) << result.output;
+    EXPECT_EQ(result.output.find("Raw measurements"), std::string::npos) << result.output;
+    EXPECT_NE(result.errors.find("what to do: "), std::string::npos) << result.errors;
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ export const stopBrowser = () => browser?.close();
  * Opens a page file and hands it to `look(page)` once it has checked itself. Options are those of a
  * browser context, and `before` is a script that runs first. A request that is not to the disk, an
  * error on the console or a dialog fails; what the page's own policy refused does not where it is
- * `refusing`.
+ * `refusing`. A page that is not `checking` has no check of its own.
  */
-export async function withPage(file, look, { before, refusing = false, ...options } = {}) {
+export async function withPage(file, look, { before, refusing = false, checking = true, ...options } = {}) {
   const context = await browser.newContext({ offline: true, viewport: { width: 1000, height: 900 }, ...options });
   const trouble = [];
   try {
@@ -39,7 +39,7 @@ export async function withPage(file, look, { before, refusing = false, ...option
     });
     if (before) await page.addInitScript(before);
     await page.goto(pathToFileURL(file).href);
-    if (options.javaScriptEnabled !== false) {
+    if (checking && options.javaScriptEnabled !== false) {
       await page.waitForSelector(refusing ? "#self-check *" : "html[data-check]", { timeout: 20000 });
       // One turn more: charts are laid out after the check.
       await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50))));

@@ -1,4 +1,4 @@
-// The report's page in Chromium. One process for all: the pages are made once.
+// The report's page and that of a day in Chromium. One process for all: the pages are made once.
 import { after, before } from "node:test";
 import { startBrowser, stopBrowser } from "./browser.mjs";
 import { startWork } from "./pages.mjs";
@@ -13,3 +13,4 @@ await import("./self_check.mjs");
 await import("./charts.mjs");
 await import("./tables.mjs");
 await import("./accessibility.mjs");
+await import("./day.mjs");

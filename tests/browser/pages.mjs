@@ -60,6 +60,28 @@ const steering = "\n\t";
 /** As the page shows them. */
 export const steeringShown = "  ";
 
+/** The page of a day: two runs, many that failed, and names that a page could take for its own. */
+export const dayPage = () => once("day", () => {
+  const folder = inWork("day");
+  const runs = { refused: rejectedRun(), lake: unsignedRun() };
+  const attempts = Object.entries(runs).map(([name, run]) => {
+    const { id } = reportOf(run).predicate.attempt;
+    fs.cpSync(run, path.join(folder, id), { recursive: true });
+    const listed = (file) => {
+      const bytes = fs.readFileSync(path.join(folder, id, file));
+      return { file: `${id}/${file}`, sha256: createHash("sha256").update(bytes).digest("hex"), bytes: bytes.length };
+    };
+    return { id, source: `day.yaml:${name}`, state: "done", verdict: listed("6-verdict.yaml"),
+      report: listed("report.json"), pages: [`${id}/report.html`], notes: [hostileText] };
+  });
+  for (const text of [hostileText, "W".repeat(200), "\u202egnp.exe\u0007", ...Array(12).fill("cut off")])
+    attempts.push({ id: text, source: text, state: "failed", step: "import", problem: text, where: text, remedy: text, notes: [text] });
+  attempts.push({ id: "W".repeat(200), source: hostileText, state: "not_processed", reason: hostileText, notes: [] });
+  fs.writeFileSync(path.join(folder, "list.json"), JSON.stringify({ day: hostileText, attempts, notes: ["W".repeat(10000)] }));
+  runcert(["runcert-day", "--out", folder, "--list", path.join(folder, "list.json")]);
+  return path.join(folder, "day.html");
+});
+
 /** A copy of a run folder, to be signed again. */
 function copyOf(run_folder, name) {
   fs.cpSync(run_folder, inWork(name), { recursive: true });

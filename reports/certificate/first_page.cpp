@@ -97,7 +97,7 @@ void add_result(Section& page, const RuleView& rule) {
     Block list = facts({}, {}, "narrow");
     if (verdict.speed_m_s && verdict.outcome != Outcome::beaten)
         add_fact(list,
-                 verdict.outcome == Outcome::not_certifiable ? "Not certifiable" : "Measured speed",
+                 verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
                  measured_speed_text(shown, verdict.coverage_factor));
     const auto with_unit = [&](const std::string& figure) {
         return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
@@ -288,10 +288,9 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
     add(page, {.kind = BlockKind::signers});
     add(page, {.kind = BlockKind::check,
                .text = fmt::format(
-                   "To check: runcert verify RUN_FOLDER --roster ROSTER checks files, chain, "
-                   "signatures and time stamps of report {}. What counts is report.json; the code "
-                   "names it. Figures: speed rounded down, uncertainty, required speed and "
-                   "acceptance limit rounded up.",
+                   "To check report {}: runcert verify RUN_FOLDER --roster ROSTER. What counts is "
+                   "report.json; the code names it. Figures: speed rounded down; uncertainty, "
+                   "required speed and acceptance limit rounded up.",
                    report_id)});
     return page;
 }

@@ -167,7 +167,7 @@ int height_of(const Json& figure) {
     const auto length = [&](const char* from, const char* to) {
         return figure[to].get<double>() - figure[from].get<double>();
     };
-    if (is_small(figure)) return 230;
+    if (is_small(figure)) return 215;
     constexpr double bar = 17.0;  // of a satellite
     if (figure["figure"] == "satellites")
         return 130 + static_cast<int>(bar * length("y_min", "y_max"));

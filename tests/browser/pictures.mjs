@@ -8,7 +8,7 @@ import { outcomeOf, startBrowser, stopBrowser, violationsOf, withPage } from "./
 
 const views = {
   wide: { viewport: { width: 1100, height: 900 } },
-  telephone: { viewport: { width: 360, height: 740 }, deviceScaleFactor: 2 },
+  telephone: { viewport: { width: 360, height: 740 } },
   dark: { viewport: { width: 1100, height: 900 }, colorScheme: "dark" },
 };
 
@@ -21,7 +21,7 @@ async function picturesOf(folder, out) {
   }
   for (const [name, options] of Object.entries(views))
     await withPage(path.join(folder, "report.html"), async (page) => {
-      await page.screenshot({ path: path.join(out, `${name}.png`), fullPage: true });
+      await page.screenshot({ path: path.join(out, `${name}.png`), fullPage: true, timeout: 0 });
       const width = await page.evaluate(() => document.documentElement.scrollWidth);
       if (width > options.viewport.width) console.log(`${out}, ${name}: ${width} pixels wide, more than the screen`);
       for (const violation of await violationsOf(page)) console.log(`${out}, ${name}: ${violation}`);

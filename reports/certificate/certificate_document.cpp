@@ -12,6 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr int usual_decimals = 2;  ///< of a required speed beside which nothing was measured
+
 /// km/h, m/s, kn, mph, the rule's own in front.
 std::vector<const SpeedUnit*> units_in_order(const SpeedUnit& own) {
     std::vector<const SpeedUnit*> units{&own};
@@ -54,11 +56,18 @@ std::string RuleView::titled(const std::string& title) const {
 }
 
 ShownFigures RuleView::shown() const {
-    if (verdict.speed_m_s || best() == nullptr) return shown_of(verdict, unit().name);
-    return shown_in(
-        {.speed_m_s = best()->speed_m_s,
-         .expanded_uncertainty_m_s = expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
-        unit());
+    if (verdict.speed_m_s) return shown_of(verdict, unit().name);
+    if (best() != nullptr)
+        return shown_in({.speed_m_s = best()->speed_m_s,
+                         .expanded_uncertainty_m_s =
+                             expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
+                        unit());
+    ShownFigures figures{.unit = std::string(unit().name)};
+    if (verdict.required_speed_m_s)
+        figures.required_speed =
+            shown_figure(*verdict.required_speed_m_s * unit().per_m_s,
+                         rule_decimals(*this, unit()).value_or(usual_decimals), SafeSide::up);
+    return figures;
 }
 
 std::vector<RuleView> rule_views(const ReportInputs& inputs) {

@@ -32,7 +32,8 @@ struct RuleView {
     const CertifiableWindow* best() const;
     /// "Budget: rule “nalsa”", where there are several rules.
     std::string titled(const std::string& title) const;
-    /// The figures as they are to be read; those of the window where the verdict has no speed.
+    /// The figures as they are to be read; those of the window where the verdict has no speed, and
+    /// the required speed alone where there is neither.
     ShownFigures shown() const;
 };
 std::vector<RuleView> rule_views(const ReportInputs& inputs);

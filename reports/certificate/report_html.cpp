@@ -95,7 +95,13 @@ Json shown_document(Json document, const std::vector<std::string>& drawings, con
                     block = *now;
             if (!block.contains("plots")) continue;
             for (Json& plot : block["plots"]) {
-                const std::string& drawing = drawings.at(plot["plot"].get<std::size_t>());
+                const auto index = plot["plot"].get<std::size_t>();
+                if (index >= drawings.size())
+                    throw Failure("report.json",
+                                  fmt::format("its document shows figure {} of {}", index + 1,
+                                              drawings.size()),
+                                  "The file was changed; take the original");
+                const std::string& drawing = drawings[index];
                 if (!drawing.empty())
                     plot["image"] = fmt::format(
                         "<img src=\"{}\" alt=\"{}\">", image_source(drawing),

@@ -77,7 +77,7 @@ Json shown_block(Json block) {
         for (Json& fact : block["facts"])
             make_link(fact);
     if (!block.contains("rows")) return block;
-    const Json columns = block.at("columns");
+    const Json columns = block.value("columns", Json::array());
     block["has_heads"] =
         std::ranges::any_of(columns, [](const Json& column) { return column.contains("head"); });
     for (Json& row : block["rows"]) {

@@ -70,8 +70,9 @@ function shownBlock({ kind, look, slot, text, sign, beside, items, facts, column
 
 /** Sections of a document as the template gets them; a first page has the contents of the others. */
 function shownSections({ sections }) {
-  const shown = sections.map(({ title, ...section }) => ({
-    ...section, ...(title === undefined ? {} : { section_title: title }), blocks: section.blocks.map(shownBlock),
+  const shown = sections.map(({ anchor, title, layout, blocks }) => ({
+    anchor, ...(layout === undefined ? {} : { layout }), ...(title === undefined ? {} : { section_title: title }),
+    blocks: blocks.map(shownBlock),
   }));
   if (shown.length > 0 && shown[0].layout === "first_page")
     shown[0].contents = sections.filter(({ title }) => title !== undefined)
@@ -83,8 +84,10 @@ function shownSections({ sections }) {
 function withPictures({ sections }, pictures, slots) {
   const pictured = ({ plot, plot_title: title, caption }) => ({ plot, plot_title: title, caption,
     image: `<img src="${pictures[plot]}" alt="${escapeHtml(title)}">` });
+  // Answers are of the same kind as what they replace: no outcome becomes a figure in large letters.
+  const isAnswered = ({ slot, kind }) => slot !== undefined && Object.hasOwn(slots, slot) && slots[slot].kind === kind;
   const placed = (signed) => {
-    const block = signed.slot !== undefined && Object.hasOwn(slots, signed.slot) ? slots[signed.slot] : signed;
+    const block = isAnswered(signed) ? slots[signed.slot] : signed;
     return block.plots === undefined ? block : { ...block, plots: block.plots.map(pictured) };
   };
   return { sections: sections.map((section) => ({ ...section, blocks: section.blocks.map(placed) })) };

@@ -162,7 +162,7 @@ TEST_F(Attestations, PagesShowThemAndAreHeldToThem) {
     EXPECT_EQ(pages({"--roster", roster()})["passed"], true) << pages({"--roster", roster()});
     render({"--roster", roster()});
     page = read_file(run() / "report.html");
-    EXPECT_NE(page.find("</span> Record beaten</p>"), std::string::npos);
+    EXPECT_NE(page.find("Record beaten</bdi></p>"), std::string::npos);
     EXPECT_NE(page.find("yes by judge (judge), 20"), std::string::npos);
     EXPECT_EQ(pages({"--roster", roster()})["passed"], true) << pages({"--roster", roster()});
     // A page by another roster is not taken.

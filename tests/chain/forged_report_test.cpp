@@ -89,16 +89,43 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
                  [](Json& rule) { rule["expanded_uncertainty_m_s"] = 0.01; });
     expect_found("required_speed_km_h", [](Json& rule) { rule["required_speed_km_h"] = 100.0; });
     expect_found("coverage_factor", [](Json& rule) { rule["coverage_factor"] = 1.0; });
-    expect_found("headline_speed is \\\"255.5\\\"",
-                 [](Json& rule) { rule["headline"]["headline_speed"] = "255.5"; });
+    expect_found("speed is \\\"255.5\\\"", [](Json& rule) { rule["shown"]["speed"] = "255.5"; });
     expect_found("outcome is \\\"not_proven\\\"",
                  [](Json& rule) { rule["outcome"] = "not_proven"; });
-    expect_found("outcome_title", [](Json& rule) { rule["outcome_title"] = "World record"; });
     expect_found("reason", [](Json& rule) { rule["reason"] = "Everybody saw it."; });
     expect_found("requirement 1, status",
                  [](Json& rule) { rule["requirements"][0]["status"] = "attest"; });
     expect_found("requirements, in 6-verdict.yaml",
                  [](Json& rule) { rule["requirements"].erase(0); });
+}
+
+// What people are shown stands in its document, beside figures that are the verdict's.
+TEST_F(ForgedReport, WhoseDocumentSaysOtherThanItsVerdictIsFound) {
+    const std::string whole = read_file(run() / "report.json");
+    const auto expect_found = [&](const std::string& said,
+                                  const std::function<void(Json&)>& change) {
+        forge_predicate([&](Json& predicate) {
+            for (Json& section : predicate["document"]["sections"])
+                for (Json& block : section["blocks"])
+                    if (block.value("slot", "") == "outcome/nalsa") change(block);
+        });
+        expect_no("report", said);
+        write_file_atomically(run() / "report.json", whole);
+    };
+    expect_found("World record", [](Json& block) { block["text"] = "nalsa: World record"; });
+    expect_found("nalsa, sign of the outcome", [](Json& block) { block["sign"] = "✗"; });
+    expect_found("nalsa, look of the outcome", [](Json& block) { block["look"] = "outcome_yes"; });
+    forge_predicate([](Json& predicate) {
+        predicate["document"]["sections"][0]["blocks"].push_back(
+            {{"kind", "headline"}, {"text", "255.50 km/h ± 0.01 km/h"}});
+    });
+    expect_no("report", "255.50 km/h");
+    write_file_atomically(run() / "report.json", whole);
+    // Any other word of it is found where the report is made again.
+    forge_predicate([](Json& predicate) {
+        predicate["document"]["sections"][1]["blocks"][1]["text"] = "Everybody saw it.";
+    });
+    expect_no("contents", "Everybody saw it.");
 }
 
 TEST_F(ForgedReport, ThatLeavesARuleOutIsFound) {

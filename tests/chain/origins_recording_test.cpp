@@ -169,11 +169,14 @@ TEST_F(Origins, AMarkStandsOnPageOneOfTheReport) {  // got through
     attempt("run.pos");
     ASSERT_NE(certified({}).exit_status, 2);
     const std::string page = read_file(run() / "report.html");
-    const std::size_t banner = page.find("<strong>Simulated.</strong>");
+    const std::size_t banner =
+        page.find("<p class=\"caution\"><bdi>Simulated. The recording of receiver “primary” says");
     ASSERT_NE(banner, std::string::npos);
-    EXPECT_LT(banner, page.find("class=\"verdict"));
-    EXPECT_LT(page.find("The recording says</th><td><bdi>% program   : runcert simulate"),
-              page.find("<h2>Figures</h2>"));
+    EXPECT_LT(page.find("<section id=\"certificate\""), banner);
+    EXPECT_LT(banner, page.find("<p class=\"outcome_"));
+    EXPECT_LT(page.find("<section id=\"recording\""),
+              page.find("<dt><bdi>The recording says</bdi></dt><dd><bdi>% program   : runcert "
+                        "simulate"));
 }
 
 TEST_F(Origins, AStrippedMarkLeavesAClauseThatOnlyPeopleAnswer) {  // got through with a witness

@@ -641,7 +641,8 @@ TEST_F(Origins, EachInputIsListedWithWhoSaysIt) {
     EXPECT_NE(explained.output.find("record.source: a newspaper"), std::string::npos)
         << explained.output;
     const std::string report = read_file(folder_.path() / "run" / "report.json");
-    EXPECT_NE(report.find("\"origin_facts\""), std::string::npos);
+    EXPECT_NE(report.find("\"Who says what the figures rest on\""), std::string::npos);
+    EXPECT_NE(report.find("record.source: a newspaper"), std::string::npos);
 }
 
 }  // namespace

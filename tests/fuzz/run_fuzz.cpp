@@ -128,7 +128,7 @@ void read_for_pages(const std::string& text) {
     for (const auto& figure : report["predicate"]["figures"])
         drawings.push_back(gnuplot_script(figure, "figure.svg"));
     (void)report_page(text, report, drawings, {});
-    (void)report_print_page(report, drawings, {});
+    (void)report_print_page(text, report, drawings, {});
 }
 #else
 void read_for_pages(const std::string&) {}

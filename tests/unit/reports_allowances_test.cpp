@@ -31,8 +31,8 @@ Json profile_of(const sample::Run& run) {
     return report_json(run.inputs)["predicate"]["profiles"][0];
 }
 
-Json uncertainty_of(const sample::Run& run) {
-    return profile_of(run)["window"]["uncertainty"];
+Json best_json(const sample::Run& run) {
+    return profile_of(run)["windows"]["best"];
 }
 
 Json receiver_of(const sample::Run& run) {
@@ -43,11 +43,7 @@ std::string page_of(const sample::Run& run) {
     return print_page(report_json(run.inputs));
 }
 
-std::string fact_of(const Json& facts, const std::string& label) {
-    for (const Json& fact : facts)
-        if (fact["label"] == label) return fact["value"];
-    return "no such line";
-}
+const Place uncertainty_of_nalsa{.section = "uncertainty", .rule = "nalsa"};
 
 void expect_in(const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nin " << text.substr(0, 2000);
@@ -77,74 +73,88 @@ sample::Run made(const sample::Options& options = {}) {
 
 TEST(Allowances, OfTheWindowAreInTheReportAsInTheWindowsFile) {
     const sample::Run run = made();
-    const Json uncertainty = uncertainty_of(run);
-    EXPECT_EQ(uncertainty["own_standard_uncertainty_m_s"], 0.001234);
-    EXPECT_EQ(uncertainty["bias_limit_m_s"], 0.0004);
-    EXPECT_EQ(uncertainty["bound"]["along"], 1.25);
-    const Json& estimates = uncertainty["estimates"];
+    const Json best = best_json(run);
+    EXPECT_EQ(best["own_standard_uncertainty_m_s"], 0.001234);
+    EXPECT_EQ(best["bias_limit_m_s"], 0.0004);
+    EXPECT_EQ(best["bound"]["along"], 1.25);
+    const Json& estimates = best["estimates"];
     EXPECT_EQ(estimates["chord_m_s"], 60.004321);
     EXPECT_EQ(estimates["chord_difference_uncertainty_m_s"], 0.004714);
     EXPECT_EQ(estimates["stiffer_m_s"], 60.001111);
     EXPECT_EQ(estimates["softer_m_s"], 60.003333);
     EXPECT_EQ(estimates["whole_m_s"], 59.998877);
     EXPECT_EQ(estimates["half_width_m_s"], 0.0013);
-    const Json& selection = uncertainty["selection"];
+    const Json& selection = best["selection"];
     EXPECT_EQ(selection["fitted_bias_m_s"], 0.0005);
     EXPECT_EQ(selection["bounded_bias_m_s"], 0.0013);
     EXPECT_EQ(selection["bias_m_s"], 0.0009);
     EXPECT_EQ(selection["bias_half_range_m_s"], 0.0004);
     EXPECT_EQ(selection["treatment"], "subtracted");
+}
+
+TEST(Allowances, OfTheWindowAreShownInTheRulesUnit) {
+    const sample::Run run = made();
+    const Json report = report_json(run.inputs);
     // In km/h: 60.001111, 60.003333, 59.998877 and 60.004321 m/s, and 0.0013 m/s.
     expect_in(
-        estimates["estimates_words"],
+        fact_at(report, uncertainty_of_nalsa, "Other models of the motion"),
         "a third of the jerk density gives 216.0040, three times as much 216.0120, the one "
         "density fitted to the whole recording 215.9960, the measured positions at both ends "
         "alone 216.0156 km/h; the choice of the model is taken to change at most 0.0047 km/h");
     // 0.0009, 0.0004, 0.0005 and 0.0013 m/s.
-    expect_in(selection["selection_words"],
+    expect_in(sentences_at(report, {"uncertainty", "Choice of the fastest window", "nalsa"}),
               "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with "
               "time-correlated errors as "
               "large as allowed for; the middle, +0.0032 km/h, is subtracted from the speed, and "
               "half the difference, 0.0014 km/h, added to the expanded uncertainty.");
-    expect_in(uncertainty["bound"]["bound_words"],
-              "fitted 0.0000 m (1.25 times that of both axes, along the track)");
-    const std::string page = page_of(run);
+    expect_in(fact_at(report, uncertainty_of_nalsa, "Time-correlated position errors"),
+              "fitted 0 m (1.25 times that of both axes, along the track)");
+    const std::string page = section_html(page_of(run), "uncertainty");
     expect_in(page, "Other models of the motion");
     expect_in(page, "216.0156 km/h");
 }
 
 TEST(Allowances, OfTheBiasAreInEveryExpandedUncertainty) {
     sample::Run run = made({.second_receiver = true});
+    const Place budget{"uncertainty", "Budget", "nalsa"};
+    const auto total = [&] { return row_at(report_json(run.inputs), budget, "U")["cells"]; };
+    const auto by_receiver = [&](const char* receiver) {
+        return fact_at(report_json(run.inputs), {"window", "By each receiver", "nalsa"}, receiver);
+    };
     // 2 x 0.002551 + 0.0004 = 0.005502 m/s = 0.01981 km/h; without it 0.01837 km/h.
-    const Json total = uncertainty_of(run)["budget_total"];
-    EXPECT_EQ(total["limit_text"], "0.00144");
-    EXPECT_EQ(total["expanded_text"], "0.020");
-    expect_in(page_of(run), "and the limit of the bias of choosing, 0.00144");
+    expect_in(total()[1], "and the limit of the bias of choosing, 0.00144");
+    EXPECT_EQ(total()[7], "0.020");
+    expect_in(section_html(page_of(run), "uncertainty"),
+              "and the limit of the bias of choosing, 0.00144");
     best_of(run).effective_degrees_of_freedom.reset();
-    const Json by_receiver = profile_of(run)["by_receiver"];
-    ASSERT_FALSE(by_receiver.empty());
-    EXPECT_EQ(by_receiver[0]["expanded_uncertainty_m_s"], 0.005502);
+    expect_in(by_receiver("primary"), "216.008 km/h ± 0.020 km/h");
     best_of(run).bias_limit_m_s = 0.0;
-    EXPECT_FALSE(uncertainty_of(run)["budget_total"].contains("limit_text"));
-    EXPECT_EQ(uncertainty_of(run)["budget_total"]["expanded_text"], "0.019");
-    EXPECT_EQ(page_of(run).find("the limit of the bias of choosing"), std::string::npos);
+    EXPECT_EQ(total()[1], "Expanded uncertainty, k = 2");
+    EXPECT_EQ(total()[7], "0.019");
+    expect_in(by_receiver("primary"), "216.008 km/h ± 0.019 km/h");
 }
 
 TEST(Allowances, ThatTheWindowsFileLacksAreNotMadeUp) {
-    const Json uncertainty = uncertainty_of(sample::make_run());
+    const sample::Run plain = sample::make_run();
     for (const char* absent : {"estimates", "own_standard_uncertainty_m_s"})
-        EXPECT_FALSE(uncertainty.contains(absent)) << absent;
-    EXPECT_EQ(uncertainty["bias_limit_m_s"], 0.0);
+        EXPECT_FALSE(best_json(plain).contains(absent)) << absent;
+    EXPECT_FALSE(
+        has_fact(report_json(plain.inputs), uncertainty_of_nalsa, "Other models of the motion"));
+    EXPECT_EQ(best_json(plain)["bias_limit_m_s"], 0.0);
     sample::Run run = made();
     best_of(run).estimates->chord_m_s.reset();
     best_of(run).estimates->chord_difference_uncertainty_m_s.reset();
     best_of(run).bound->along = 1.0;
-    const Json without = uncertainty_of(run);
-    EXPECT_FALSE(without["estimates"].contains("chord_m_s"));
-    EXPECT_EQ(without["estimates"]["estimates_words"].get<std::string>().find("both ends alone"),
-              std::string::npos);
-    EXPECT_EQ(without["bound"]["bound_words"].get<std::string>().find("along the track"),
-              std::string::npos);
+    EXPECT_FALSE(best_json(run)["estimates"].contains("chord_m_s"));
+    const Json report = report_json(run.inputs);
+    const std::string estimates =
+        fact_at(report, uncertainty_of_nalsa, "Other models of the motion");
+    expect_in(estimates, "a third of the jerk density");
+    EXPECT_EQ(estimates.find("both ends alone"), std::string::npos);
+    const std::string bound =
+        fact_at(report, uncertainty_of_nalsa, "Time-correlated position errors");
+    expect_in(bound, "fitted 0 m");
+    EXPECT_EQ(bound.find("along the track"), std::string::npos);
 }
 
 TEST(DecisionMembers, AreThoseOfTheVerdict) {
@@ -161,13 +171,16 @@ TEST(DecisionMembers, AreThoseOfTheVerdict) {
     EXPECT_EQ(json["bias_limit_m_s"], 0.0004);
     EXPECT_EQ(json["drift_survived_m"], 0.420001);
     EXPECT_EQ(json["drift_found_m_s"], 0.0712);
-    expect_in(json["decision_words"], "As the best of 7 attempts it needs 99.6429 %.");
+    const Place requirements{.section = "requirements", .rule = "nalsa"};
+    expect_in(sentences_at(report_json(run.inputs), requirements),
+              "As the best of 7 attempts it needs 99.6429 %.");
     decision = {.probability = 0.2, .level = 0.975, .acceptance_limit_m_s = 61.0};
     const Json alone = profile_of(run)["decision"];
     EXPECT_EQ(alone["attempts_made"], 1);
     EXPECT_FALSE(alone.contains("drift_survived_m"));
     EXPECT_FALSE(alone.contains("drift_found_m_s"));
-    EXPECT_EQ(alone["decision_words"].get<std::string>().find("The best of"), std::string::npos);
+    EXPECT_EQ(sentences_at(report_json(run.inputs), requirements).find("the best of"),
+              std::string::npos);
 }
 
 TEST(DecisionMembers, HoldTheWitnessesAndSayThereAreNone) {
@@ -188,7 +201,7 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
     EXPECT_EQ(receiver["time_origin"], "UTC of the receiver's position sentences");
     EXPECT_EQ(receiver["time_source"], "satellites");
     EXPECT_EQ(receiver["solution_source"], "attempt");
-    EXPECT_EQ(fact_of(receiver["recording_facts"], "Time stamps"),
+    EXPECT_EQ(fact_at(report_json(run.inputs), {"recording"}, "Time stamps"),
               "UTC of the receiver's position sentences");
     expect_in(page_of(run), "as the attempt states it; the recording states none");
 
@@ -196,7 +209,7 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
     observations.facts.time_source = "unknown";
     EXPECT_FALSE(receiver_of(run).contains("time_origin"));
     EXPECT_EQ(receiver_of(run)["time_source"], "unknown");
-    EXPECT_EQ(fact_of(receiver_of(run)["recording_facts"], "Time stamps"), "no such line");
+    EXPECT_FALSE(has_fact(report_json(run.inputs), {"recording"}, "Time stamps"));
 }
 
 TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
@@ -205,7 +218,7 @@ TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
     for (const SolutionSource source : {SolutionSource::recording, SolutionSource::attempt,
                                         SolutionSource::partly, SolutionSource::unknown}) {
         run.inputs.receivers[0].observations.solution_source = source;
-        words.insert(fact_of(receiver_of(run)["recording_facts"], "Fix type"));
+        words.insert(fact_at(report_json(run.inputs), {"recording"}, "Fix type"));
     }
     EXPECT_EQ(words.size(), 4U);
     EXPECT_TRUE(words.contains("not stated; taken as that of one receiver alone (single)"));
@@ -215,11 +228,11 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     sample::Run run = made();
     ScreeningBasis& basis = run.inputs.receivers[0].screened.basis;
     const auto words = [&] {
-        return fact_of(receiver_of(run)["screening_facts"],
+        return fact_at(report_json(run.inputs), {"screening"},
                        "Signs of positions that were not measured");
     };
     EXPECT_FALSE(receiver_of(run)["screening"]["basis"].contains("device"));
-    EXPECT_EQ(words(), "no such line");
+    EXPECT_TRUE(words().starts_with("no fact")) << words();
     basis.device = DeviceSigns{.moving = 1350, .held = 12, .interpolated = 675, .by_chance = 3.46};
     const Json device = receiver_of(run)["screening"]["basis"]["device"];
     EXPECT_EQ(device["moving"], 1350);

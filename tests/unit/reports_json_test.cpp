@@ -5,12 +5,20 @@
 #include "core/failure.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
+#include "reports_page_support.h"
 #include "reports_sample.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+/// The first figure of that kind.
+Json figure_of(const Json& report, std::string_view kind) {
+    for (const Json& figure : report["predicate"]["figures"])
+        if (figure["figure"] == kind) return figure;
+    return Json{{"figure", "none"}, {"curves", Json::array()}, {"caption", ""}};
+}
 
 TEST(ReportJson, IsTheSameTwice) {
     EXPECT_EQ(write_report_json(sample::make_run().inputs),
@@ -44,44 +52,65 @@ TEST(ReportJson, TheIdNamesTheFiles) {
 }
 
 TEST(ReportJson, HoldsTheFullFiguresBesideTheShownOnes) {
-    const Json predicate = report_json(sample::make_run().inputs)["predicate"];
-    const Json& nalsa = predicate["profiles"][0];
+    const Json report = report_json(sample::make_run().inputs);
+    const Json& nalsa = report["predicate"]["profiles"][0];
     EXPECT_EQ(nalsa["speed_m_s"], 60.002417);
     EXPECT_EQ(nalsa["expanded_uncertainty_m_s"], 0.005102);
-    EXPECT_EQ(nalsa["standard_uncertainty_m_s"], 0.002551);
-    EXPECT_EQ(nalsa["lower_limit_m_s"], 59.997315);
     EXPECT_EQ(nalsa["required_speed_km_h"], 204.5093);
-    EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.00");
-    EXPECT_EQ(nalsa["headline"]["headline_uncertainty"], "0.019");
-    EXPECT_EQ(nalsa["window"]["definitions"].size(), 4U);
-    EXPECT_EQ(nalsa["window"]["methods"].size(), 4U);  // v2 has no value
-    EXPECT_EQ(nalsa["window"]["end_utc"], "2022-03-18T08:51:47.500Z");
+    const Json& best = nalsa["windows"]["best"];
+    EXPECT_EQ(best["standard_uncertainty_m_s"], 0.002551);
+    EXPECT_EQ(best["definitions"].size(), 4U);
+    EXPECT_EQ(best["methods"].size(), 4U);  // v2 has no value
+    const Place window{.section = "window", .rule = "nalsa"};
+    EXPECT_EQ(cell_at(report, window, "Measured speed", "km/h"), "216.008");
+    EXPECT_EQ(cell_at(report, window, "Expanded uncertainty (k = 2)", "km/h"), "0.019");
+    // 59.997315 m/s, rounded down; 56.8201 and 56.808151 m/s, rounded up.
+    EXPECT_EQ(cell_at(report, window, "Measured speed less expanded uncertainty", "km/h"),
+              "215.990");
+    EXPECT_EQ(cell_at(report, window, "Acceptance limit", "km/h"), "204.553");
+    EXPECT_EQ(cell_at(report, window, "Required speed", "km/h"), "204.510");
+    EXPECT_EQ(cell_at(report, window, "Standing record", "km/h"), "202.90");
+    EXPECT_EQ(fact_at(report, window, "UTC"), "2022-03-18 08:51:44.500 to 2022-03-18 08:51:47.500");
 }
 
 TEST(ReportJson, SaysWhichParametersTheAttemptSet) {
-    const Json predicate = report_json(sample::make_run().inputs)["predicate"];
+    const Json report = report_json(sample::make_run().inputs);
     std::vector<std::string> set_by_attempt;
-    for (const Json& stage : predicate["method"]["stages"])
-        for (const Json& parameter : stage["parameters"])
-            if (parameter["set_by_attempt"].get<bool>()) {
-                set_by_attempt.push_back(parameter["parameter"]);
-                EXPECT_EQ(parameter.value("value_unit", ""),
-                          set_by_attempt.back() == "smooth.jerk_density" ? "m s-2.5" : "");
-            }
+    for (const Json& block : blocks_at(report, {"method", "Every figure that the stages used"}))
+        for (const Json& row : block.value("rows", Json::array())) {
+            const std::string value = row["cells"][1];
+            const bool is_set = value.ends_with(", set by the attempt");
+            EXPECT_EQ(is_set, row.value("mark", "") == "changed") << value;
+            if (!is_set) continue;
+            set_by_attempt.push_back(row["cells"][0]);
+            EXPECT_EQ(value, set_by_attempt.back() == "smooth.jerk_density"
+                                 ? "0.9 m s-2.5, set by the attempt"
+                                 : "auto, set by the attempt");
+        }
     // What import has is what the attempt states of the receiver.
     EXPECT_EQ(set_by_attempt, (std::vector<std::string>{"import.format", "smooth.jerk_density"}));
+    for (const Json& stage : report["predicate"]["method"]["stages"])
+        EXPECT_TRUE(stage["stage"] != "smooth" || stage["stage_parameters"]["jerk_density"] == 0.9);
 }
 
 TEST(ReportJson, WithoutAWindowThereIsNoSpeed) {
-    const Json predicate = report_json(sample::make_run({.certified = false}).inputs)["predicate"];
-    for (const Json& profile : predicate["profiles"]) {
-        EXPECT_EQ(profile["outcome_title"], "Not certifiable under altered rules");
-        EXPECT_EQ(profile["tone"], "refused");
-        for (const char* absent : {"speed_km_h", "headline", "window", "lower_limit_m_s"})
+    const Json report = report_json(sample::make_run({.certified = false}).inputs);
+    for (const Json& profile : report["predicate"]["profiles"]) {
+        EXPECT_EQ(profile["outcome"], "not_certifiable");
+        for (const char* absent : {"speed_m_s", "speed_km_h", "expanded_uncertainty_m_s", "window"})
             EXPECT_FALSE(profile.contains(absent)) << absent;
+        EXPECT_FALSE(profile["windows"].contains("best"));
         EXPECT_TRUE(profile.contains("indicated"));
     }
-    EXPECT_EQ(predicate["figures"].size(), 5U);
+    for (const Json& section : report["predicate"]["document"]["sections"])
+        for (const Json& block : section["blocks"])
+            EXPECT_NE(block["kind"], "headline") << section["anchor"];
+    for (const char* rule : {"nalsa", "fisly"}) {
+        EXPECT_EQ(slot_at(report, std::string("outcome/") + rule)["text"],
+                  std::string(rule) + ": Not certifiable under altered rules");
+        EXPECT_EQ(row_names(report, {"window", "Result", rule}), std::vector<std::string>());
+    }
+    EXPECT_EQ(report["predicate"]["figures"].size(), 6U);
 }
 
 TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
@@ -95,8 +124,7 @@ TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
 // that.
 TEST(ReportJson, TheSpeedOverEachRulesLengthIsDrawn) {
     sample::Run run = sample::make_run();
-    const Json drawn = report_json(run.inputs)["predicate"]["figures"][2];
-    EXPECT_EQ(drawn["figure"], "average");
+    const Json drawn = figure_of(report_json(run.inputs), "average");
     ASSERT_EQ(drawn["curves"].size(), 2U);  // 3 s and 2 s
     EXPECT_EQ(drawn["curves"][0]["curve_name"], "speed over 3 s");
     const TrajectoryTable& table = run.inputs.receivers[0].trajectory;
@@ -109,7 +137,8 @@ TEST(ReportJson, TheSpeedOverEachRulesLengthIsDrawn) {
     EXPECT_EQ(drawn["spans"].size(), 2U);
     for (Profile& profile : run.inputs.profiles)
         profile.window_kind = WindowKind::course;
-    for (const Json& figure : report_json(run.inputs)["predicate"]["figures"])
+    const Json course = report_json(run.inputs);
+    for (const Json& figure : course["predicate"]["figures"])
         EXPECT_NE(figure["figure"], "average");
 }
 
@@ -121,16 +150,17 @@ TEST(ReportJson, LongRunsAreThinned) {
             EXPECT_LE(curve["x"].size(), 1100U) << figure["figure"];
             EXPECT_EQ(curve["x"].size(), curve["y"].size());
         }
-    const Json& speed = figures[3];
-    EXPECT_EQ(speed["figure"], "speed");
+    const Json speed = figure_of(report_json(run.inputs), "speed");
     EXPECT_NE(speed["caption"].get<std::string>().find("One epoch in 29"), std::string::npos);
 }
 
 TEST(ReportJson, TwoReceiversStandBesideEachOther) {
-    const Json predicate =
-        report_json(sample::make_run({.second_receiver = true}).inputs)["predicate"];
-    EXPECT_EQ(predicate["receivers"].size(), 2U);
-    EXPECT_EQ(predicate["profiles"][0]["by_receiver"].size(), 2U);
+    const Json report = report_json(sample::make_run({.second_receiver = true}).inputs);
+    EXPECT_EQ(report["predicate"]["receivers"].size(), 2U);
+    const Place beside{"window", "By each receiver", "nalsa"};
+    for (const char* receiver : {"primary", "secondary"})
+        EXPECT_EQ(fact_at(report, beside, receiver),
+                  "216.008 km/h ± 0.019 km/h, 40.200 s after its first epoch");
 }
 
 TEST(ReportJson, HoldsNoPathOfTheAttempt) {

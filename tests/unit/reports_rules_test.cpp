@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/certificate/json_parts.h"
+#include "reports/certificate/certificate_document.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
@@ -34,13 +34,8 @@ void expect_in(const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << part;
 }
 
-/// The labels of a table of speeds.
-std::vector<std::string> labels_of(const Json& table) {
-    std::vector<std::string> labels;
-    for (const Json& row : table["rows"])
-        labels.push_back(row["label"]);
-    return labels;
-}
+const Place requirements_of_nalsa{.section = "requirements", .rule = "nalsa"};
+const Place window_of_nalsa{.section = "window", .rule = "nalsa"};
 
 TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
     Profile rule;
@@ -82,41 +77,42 @@ TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
 
 TEST(RuleUnit, IsThatOfTheResultFirst) {
     Profile rule;
-    EXPECT_EQ(rule_unit(rule).name, "km/h");
+    EXPECT_EQ(rule_unit_name(rule), "km/h");
     rule.accuracy_unit = "mph";
-    EXPECT_EQ(rule_unit(rule).name, "mph");
+    EXPECT_EQ(rule_unit_name(rule), "mph");
     rule.rounding = DecimalRule{.mode = DecimalMode::nearest, .unit = "m/s", .decimals = 2};
-    EXPECT_EQ(rule_unit(rule).name, "m/s");
+    EXPECT_EQ(rule_unit_name(rule), "m/s");
     rule.result = DecimalRule{.mode = DecimalMode::truncate, .unit = "kn", .decimals = 2};
-    EXPECT_EQ(rule_unit(rule).name, "kn");
+    EXPECT_EQ(rule_unit_name(rule), "kn");
 }
 
 TEST(Decision, IsInTheReportInFiguresAndWords) {
     const sample::Run run = sample::make_run();
-    const Json nalsa = profile_of(run);
+    const Json report = report_json(run.inputs);
+    const Json& nalsa = report["predicate"]["profiles"][0];
     EXPECT_EQ(nalsa["decision"]["probability"], 0.9999876);
     EXPECT_EQ(nalsa["decision"]["acceptance_limit_m_s"], 56.8201);
-    expect_in(nalsa["decision_rule"], "At least 95 % counts as beaten, at most 5 % as not beaten");
-    expect_in(
-        nalsa["decision"]["decision_words"],
-        "Conformance probability: 99.9987 % (at least 95 % required). It includes the standard "
-        "uncertainty of the record itself, 0.025 km/h of the required speed.");
-    expect_in(nalsa["decision"]["decision_words"],
+    EXPECT_EQ(nalsa["record"]["speed"], 202.9);
+    EXPECT_EQ(nalsa["record"]["expanded_uncertainty"], 0.05);
+    const std::string words = sentences_at(report, requirements_of_nalsa);
+    expect_in(words, "At least 95 % counts as beaten, at most 5 % as not beaten");
+    expect_in(words,
+              "Conformance probability: 99.9987 % (at least 95 % required). It includes the "
+              "standard uncertainty of the record itself, 0.025 km/h of the required speed.");
+    expect_in(words,
               "Guard band w = 0.044 km/h (acceptance limit less required speed). Risk of false "
               "acceptance: 0.0013 % (that the true speed is below the required speed).");
-    EXPECT_EQ(nalsa["decision"]["guard_band_m_s"], 0.011949);
-    EXPECT_EQ(nalsa["decision_rule_agreed"], "No agreement on the decision rule is stated.");
-    EXPECT_EQ(nalsa["record"]["record_words"],
-              "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
-    EXPECT_EQ(nalsa["headline"]["headline_required_speed"], "204.51");
-    const auto labels = labels_of(nalsa["speed_table"]);
-    EXPECT_NE(std::ranges::find(labels, "Acceptance limit"), labels.end());
-    const std::string page = page_of(run);
-    expect_in(page, "<p class=\"speed\">216.00 ± 0.019 km/h");
-    expect_in(page, "Required speed: 204.51 km/h");
+    expect_in(words, "No agreement on the decision rule is stated.");
+    EXPECT_EQ(cell_at(report, window_of_nalsa, "Required speed", "km/h"), "204.510");
+    EXPECT_EQ(cell_at(report, window_of_nalsa, "Acceptance limit", "km/h"), "204.553");
+    const std::string page =
+        print_page(report_json(sample::with_one_rule(sample::make_run()).inputs));
+    expect_in(page, "<p class=\"headline\">216.00 km/h ± 0.019 km/h <small>(k = 2)</small></p>");
+    expect_in(page, "<dt><bdi>Required speed</bdi></dt><dd><bdi>204.51 km/h</bdi></dd>");
     expect_in(page,
-              "Speed rounded down; uncertainty, required speed and acceptance limit rounded up.");
-    expect_in(page, "99.9987 %");
+              "Figures: speed rounded down, uncertainty, required speed and acceptance limit "
+              "rounded up.");
+    expect_in(page, "99.9987 % (at least 95 % required)");
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
 }
 
@@ -125,7 +121,7 @@ TEST(Decision, WhoAgreedOnItsRuleStandsBesideIt) {
     run.inputs.attempt.decision_rule_agreed =
         DecisionRuleAgreement{.date = "2022-03-01", .by = "the board & the team"};
     expect_in(page_of(run),
-              "<bdi>The decision rule was agreed on 2022-03-01 by the board &amp; the team.</bdi>");
+              "The decision rule was agreed on 2022-03-01 by the board &amp; the team.</bdi>");
 }
 
 TEST(Decision, ThatIsNegativeHasARiskOfFalseRejection) {
@@ -157,33 +153,42 @@ TEST(Decision, WithoutARecordTheRuleIsSaidAllTheSame) {
     verdict_of(run).required_speed_m_s.reset();
     verdict_of(run).record.reset();
     const Json nalsa = profile_of(run);
-    expect_in(nalsa["decision_rule"],
+    expect_in(sentences_at(report_json(run.inputs), requirements_of_nalsa),
               "At least 97.5 % counts as beaten, at most 2.5 % as not beaten");
     EXPECT_FALSE(nalsa.contains("decision"));
     EXPECT_FALSE(nalsa.contains("record"));
 }
 
-TEST(Reservations, NotesStandWithTheVerdict) {
-    const std::string page = page_of(sample::make_run());
-    EXPECT_LT(page.find("The wind was not measured"), page.find("<h2>The attempt"));
-    sample::Run silent = sample::make_run();
-    for (ProfileVerdict& verdict : silent.inputs.verdict.profiles)
+TEST(Reservations, NotesStandWithTheRequirements) {
+    sample::Run run = sample::make_run();
+    const std::string note = "The wind was not measured by this recording.";
+    expect_in(sentences_at(report_json(run.inputs), requirements_of_nalsa), note);
+    expect_in(section_html(page_of(run), "requirements"), "<li><bdi>" + note + "</bdi></li>");
+    for (ProfileVerdict& verdict : run.inputs.verdict.profiles)
         verdict.notes.clear();
-    EXPECT_EQ(page_of(silent).find("<ul class=\"notes\""), std::string::npos);
+    for (const Json& block : blocks_at(report_json(run.inputs), requirements_of_nalsa))
+        EXPECT_FALSE(block["kind"] == "items" && !block.contains("text")) << block;
+    EXPECT_EQ(page_of(run).find("The wind was not measured"), std::string::npos);
 }
 
 TEST(Reservations, ReplacedFiguresStandBesideTheRules) {
     const sample::Run run = sample::make_run();
-    const Json overrides = profile_of(run)["overrides"];
-    ASSERT_EQ(overrides.size(), 2U);
-    EXPECT_EQ(overrides[0]["rule_text"], "1 mph");
-    EXPECT_EQ(overrides[0]["used_text"], "1.25 mph");
-    EXPECT_EQ(overrides[1]["reason"], "none given");
-    const std::string page = page_of(run);
+    const Place replaced{"requirements", "Figures of the rule that the attempt replaced", "nalsa"};
+    const Json report = report_json(run.inputs);
+    EXPECT_EQ(profile_of(run)["overrides"].size(), 2U);
+    EXPECT_EQ(row_at(report, replaced, "margin.value")["cells"],
+              Json({"margin.value", "1 mph", "1.25 mph", "agreed with the <board>"}));
+    EXPECT_EQ(row_at(report, replaced, "decision.probability")["cells"],
+              Json({"decision.probability", "0.975", "0.95", "none given"}));
+    EXPECT_EQ(row_at(report, replaced, "margin.value")["mark"], "changed");
+    const std::string page = section_html(page_of(run), "requirements");
+    expect_in(page, "<tbody class=\"mark-changed\">");
     expect_in(page,
-              "<td>1 mph</td><td><strong>1.25 mph</strong></td>"
-              "<td><bdi>agreed with the &lt;board&gt;</bdi></td>");
-    expect_in(page, "<td>0.975</td><td><strong>0.95</strong></td>");
+              "<bdi>1.25 mph</bdi></td><td data-label=\"Reason\"><bdi>agreed with the "
+              "&lt;board&gt;</bdi></td>");
+    // They are deviations too, which every certificate lists.
+    expect_in(sentences_at(report, {"method", "Deviations from method and rules"}),
+              "Rule nalsa, margin.value: 1.25 in place of 1 mph. Reason: agreed with the <board>.");
     sample::Run as_it_is = sample::make_run();
     for (ProfileVerdict& verdict : as_it_is.inputs.verdict.profiles)
         verdict.overrides.clear();
@@ -191,25 +196,35 @@ TEST(Reservations, ReplacedFiguresStandBesideTheRules) {
 }
 
 TEST(Reservations, WhatCouldNotBeConfirmedIsListed) {
-    const sample::Run run = sample::make_run();
-    EXPECT_FALSE(profile_of(run, 0).contains("unconfirmed"));
-    ASSERT_EQ(profile_of(run, 1)["unconfirmed"].size(), 1U);
-    EXPECT_EQ(profile_of(run, 1)["unconfirmed"][0],
+    const Json report = report_json(sample::make_run().inputs);
+    const char* title = "What could not be confirmed of the rule";
+    EXPECT_EQ(sentences_at(report, {"requirements", title, "nalsa"}), "");
+    EXPECT_EQ(sentences_at(report, {"requirements", title, "fisly"}),
               "accuracy: A limit of the measurement's uncertainty; none was found in what could be "
-              "consulted. Source: not found.");
-    expect_in(page_of(run), "What could not be confirmed of rule “fisly”");
-    EXPECT_EQ(page_of(run).find("What could not be confirmed of rule “nalsa”"), std::string::npos);
+              "consulted. Source: Not found.\n");
+    expect_in(page_of(sample::make_run()), title);
 }
 
 TEST(Course, FiguresOfRequirementsStandUnderTheirEvidence) {
     const sample::Run run = sample::make_run();
     const Json profile = profile_of(run);
-    for (const Json& requirement : profile["requirements"])
+    for (const Json& requirement : profile["requirements"]) {
         EXPECT_NE(requirement["figures"].empty(), requirement["clause"] == "accuracy" ||
                                                       requirement["clause"] == "secondary-method");
+        for (const Json& figure : requirement["figures"])
+            EXPECT_TRUE(figure.contains("quantity_text")) << figure;
+    }
+    Json further;
+    const Json clauses = slot_at(report_json(run.inputs), "clauses/nalsa");
+    for (const Json& row : clauses["rows"])
+        if (row["clause"] == "accuracy") further = row["further"];
+    ASSERT_EQ(further.size(), 3U);
+    EXPECT_EQ(further[0], "expanded uncertainty: 0.018367 km/h; of the budget");
+    EXPECT_EQ(further[1], "limit: 0.8 km/h");
+    expect_in(further[2], "NALSA 2009, quoted in Deakin, Holden & Daddo 2022");
     expect_in(page_of(run),
-              "limit 0.8 km/h.<span class=\"figure\">expanded uncertainty: 0.018367 km/h; "
-              "of the budget</span><span class=\"figure\">limit: 0.8 km/h</span>");
+              "<span><bdi>expanded uncertainty: 0.018367 km/h; of the budget</bdi></span> "
+              "<span><bdi>limit: 0.8 km/h</bdi></span>");
 }
 
 TEST(Course, QuantitiesHaveTheirUncertainty) {
@@ -217,27 +232,34 @@ TEST(Course, QuantitiesHaveTheirUncertainty) {
     const Json course = profile_of(run)["course"];
     EXPECT_EQ(course[0]["value"], 0.421234);
     EXPECT_EQ(course[0]["expanded_uncertainty"], 0.0783);
-    EXPECT_EQ(course[0]["quantity_text"], "0.421 m ± 0.079 m (k = 2)");
-    EXPECT_EQ(course[1]["quantity_text"], "45 deg");
     EXPECT_FALSE(course[1].contains("expanded_uncertainty"));
-    expect_in(page_of(run),
-              "<td>0.421 m ± 0.079 m (k = 2)</td><td>highest less lowest smoothed height</td>");
+    const Json report = report_json(run.inputs);
+    const Place place{"run", "Course and craft", "nalsa"};
+    EXPECT_EQ(row_at(report, place, "height difference of the run")["cells"],
+              Json({"height difference of the run", "0.421 m ± 0.079 m (k = 2)",
+                    "highest less lowest smoothed height"}));
+    EXPECT_EQ(row_at(report, place, "heading")["cells"][1], "45 deg");
+    expect_in(page_of(run), "<bdi>0.421 m ± 0.079 m (k = 2)</bdi>");
 }
 
 TEST(Course, RunsAreListedAndTheOneWithTheWindowMarked) {
     const sample::Run run = sample::make_run();
     const Json runs = profile_of(run)["runs"];
     ASSERT_EQ(runs.size(), 2U);
-    EXPECT_EQ(runs[0]["holds_window"], false);
-    EXPECT_EQ(runs[1]["holds_window"], true);
     EXPECT_EQ(runs[1]["start_time_s"], 18.7);
-    EXPECT_EQ(runs[1]["end_utc"], "2022-03-18T08:51:49.300Z");  // 45 s after the first epoch
     EXPECT_EQ(runs[1]["top_speed_m_s"], 60.012345);
-    EXPECT_EQ(runs[1]["run_heading"], "45.0°");
-    EXPECT_EQ(runs[1]["run_words"], "begins after a turn, ends at a standstill");
-    expect_in(page_of(run),
-              "<tr class=\"holds\"><td data-label=\"Run\">2</td><td data-label=\"Begins at\">"
-              "18.700 s</td>");
+    const Json report = report_json(run.inputs);
+    const Place place{"run", "Runs of the craft", "nalsa"};
+    EXPECT_EQ(row_at(report, place, "1").value("mark", ""), "");
+    const Json second = row_at(report, place, "2");
+    EXPECT_EQ(second["mark"], "chosen");
+    EXPECT_EQ(second["cells"],
+              Json({"2", "18.700 s", "26.300 s", "1501.2 m", "216.04 km/h", "45.0°",
+                    "begins after a turn, ends at a standstill; holds the window"}));
+    expect_in(
+        page_of(run),
+        "<tbody class=\"mark-chosen\">\n<tr><th scope=\"row\" class=\"number\"><bdi>2</bdi></th>"
+        "<td class=\"number\" data-label=\"Begins at\"><bdi>18.700 s</bdi></td>");
 }
 
 TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {
@@ -247,27 +269,37 @@ TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {
     rule.distance_m = 500.0;
     rule.definition = SpeedDefinition::elapsed_time;
     windows_of(run).best->length_m = 500.25;
-    const Json nalsa = profile_of(run);
-    EXPECT_EQ(nalsa["rule_kind"], "course");
-    EXPECT_EQ(nalsa["rule_distance_m"], 500.0);
-    EXPECT_FALSE(nalsa.contains("rule_duration_s"));
-    for (const Json& definition : nalsa["window"]["definitions"])
-        EXPECT_EQ(definition["counts"], false);
-    EXPECT_EQ(labels_of(nalsa["window"]["definition_table"])[0], "Over the course – the rule's");
-    expect_in(nalsa["window"]["definition_note"], "None of the four definitions is the rule's");
-    expect_in(page_of(run), "<th scope=\"row\">Length that the speed is of</th><td>500.250 m</td>");
+    const Json report = report_json(run.inputs);
+    const Place definitions{"window", "By definition of speed", "nalsa"};
+    const Json rows = blocks_at(report, definitions).at(0)["rows"];
+    EXPECT_EQ(rows[0]["cells"][0], "Over the course – the rule's");
+    for (const Json& row : rows)
+        EXPECT_EQ(row.value("mark", ""), &row == &rows[0] ? "chosen" : "") << row;
+    expect_in(sentences_at(report, window_of_nalsa), "None of the four definitions is the rule's");
+    EXPECT_EQ(fact_at(report, window_of_nalsa, "Length that the speed is of"), "500.250 m");
+    expect_in(sentences_at(report, requirements_of_nalsa), "Speed over a course of 500 m");
 }
 
 TEST(Windows, OfRecordedVelocitiesNoneOfTheFourDefinitionsIsTheRules) {
     sample::Run run = sample::make_run();
     run.inputs.profiles[0].speed_source = SpeedSource::velocity;
     run.inputs.profiles[0].definition = SpeedDefinition::mean_n;
-    const Json window = profile_of(run)["window"];
-    EXPECT_EQ(labels_of(window["definition_table"])[0],
-              "Recorded velocities, mean of the speeds after the first – the rule's");
-    expect_in(window["definition_note"], "velocities that the recording states");
+    const Place definitions{"window", "By definition of speed", "nalsa"};
+    const auto chosen = [&] {
+        std::vector<std::string> names;
+        const Json table = blocks_at(report_json(run.inputs), definitions).at(0);
+        for (const Json& row : table["rows"])
+            if (row.value("mark", "") == "chosen") names.push_back(row["cells"][0]);
+        return names;
+    };
+    EXPECT_EQ(chosen(),
+              (std::vector<std::string>{
+                  "Recorded velocities, mean of the speeds after the first – the rule's"}));
+    expect_in(sentences_at(report_json(run.inputs), window_of_nalsa),
+              "velocities that the recording states");
     run.inputs.profiles[0].speed_source = SpeedSource::position;
-    EXPECT_EQ(profile_of(run)["window"]["definitions"][3]["counts"], true);
+    EXPECT_EQ(chosen(),
+              std::vector<std::string>{"Mean of the speeds after the first – the rule's"});
 }
 
 TEST(Windows, ThoseThatMakeTheFigureTogetherAreListedWithTheirMean) {
@@ -280,17 +312,24 @@ TEST(Windows, ThoseThatMakeTheFigureTogetherAreListedWithTheirMean) {
     windows.further = {
         {.span = other, .arc = 1, .speed_m_s = 59.0, .standard_uncertainty_m_s = 0.004}};
     verdict_of(run).speed_m_s = 59.5012085;
-    const Json nalsa = profile_of(run);
-    EXPECT_EQ(nalsa["rule_windows"], 2);
-    EXPECT_EQ(nalsa["window"]["further"][0]["start_time_s"], 35.2);
-    EXPECT_EQ(labels_of(nalsa["window"]["further_table"]),
-              (std::vector<std::string>{"3.000 s from 40.200 s", "3.000 s from 35.200 s",
-                                        "Mean of the 2"}));
+    const Json report = report_json(run.inputs);
+    EXPECT_EQ(profile_of(run)["windows"]["further"][0]["start_time_s"], 35.2);
+    const Place together{"window", "Windows that make the figure", "nalsa"};
+    const Json table = blocks_at(report, together).at(0);
+    std::vector<std::string> names;
+    for (const Json& row : table["rows"])
+        names.push_back(row["cells"][0]);
+    EXPECT_EQ(names, (std::vector<std::string>{"3.000 s from 40.200 s", "3.000 s from 35.200 s",
+                                               "Mean of the 2"}));
     // (216.0087 + 212.4) / 2
-    EXPECT_EQ(nalsa["window"]["further_table"]["rows"][2]["cells"][0], "214.204");
-    expect_in(nalsa["window"]["uncertainty"]["budget_subject"], "fastest window alone");
+    EXPECT_EQ(table["columns"][1]["head"], "km/h");
+    EXPECT_EQ(table["rows"][2]["cells"][1], "214.204");
+    EXPECT_EQ(table["rows"][2]["mark"], "chosen");
+    const std::string uncertainty =
+        sentences_at(report, {.section = "uncertainty", .rule = "nalsa"});
+    expect_in(uncertainty, "fastest window alone");
     // Of the speed that the verdict gives, not of the fastest window alone.
-    expect_in(nalsa["window"]["uncertainty"]["certified_words"], verdict_of(run).shown->speed);
+    expect_in(uncertainty, "Measured speed: " + verdict_of(run).shown->speed);
     expect_in(page_of(run), "Windows that make the figure");
 }
 
@@ -299,18 +338,26 @@ TEST(Windows, WhatIsMissingIsSaid) {
     windows_of(run).missing = "the recording has no heights that could be estimated";
     expect_in(page_of(run),
               "What is missing: the recording has no heights that could be estimated.");
-    EXPECT_FALSE(profile_of(run, 1).contains("missing_words"));
+    const Json report = report_json(run.inputs);
+    expect_in(sentences_at(report, requirements_of_nalsa), "What is missing");
+    EXPECT_EQ(sentences_at(report, {.section = "requirements", .rule = "fisly"}).find("is missing"),
+              std::string::npos);
 }
 
 TEST(Windows, AVerticalRuleSaysSo) {
     sample::Run run = sample::make_run();
     run.inputs.profiles[0].dimension = Dimension::vertical;
     const Json predicate = report_json(run.inputs)["predicate"];
-    EXPECT_EQ(predicate["profiles"][0]["rule_dimension"], "vertical");
-    EXPECT_FALSE(predicate["profiles"][1].contains("rule_dimension"));
-    expect_in(predicate["figures"][0]["caption"], "counts another than the horizontal speed");
-    EXPECT_EQ(predicate["figures"][1]["caption"].get<std::string>().find("another than"),
-              std::string::npos);
+    expect_in(sentences_at(report_json(run.inputs), requirements_of_nalsa),
+              "Vertical speed over 3 s, by the definition");
+    expect_in(sentences_at(report_json(run.inputs), {.section = "requirements", .rule = "fisly"}),
+              "Speed over 2 s, by the definition");
+    for (const Json& figure : predicate["figures"]) {
+        if (figure["figure"] != "window") continue;
+        const bool is_said = figure["caption"].get<std::string>().find(
+                                 "counts another than the horizontal speed") != std::string::npos;
+        EXPECT_EQ(is_said, figure["figure_profile"] == "nalsa") << figure["figure_profile"];
+    }
 }
 
 }  // namespace

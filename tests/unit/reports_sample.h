@@ -442,4 +442,14 @@ inline Run make_run(const Options& options = {}) {
     return run;
 }
 
+/// The run as claimed by the first of its rules alone.
+inline Run with_one_rule(Run run) {
+    run.inputs.attempt.profiles.resize(1);
+    run.inputs.profiles.resize(1);
+    run.inputs.verdict.profiles.resize(1);
+    for (ReceiverResults& results : run.inputs.receivers)
+        results.windows.profiles.resize(1);
+    return run;
+}
+
 }  // namespace runcert::sample

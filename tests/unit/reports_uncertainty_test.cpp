@@ -24,22 +24,21 @@ NoiseSummary& noise_of(sample::Run& run) {
     return run.inputs.receivers[0].trajectory.estimation.horizontal.noise;
 }
 
-Json uncertainty_of(const sample::Run& run) {
-    return report_json(run.inputs)["predicate"]["profiles"][0]["window"]["uncertainty"];
+Json best_json(const sample::Run& run) {
+    return report_json(run.inputs)["predicate"]["profiles"][0]["windows"]["best"];
+}
+
+const Place of_nalsa{.section = "uncertainty", .rule = "nalsa"};
+const Place budget_place{.section = "uncertainty", .title = "Budget", .rule = "nalsa"};
+
+/// The rows of the budget as shown, the totals last.
+Json budget_rows(const sample::Run& run) {
+    return blocks_at(report_json(run.inputs), budget_place).at(0)["rows"];
 }
 
 std::string noise_cell(const sample::Run& run, const std::string& label, std::size_t axis) {
-    const Json predicate = report_json(run.inputs)["predicate"];
-    for (const Json& line : predicate["receivers"][0]["noise_table"]["lines"])
-        if (line["label"] == label) return line["cells"][axis]["text"];
-    return "no such line";
-}
-
-/// The section of a page from a heading to the next.
-std::string section(const std::string& html, const std::string& heading) {
-    const std::size_t begin = html.find(fmt::format("<h2>{}", heading));
-    if (begin == std::string::npos) return {};
-    return html.substr(begin, html.find("</section>", begin) - begin);
+    const Place noise{"recording", "Noise estimated from the recording"};
+    return row_at(report_json(run.inputs), noise, label)["cells"].at(axis + 1);
 }
 
 std::string page_of(const sample::Run& run) {
@@ -48,67 +47,84 @@ std::string page_of(const sample::Run& run) {
 
 TEST(Uncertainty, EveryRowOfTheBudgetStandsInReportAndPage) {
     sample::Run run = sample::make_run();
-    const Json rows = uncertainty_of(run)["budget"];
-    const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
+    const Json best = best_json(run);
+    const Json rows = budget_rows(run);
+    const std::string page = section_html(page_of(run), "uncertainty");
     const auto& budget = best_of(run).budget;
-    ASSERT_EQ(rows.size(), budget.size());
+    ASSERT_EQ(best["budget"].size(), budget.size());
+    ASSERT_EQ(rows.size(), budget.size() + 2);
     for (std::size_t i = 0; i < budget.size(); ++i) {
-        EXPECT_EQ(rows[i]["symbol"], budget[i].symbol);
-        EXPECT_EQ(rows[i]["estimate"], budget[i].estimate);
-        EXPECT_EQ(rows[i]["standard_uncertainty"], budget[i].standard_uncertainty);
-        EXPECT_EQ(rows[i]["sensitivity"], budget[i].sensitivity);
-        EXPECT_EQ(rows[i]["contribution_m_s"], budget[i].contribution_m_s);
-        EXPECT_EQ(rows[i].contains("degrees_of_freedom"), budget[i].degrees_of_freedom.has_value());
-        EXPECT_EQ(rows[i]["note"], budget[i].note);
-        EXPECT_EQ(rows[i]["correlation"], budget[i].correlation);
+        const Json& row = best["budget"][i];
+        EXPECT_EQ(row["symbol"], budget[i].symbol);
+        EXPECT_EQ(row["estimate"], budget[i].estimate);
+        EXPECT_EQ(row["standard_uncertainty"], budget[i].standard_uncertainty);
+        EXPECT_EQ(row["sensitivity"], budget[i].sensitivity);
+        EXPECT_EQ(row["contribution_m_s"], budget[i].contribution_m_s);
+        EXPECT_EQ(row.contains("degrees_of_freedom"), budget[i].degrees_of_freedom.has_value());
+        EXPECT_EQ(row["note"], budget[i].note);
+        EXPECT_EQ(row["correlation"], budget[i].correlation);
+        EXPECT_EQ(rows[i]["cells"][0], budget[i].symbol);
+        EXPECT_EQ(rows[i]["cells"][1], budget[i].source);
+        EXPECT_EQ(rows[i]["further"],
+                  Json({budget[i].note, "Correlation: " + budget[i].correlation}));
         // What follows the quantity's name, up to the next row.
         const std::string& name = budget[i].source;
         const std::size_t begin = page.find(fmt::format(">{}", name.substr(0, name.find('\''))));
         ASSERT_NE(begin, std::string::npos) << name;
         const std::string cells = page.substr(begin, page.find("</tbody>", begin) - begin);
-        for (const char* shown :
-             {"estimate_text", "uncertainty_text", "evaluation_text", "degrees_text",
-              "sensitivity_text", "contribution_text", "share_text"})
-            EXPECT_NE(cells.find(fmt::format(">{}<", rows[i][shown].get<std::string>())),
-                      std::string::npos)
-                << budget[i].symbol << " " << shown;
+        for (std::size_t k = 2; k < rows[i]["cells"].size(); ++k)
+            EXPECT_NE(
+                cells.find(fmt::format("<bdi>{}</bdi>", rows[i]["cells"][k].get<std::string>())),
+                std::string::npos)
+                << budget[i].symbol << " " << k;
     }
 }
 
 // What a board does with a pocket calculator: standard uncertainty times sensitivity, as shown.
 TEST(Uncertainty, TheShownFiguresMultiplyToTheShownContribution) {
-    const Json uncertainty = uncertainty_of(sample::make_run());
-    for (const Json& row : uncertainty["budget"]) {
-        const double product = std::stod(row["uncertainty_text"].get<std::string>()) *
-                               std::abs(std::stod(row["sensitivity_text"].get<std::string>()));
-        const double contribution = std::stod(row["contribution_text"].get<std::string>());
-        EXPECT_NEAR(product, contribution, 0.05 * contribution) << row["symbol"];
+    const Json rows = budget_rows(sample::make_run());
+    for (const Json& row : rows) {
+        if (row["mark"] == "total") continue;
+        const auto figure = [&](std::size_t cell) {
+            return std::stod(row["cells"][cell].get<std::string>());
+        };
+        const double product = figure(3) * std::abs(figure(6));
+        EXPECT_NEAR(product, figure(7), 0.05 * figure(7)) << row["cells"][0];
     }
 }
 
 TEST(Uncertainty, SharesAndBarsSumToAllOfTheVariance) {
     const sample::Run run = sample::make_run();
-    const Json uncertainty = uncertainty_of(run);
+    const Json rows = budget_rows(run);
     double shares = 0.0, variance = 0.0, bars = 0.0;
-    for (const Json& row : uncertainty["budget"]) {
-        shares += row["share_percent"].get<double>();
+    for (const Json& row : rows)
+        if (row["mark"] == "bar") {
+            shares += std::stod(row["cells"][8].get<std::string>());
+            bars += row["share"].get<double>();
+        }
+    const Json best = best_json(run);
+    for (const Json& row : best["budget"])
         variance += std::pow(row["contribution_m_s"].get<double>(), 2);
-    }
-    EXPECT_NEAR(shares, 100.0, 0.005 * 9.0);
+    EXPECT_NEAR(shares, 100.0, 0.05 * 9.0);
+    EXPECT_NEAR(bars, 100.0, 0.5 * 9.0);
     EXPECT_NEAR(std::sqrt(variance), 0.002551, 1e-6);
-    EXPECT_EQ(uncertainty["budget_total"]["combined_text"], "0.00918");
-    EXPECT_EQ(uncertainty["budget_total"]["effective_text"], "4008");
+    const Json combined = row_at(report_json(run.inputs), budget_place, "u")["cells"];
+    EXPECT_EQ(combined[7], "0.00918");
+    EXPECT_EQ(combined[5], "4008");
 
-    const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
-    const std::regex bar("style=\"width: ([0-9.]+)%\"");
-    for (std::sregex_iterator at(page.begin(), page.end(), bar), end; at != end; ++at)
-        bars += std::stod((*at)[1]);
-    EXPECT_NEAR(bars, 100.0, 0.005 * 9.0);
+    const std::string page = page_of(run);
+    const std::size_t begin = page.find("<caption><bdi>Budget");
+    const std::string table = page.substr(begin, page.find("</table>", begin) - begin);
+    const std::regex bar("<span class=\"bar\"><i style=\"width: ([0-9]+)%\"");
+    double drawn = 0.0;
+    for (std::sregex_iterator at(table.begin(), table.end(), bar), end; at != end; ++at)
+        drawn += std::stod((*at)[1]);
+    EXPECT_EQ(drawn, bars);
 }
 
 TEST(Uncertainty, RowsThatContributeNothingStayWithTheirReason) {
     sample::Run run = sample::make_run();
-    const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
+    const std::string page = section_html(page_of(run), "uncertainty");
     int zeros = 0;
     for (const BudgetRow& row : best_of(run).budget) {
         if (row.contribution_m_s != 0.0) continue;
@@ -119,50 +135,69 @@ TEST(Uncertainty, RowsThatContributeNothingStayWithTheirReason) {
     EXPECT_EQ(zeros, 3);
     for (BudgetRow& row : best_of(run).budget)
         row.contribution_m_s = row.standard_uncertainty = 0.0;
-    const Json uncertainty = uncertainty_of(run);
-    for (const Json& row : uncertainty["budget"])
-        EXPECT_EQ(row["share_percent"], 0.0);
+    for (const Json& row : budget_rows(run)) {
+        if (row["mark"] == "total") continue;
+        EXPECT_EQ(row["share"], 0);
+        EXPECT_EQ(row["cells"][8], "0 %");
+    }
 }
 
-TEST(Uncertainty, SaysCertifiedFittedAndRobustSpeed) {
+TEST(Uncertainty, SaysMeasuredFittedAndRobustSpeed) {
     sample::Run run = sample::make_run();
-    std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
-    EXPECT_NE(page.find("216.00 km/h ± 0.019 km/h (k = 2)"), std::string::npos);
-    EXPECT_NE(page.find("216.009 km/h ± 0.015 km/h (k = 2), by 11 noise models"),
-              std::string::npos);
-    EXPECT_NE(page.find("216.009 km/h: agrees"), std::string::npos);
-    EXPECT_NE(page.find("the larger is added to the expanded uncertainty"), std::string::npos);
-    EXPECT_NE(page.find("fastest of 421 windows was chosen; 118 could"), std::string::npos);
+    const Json report = report_json(run.inputs);
+    EXPECT_NE(
+        sentences_at(report, of_nalsa).find("Measured speed: 216.00 km/h ± 0.019 km/h (k = 2)"),
+        std::string::npos);
+    EXPECT_TRUE(fact_at(report, of_nalsa, "With the fitted noise alone")
+                    .starts_with("216.009 km/h ± 0.015 km/h (k = 2), by 11 noise models"))
+        << fact_at(report, of_nalsa, "With the fitted noise alone");
+    EXPECT_TRUE(
+        fact_at(report, of_nalsa, "Robust estimate").starts_with("216.009 km/h: agrees with"))
+        << fact_at(report, of_nalsa, "Robust estimate");
+    const std::string choice =
+        sentences_at(report, {"uncertainty", "Choice of the fastest window", "nalsa"});
+    EXPECT_NE(choice.find("the larger is added to the expanded uncertainty"), std::string::npos);
+    EXPECT_NE(choice.find("fastest of 421 windows was chosen; 118 could"), std::string::npos);
+    const std::string page = section_html(page_of(run), "uncertainty");
+    for (const char* shown :
+         {"216.00 km/h ± 0.019 km/h (k = 2)", "216.009 km/h ± 0.015 km/h (k = 2), by",
+          "216.009 km/h: agrees", "fastest of 421 windows was chosen"})
+        EXPECT_NE(page.find(shown), std::string::npos) << shown;
 
     best_of(run).robust->agrees = false;
-    page = section(page_of(run), "Uncertainty: rule “nalsa”");
-    EXPECT_NE(page.find("216.009 km/h: does not agree"), std::string::npos);
+    EXPECT_TRUE(fact_at(report_json(run.inputs), of_nalsa, "Robust estimate")
+                    .starts_with("216.009 km/h: does not agree"));
 }
 
 // 1.9601 and 2.0005: Student's t of 4008 degrees of freedom. 60.002417 -+ 1.96055 * 0.002551.
 TEST(Uncertainty, TheMonteCarloCheckIsComparedWithTheBudget) {
     sample::Run run = sample::make_run();
-    Json check = uncertainty_of(run)["monte_carlo"];
-    EXPECT_NEAR(check["budget_lower_m_s"].get<double>(), 59.997416, 1.5e-6);
-    EXPECT_NEAR(check["budget_upper_m_s"].get<double>(), 60.007418, 1.5e-6);
-    EXPECT_TRUE(check["uncertainty_agrees"].get<bool>());
-    EXPECT_TRUE(check["interval_agrees"].get<bool>());
+    const auto words = [&] {
+        for (const Json& block : blocks_at(report_json(run.inputs), of_nalsa))
+            if (const std::string text = block.value("text", "");
+                text.starts_with("Check of linearisation"))
+                return text;
+        return std::string("no check");
+    };
+    const auto says = [&](const char* part) { return words().find(part) != std::string::npos; };
+    EXPECT_TRUE(says("(Monte Carlo, seed 1)")) << words();
+    // 59.997416 and 60.007418 m/s.
+    EXPECT_TRUE(says("The budget's 95 % interval, 215.9907 to 216.0267 km/h, agrees within"))
+        << words();
+    EXPECT_TRUE(says("converged, numerical tolerance")) << words();
+    EXPECT_TRUE(says("Its u agrees with the budget's.")) << words();
 
     best_of(run).monte_carlo->lower_m_s = 59.9979;  // rectangular parts make it shorter
     best_of(run).monte_carlo->upper_m_s = 60.0069;
-    check = uncertainty_of(run)["monte_carlo"];
-    EXPECT_FALSE(check["interval_agrees"].get<bool>());
-    EXPECT_NE(check["monte_carlo_words"].get<std::string>().find("safe side"), std::string::npos);
+    EXPECT_TRUE(says("holds it and is wider: it is on the safe side.")) << words();
 
     best_of(run).monte_carlo->upper_m_s = 60.0085;
     best_of(run).monte_carlo->standard_uncertainty_m_s = 0.0027;
     best_of(run).monte_carlo->converged = false;
-    check = uncertainty_of(run)["monte_carlo"];
-    EXPECT_FALSE(check["uncertainty_agrees"].get<bool>());
-    const std::string words = check["monte_carlo_words"];
-    EXPECT_NE(words.find("not converged"), std::string::npos);
-    EXPECT_NE(words.find("does not agree with the budget's"), std::string::npos);
-    EXPECT_EQ(words.find("safe side"), std::string::npos);
+    EXPECT_TRUE(says("not converged")) << words();
+    EXPECT_TRUE(says("Its u does not agree with the budget's.")) << words();
+    EXPECT_TRUE(says("does not agree within that tolerance.")) << words();
+    EXPECT_FALSE(says("safe side")) << words();
 }
 
 TEST(Uncertainty, WhatTheFilesSayStaysText) {
@@ -179,20 +214,35 @@ TEST(Uncertainty, WhatTheFilesSayStaysText) {
 }
 
 TEST(Uncertainty, EachPartMayBeMissing) {
-    const std::vector<std::pair<const char*, std::function<void(CertifiableWindow&)>>> parts{
-        {"fitted", [](CertifiableWindow& best) { best.fitted.reset(); }},
-        {"robust", [](CertifiableWindow& best) { best.robust.reset(); }},
-        {"bound", [](CertifiableWindow& best) { best.bound.reset(); }},
-        {"selection", [](CertifiableWindow& best) { best.selection.reset(); }},
-        {"monte_carlo", [](CertifiableWindow& best) { best.monte_carlo.reset(); }},
-        {"budget_total", [](CertifiableWindow& best) { best.budget.clear(); }},
-        {"effective_degrees_of_freedom",
+    struct Part {
+        const char* name;   ///< of the windows file
+        const char* shown;  ///< what of it is read in the section of the rule
+        std::function<void(CertifiableWindow&)> remove;
+    };
+    const std::vector<Part> parts{
+        {"fitted", "With the fitted noise alone",
+         [](CertifiableWindow& best) { best.fitted.reset(); }},
+        {"robust", "Robust estimate", [](CertifiableWindow& best) { best.robust.reset(); }},
+        {"bound", "Time-correlated position errors",
+         [](CertifiableWindow& best) { best.bound.reset(); }},
+        {"selection", "Choice of the fastest window",
+         [](CertifiableWindow& best) { best.selection.reset(); }},
+        {"monte_carlo", "Check of linearisation",
+         [](CertifiableWindow& best) { best.monte_carlo.reset(); }},
+        {"budget", "Combined standard uncertainty",
+         [](CertifiableWindow& best) { best.budget.clear(); }},
+        {"effective_degrees_of_freedom", "4008",
          [](CertifiableWindow& best) { best.effective_degrees_of_freedom.reset(); }}};
-    for (const auto& [name, remove] : parts) {
-        sample::Run run = sample::make_run();
-        EXPECT_TRUE(uncertainty_of(run).contains(name));
+    for (const auto& [name, shown, remove] : parts) {
+        sample::Run run = sample::with_one_rule(sample::make_run());
+        const auto is_shown = [&] {
+            return section_html(page_of(run), "uncertainty").find(shown) != std::string::npos;
+        };
+        EXPECT_FALSE(best_json(run).value(name, Json()).empty()) << name;
+        EXPECT_TRUE(is_shown()) << name;
         remove(best_of(run));
-        EXPECT_FALSE(uncertainty_of(run).contains(name));
+        EXPECT_TRUE(best_json(run).value(name, Json()).empty()) << name;
+        EXPECT_FALSE(is_shown()) << name;
         EXPECT_EQ(page_of(run).find("{{"), std::string::npos) << name;
     }
 }

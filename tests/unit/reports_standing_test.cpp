@@ -174,6 +174,29 @@ TEST(Document, HoldsNoMemberThatItsSchemaDoesNotKnow) {
     refused("/predicate/document/style", "p {}");
 }
 
+// Whoever writes a report by hand can name any figure, and leave anything out that may be absent.
+TEST(Document, ThatNamesAFigureWhichIsNotThereIsRefused) {
+    const Json whole = report_of(sample::make_run());
+    const auto with_plot = [&](int index) {
+        Json report = whole;
+        for (Json& section : report["predicate"]["document"]["sections"])
+            for (Json& block : section["blocks"])
+                if (block.contains("plots")) block["plots"][0]["plot"] = index;
+        return parse_report(report_text_of(report), "report.json");
+    };
+    const auto count = static_cast<int>(whole["predicate"]["figures"].size());
+    EXPECT_NO_THROW(print_page(with_plot(count - 1)));
+    EXPECT_THROW(print_page(with_plot(count)), Failure);
+}
+
+TEST(Document, OfATableWithoutColumnsHasAPage) {
+    Json report = report_of(sample::make_run());
+    for (Json& section : report["predicate"]["document"]["sections"])
+        for (Json& block : section["blocks"])
+            block.erase("columns");
+    EXPECT_NO_THROW(print_page(parse_report(report_text_of(report), "report.json")));
+}
+
 class FirstRevision : public testing::Test {
   protected:
     const std::string text_ =

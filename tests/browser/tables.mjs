@@ -13,7 +13,7 @@ const stateOf = (table) => table.evaluate((element) => ({
   sorts: Array.from(element.tHead.rows[0].cells, (head) => head.getAttribute("aria-sort")),
 }));
 
-const sortableTables = (page) => page.locator("main table.sortable:has(thead):visible");
+const sortableTables = (page) => page.locator("main table.sortable:has(thead button):visible");
 
 /** A table of its own in a page's place, made to sort by the page's script. */
 async function sortColumn(cells) {

@@ -44,8 +44,9 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 /// What of a receiver's description says how its recording is read.
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
-    for (const char* other : {"id", "recording", "base", "navigation", "phase", "antenna_height_m",
-                              "lever_arm_m", "rotation_bound_deg", "calibration"})
+    for (const char* other :
+         {"id", "recording", "base", "navigation", "phase", "antenna_height_m", "lever_arm_m",
+          "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
         stated.erase(other);
     return stated;
 }
@@ -295,6 +296,7 @@ HeldJson parameters_of(const Attempt& attempt, const std::string& stage) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, attempt_schema());
     Attempt attempt{read_members<AttemptDocument>(document)};
+    attempt.utc_offset_minutes = read_utc_offset(document["utc_offset"]);
     attempt.signatures = read_role_signatures(document["signatures"]);
     if (attempt.amends) require_amended(document["amends"], *attempt.amends);
     require_sound_receivers(document["receivers"], attempt);

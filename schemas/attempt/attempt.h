@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,8 @@ struct AttemptInput {
 /// judged.
 struct Attempt : AttemptDocument {
     std::map<std::string, Record> records = {};  ///< by profile
+    /// Local time less UTC; nothing where the attempt does not say it.
+    std::optional<int> utc_offset_minutes = std::nullopt;
     /// How each receiver's recording is to be read, by its id, as the attempt has it: all but the
     /// names of receiver and files, and what is said of the antenna's place on the craft.
     std::map<std::string, HeldJson> stated = {};
@@ -57,7 +60,7 @@ HeldJson settings_of(const Attempt& attempt, std::string_view stage);
 HeldJson parameters_of(const Attempt& attempt, const std::string& stage);
 
 /// Reads and checks an attempt. Failure with file, line, column and remedy on any deviation from
-/// the schema, two receivers with one id, an unusable id, or a bad date.
+/// the schema, two receivers with one id, an unusable id, or a bad date or offset from UTC.
 Attempt read_attempt(std::string_view text, const std::string& where);
 
 const DocumentSchema& attempt_schema();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,10 @@ std::string read_id(const YamlValue& value);
 
 /// A date written as "2023-07-11", unchanged. It must exist in the calendar.
 std::string read_date(const YamlValue& value);
+
+/// Minutes by which a local time is ahead of UTC: "+10:30" is 630, "Z" is 0; quarters of an hour
+/// from -12:00 to +14:00. Nothing where the value is absent.
+std::optional<int> read_utc_offset(const YamlValue& value);
 
 /// The GPS time of a UTC text.
 GpsTime read_utc_time(const YamlValue& value);

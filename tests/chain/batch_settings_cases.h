@@ -10,8 +10,12 @@ inline constexpr const char* course_case = R"yaml(
 attempt:
   schema: attempt/1.0
   id: base
-  craft: {name: sloop, class: sail-boat, sail_area_m2: 9.5}
+  craft: {name: sloop, class: sail-boat, registration: GER 17, sail_area_m2: 9.5}
+  pilot: A. Sailor
+  organisation: a club
+  contact: at the club
   place: canal
+  utc_offset: "+02:00"
   date: "2026-10-20"
   officials: [{role: measurer, name: A. Person}, {role: timekeeper}]
   signatures: [{role: measurer, count: 1}]
@@ -24,6 +28,7 @@ attempt:
       lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
       rotation_bound_deg: 4
       device_deduction: {speed: 0.1, unit: kn}
+      instrument: {make: a maker, model: a logger, serial: "17", firmware: "1.2", antenna: a patch}
       calibration: {certificate: a number, laboratory: a laboratory, date: "2026-09-01", expanded_uncertainty: 0.05, unit: km/h, of: speed}
     - {id: second, recording: b.pos}
   origin: {latitude_deg: -22.92, longitude_deg: 14.41, height_m: 30.0}
@@ -140,6 +145,7 @@ inline constexpr const char* other_way_changes = R"yaml(
 inline constexpr const char* claim_changes = R"yaml(
 - {key: id, set: {/attempt/id: other}}
 - {key: craft.class, set: {/attempt/craft/class: car}, redoes: screen smooth}
+- {key: utc_offset, set: {/attempt/utc_offset: "-03:30"}}
 - {key: date, set: {/attempt/date: "2026-10-21"}}
 - {key: "officials[].role", set: {/attempt/officials/1/role: judge}}
 - {key: "officials[].key", set: {/attempt/officials/0/key: a key}}

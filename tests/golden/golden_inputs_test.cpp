@@ -40,6 +40,22 @@ TEST(GoldenAttempt, AgreementAndCalibration) {
     EXPECT_FALSE(attempt.receivers.at(1).calibration);
 }
 
+TEST(GoldenAttempt, WhoAndWithWhat) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.craft.registration, "AUS 17");
+    EXPECT_EQ(attempt.pilot, "\u0646\u0648\u0631 \u5c71\u7530");
+    EXPECT_EQ(attempt.organisation, "a club of land sailors");
+    EXPECT_EQ(attempt.contact, "secretary@club.example, +81 52 000 0000");
+    EXPECT_EQ(attempt.utc_offset, "+09:00");
+    EXPECT_EQ(attempt.utc_offset_minutes, 540);
+    EXPECT_EQ(attempt.receivers.at(0).instrument, (Instrument{.make = "a maker",
+                                                              .model = "R10, second series",
+                                                              .serial = "004711",
+                                                              .firmware = "1.10",
+                                                              .antenna = "geodetic, no. 12"}));
+    EXPECT_FALSE(attempt.receivers.at(1).instrument);
+}
+
 TEST(GoldenAttempt, RecordingsAndRawObservations) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
     EXPECT_EQ(attempt.receivers.at(0).utc_offset_h, 9.0);

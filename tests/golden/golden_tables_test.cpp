@@ -52,6 +52,11 @@ TEST(GoldenTables, RecordsThatCouldNotBeRead) {
     const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.variant, "with velocities");
     EXPECT_EQ(table.device, "logger, firmware 1.2");
+    EXPECT_EQ(table.instrument, (Instrument{.make = "a maker",
+                                            .model = "logger",
+                                            .serial = "0017",
+                                            .firmware = "1.20",
+                                            .antenna = "patch, number 3"}));
     EXPECT_EQ(table.records.total, 7);
     EXPECT_EQ(table.records.bad, 2);
     ASSERT_EQ(table.records.bad_records.size(), 2U);

@@ -110,6 +110,23 @@ void require_joinable(const std::vector<RecordingBytes>& recordings) {
     require_different(recordings);
 }
 
+/// What the files that say anything of a part of the instrument say alike.
+std::optional<Instrument> joined_instrument(const std::vector<Observations>& parts) {
+    Instrument all;
+    for (std::string Instrument::*part :
+         {&Instrument::make, &Instrument::model, &Instrument::serial, &Instrument::firmware,
+          &Instrument::antenna}) {
+        bool alike = true;
+        for (const Observations& each : parts) {
+            const std::string said = each.instrument ? (*each.instrument).*part : "";
+            if ((all.*part).empty()) all.*part = said;
+            alike &= said.empty() || said == all.*part;
+        }
+        if (!alike) (all.*part).clear();
+    }
+    return all.empty() ? std::nullopt : std::optional(all);
+}
+
 /// The parts of a recording, read from files that follow one another, as one. `parts` and
 /// `recordings` go together, at least one; a single part is returned as it is.
 Observations join(std::vector<Observations> parts, const std::vector<RecordingBytes>& recordings) {
@@ -124,6 +141,7 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
                      .format = first.format,
                      .variant = first.variant,
                      .device = first.device,
+                     .instrument = joined_instrument(parts),
                      .processing = first.processing,
                      .frame = first.frame,
                      .time_scale = first.time_scale,

@@ -138,6 +138,15 @@ RecordCount RecordLog::finish(std::vector<std::string>& notes) && {
     return std::move(records_);
 }
 
+std::string instrument_part(std::string_view text) {
+    constexpr std::size_t longest = 80;
+    return escape_for_message(trim(text), longest);
+}
+
+void set_instrument(Observations& observations, const Instrument& instrument) {
+    if (!instrument.empty()) observations.instrument = instrument;
+}
+
 Observations empty_observations(std::string_view format, std::string_view frame,
                                 std::string_view time_scale) {
     Observations observations;

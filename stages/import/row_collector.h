@@ -103,6 +103,13 @@ struct TimedRow {
     WrittenCells written;
 };
 
+/// What a recording says of a part of its instrument, as it may be shown: without blanks around it,
+/// at most 80 characters.
+std::string instrument_part(std::string_view text);
+
+/// Says what recorded, where anything is known of it.
+void set_instrument(Observations& observations, const Instrument& instrument);
+
 /// Observations of a format without anything read yet.
 Observations empty_observations(std::string_view format, std::string_view frame,
                                 std::string_view time_scale);

@@ -120,6 +120,32 @@ TEST(Fit, RecordsAreReadInTheirUnits) {
     EXPECT_TRUE(has_note(read, "whole seconds"));
 }
 
+TEST(Fit, InstrumentIsThatOfFileIdAndCreator) {
+    const std::string text("Forerunner 955\0", 15);
+    const std::string file_id = definition(2, 0, {{3, 4}, {4, 4}, {1, 2}, {2, 2}, {0, 1}}) + '\2' +
+                                number<std::uint32_t>(3456789012U) + number(start) +
+                                number<std::uint16_t>(1) + number<std::uint16_t>(4024) + '\4';
+    const std::string info = definition(3, 23, {{3, 4}, {2, 2}, {4, 2}, {5, 2}, {0, 1}});
+    const auto device = [&](int index, std::uint32_t serial, std::uint16_t software) {
+        return '\3' + number(serial) + number<std::uint16_t>(1) + number<std::uint16_t>(4024) +
+               number(software) + static_cast<char>(index);
+    };
+    const std::string rows = stamped_definition + stamped(start, 0) + stamped(start + 1, 1);
+    const auto of = [&](const std::string& records) {
+        return import_text(pos_receiver(), file_of(records)).instrument;
+    };
+    // A heart rate strap (index 1) is not what recorded.
+    EXPECT_EQ(of(file_id + info + device(1, 77, 300) + device(0, 3456789012U, 1929) + rows),
+              (Instrument{.make = "Garmin",
+                          .model = "product 4024 by FIT's numbers",
+                          .serial = "3456789012",
+                          .firmware = "19.29"}));
+    EXPECT_EQ(of(definition(2, 0, {{8, 15}, {1, 2}, {3, 4}}) + '\2' + text +
+                 number<std::uint16_t>(999) + number<std::uint32_t>(0) + rows),
+              (Instrument{.make = "manufacturer 999 by FIT's numbers", .model = "Forerunner 955"}));
+    EXPECT_FALSE(of(rows));
+}
+
 TEST(Fit, CompressedRepeatedAndBackwardStampsAreThoseOfAnIndependentDecoder) {
     std::string records = stamped_definition + compressed_definition + stamped(start, 0);
     std::uint32_t time = start;

@@ -63,6 +63,23 @@ TEST(Flysight, AnAccuracyOfSpeedMayBeLabelledMetres) {
             "\"velN\" is in \"m\""));
 }
 
+TEST(Flysight, InstrumentOfSeveralFilesIsWhatTheySayAlike) {
+    const auto of = [](const std::string& later_header) {
+        const std::string first = second_header + second_row;
+        const std::string later = later_header + replaced(second_row, "18:09:07", "18:09:08");
+        return import_recordings(
+                   pos_receiver(),
+                   {{.name = "1.csv", .bytes = first}, {.name = "2.csv", .bytes = later}},
+                   import_recording)
+            .instrument;
+    };
+    const Instrument whole{.model = "FlySight 2", .serial = "004e003a", .firmware = "v2024.08.07"};
+    EXPECT_EQ(of(second_header), whole);
+    EXPECT_EQ(of(replaced(second_header, "$VAR,DEVICE_ID,004e003a\r\n", "")), whole);
+    EXPECT_EQ(of(replaced(second_header, "v2024.08.07", "v2025.01.01")),
+              (Instrument{.model = "FlySight 2", .serial = "004e003a"}));
+}
+
 TEST(Flysight, BothVersionsSayTheSame) {
     for (const bool first : {true, false}) {
         const Observations read = import_text(
@@ -70,6 +87,10 @@ TEST(Flysight, BothVersionsSayTheSame) {
         EXPECT_EQ(read.format, "flysight");
         EXPECT_EQ(read.variant, first ? "FlySight 1" : "FlySight 2");
         EXPECT_EQ(read.device, first ? "" : "FlySight 2, firmware v2024.08.07, device 004e003a");
+        EXPECT_EQ(read.instrument, first ? std::nullopt
+                                         : std::optional(Instrument{.model = "FlySight 2",
+                                                                    .serial = "004e003a",
+                                                                    .firmware = "v2024.08.07"}));
         EXPECT_EQ(read.frame, "geodetic");
         EXPECT_EQ(read.time_scale, "utc");
         EXPECT_EQ(read.accuracy_source, "recording");

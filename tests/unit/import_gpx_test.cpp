@@ -67,6 +67,7 @@ TEST(Gpx, ReadsEveryField) {
     EXPECT_EQ(read.format, "gpx");
     EXPECT_EQ(read.variant, "GPX 1.1");
     EXPECT_EQ(read.device, "Maker & Son");
+    EXPECT_FALSE(read.instrument);  // a creator may be a device, an app, or a program that converts
     EXPECT_EQ(read.time_scale, "utc");
     EXPECT_EQ(read.accuracy_source, "none");
     EXPECT_EQ(*read.facts.first_epoch, gps_from_utc({2019, 4, 12, 0, 39, 56, 0}));

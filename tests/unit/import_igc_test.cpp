@@ -36,6 +36,23 @@ TEST(Igc, IsRecognisedByItsRecords) {
     EXPECT_FALSE(find_format("igc")->recognises(""));
 }
 
+TEST(Igc, InstrumentIsWhatItsHeaderSays) {
+    const auto of = [](const std::string& identity) {
+        return import_text(igc_receiver(), identity + "HFDTE160701\r\n" + fix + "\n").instrument;
+    };
+    // Serial numbers as LXNAV, Filser, XCSoar, SeeYou and Flymaster write them.
+    EXPECT_EQ(of("ALXVJF5FLIGHT:1\r\nHFFTYFRTYPE:LXNAV,LX9000\r\nHFRFWFIRMWAREREVISION:4.2\r\n"),
+              (Instrument{.make = "LXNAV", .model = "LX9000", .serial = "JF5", .firmware = "4.2"}));
+    EXPECT_EQ(of("AFIL01460FLIGHT:1\r\n"), (Instrument{.make = "FIL", .serial = "01460"}));
+    EXPECT_EQ(of("AXCSAAA\r\nHFFTYFRTYPE:XCSOAR,XCSOAR ANDROID 7.2\r\n"),
+              (Instrument{.make = "XCSOAR", .model = "XCSOAR ANDROID 7.2", .serial = "AAA"}));
+    EXPECT_EQ(of("AXCC64BCE1\r\nHFFTYFRTYPE:SeeYou Recorder\r\n"),
+              (Instrument{.make = "XCC", .model = "SeeYou Recorder", .serial = "64BCE1"}));
+    EXPECT_EQ(of("AXFM\r\n"), (Instrument{.make = "XFM"}));
+    EXPECT_EQ(of("AXFM:7\r\n"), (Instrument{.make = "XFM"}));
+    EXPECT_FALSE(of(""));
+}
+
 TEST(Igc, SaysWhereLeapSecondsAreNotKnown) {
     const std::string later = std::regex_replace(header, std::regex("160701"), "160744");
     const auto notes = import_text(igc_receiver(), later + fix + "\n").notes;
@@ -53,6 +70,8 @@ TEST(Igc, ReadsEveryField) {
                                            "8-001200000\r\nGREJNGJERJKNJKRE\r\nG31895478537\r\n");
     EXPECT_EQ(read.format, "igc");
     EXPECT_EQ(read.device, "LXNAV,S80, XLX123 FLIGHT:1, firmware 6.4");
+    EXPECT_EQ(read.instrument,
+              (Instrument{.make = "LXNAV", .model = "S80", .serial = "123", .firmware = "6.4"}));
     EXPECT_EQ(read.time_scale, "utc");
     EXPECT_EQ(*read.facts.first_epoch, gps_from_utc({2001, 7, 16, 16, 2, 40, 0}));
     EXPECT_EQ(*read.facts.time_resolution_s, 1.0);

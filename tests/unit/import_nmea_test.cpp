@@ -20,6 +20,19 @@ std::size_t distinct_gga_times(const std::string& text) {
     return times.size();
 }
 
+TEST(NmeaInstrument, IsWhatTheReceiverSaysWhenItIsSwitchedOn) {
+    const std::string on = sentence("GNTXT,01,01,02,u-blox AG - www.u-blox.com") +
+                           sentence("GNTXT,01,01,02,HW UBX-M8030 00080000") +
+                           sentence("GNTXT,01,01,02,ROM CORE 3.01 (107888)") +
+                           sentence("GNTXT,01,01,02,FWVER=SPG 3.01") +
+                           sentence("GNTXT,01,01,02,MOD=NEO-M8N-0");
+    const std::string fixes = gga("120000.00") + rmc("120000.00", "010120") + gga("120000.10") +
+                              rmc("120000.10", "010120");
+    EXPECT_EQ(read_nmea(on + fixes).instrument,
+              (Instrument{.make = "u-blox", .model = "NEO-M8N-0", .firmware = "SPG 3.01"}));
+    EXPECT_FALSE(read_nmea(sentence("GNTXT,01,01,02,ANTSTATUS=OK") + fixes).instrument);
+}
+
 TEST(Nmea, RealLogOfStandingReceiverByHand) {
     const auto text = recorded("nmea_gst/static_f9p.nmea");
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";

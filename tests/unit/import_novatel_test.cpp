@@ -65,6 +65,20 @@ TEST(Novatel, PositionsAndVelocitiesOfOneTimeAreOneEpoch) {
     EXPECT_TRUE(has_note(read, "up to 0.15 s older than their times"));
 }
 
+TEST(Novatel, InstrumentIsTheCardOfVersion) {
+    const std::string version =
+        sealed(header("VERSIONA", 0.0) +
+               "2,FRONTPANEL,\"\",\"\",\"\",\"\",\"\",\"\",\"\",GPSCARD,\"L12RV\",\"DZZ06040017\","
+               "\"OEMV3G-3.00-2T\",\"3.000A19\",\"3.000A9\",\"2006/Feb/ 9\",\"17:14:33\"");
+    const Instrument expected{.model = "L12RV", .serial = "DZZ06040017", .firmware = "3.000A19"};
+    EXPECT_EQ(import_text(pos_receiver(), version + position(1) + position(2)).instrument,
+              expected);
+    const Observations behind = import_text(pos_receiver(), position(1) + version + position(2));
+    EXPECT_EQ(behind.instrument, expected);
+    EXPECT_EQ(behind.rows.size(), 2U);
+    EXPECT_FALSE(import_text(pos_receiver(), position(1)).instrument);
+}
+
 TEST(Novatel, InertialPositionsAreSaidToBeSo) {
     std::string text;
     for (int i = 0; i < 3; ++i)

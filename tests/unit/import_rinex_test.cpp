@@ -77,6 +77,30 @@ const std::string epoch_3 =
     "E11  24671985.904   129632018.81627\n"
     "R05  20671985.904 8 108632018.816 8\n";
 
+// The header of a station of the IGS (Trimble NetR9), and what converters leave blank.
+TEST(RinexInstrument, IsWhatTheHeaderSays) {
+    const std::string version =
+        labelled("     3.04           OBSERVATION DATA    M", "RINEX VERSION / TYPE");
+    const std::string end = labelled("", "END OF HEADER");
+    const std::string receiver =
+        labelled("5429R48872          TRIMBLE NETR9       5.45", "REC # / TYPE / VERS");
+    EXPECT_EQ(rinex::instrument_of(
+                  version + receiver +
+                  labelled("5033344124          TRM59800.00     SCIT", "ANT # / TYPE") + end),
+              (Instrument{.model = "TRIMBLE NETR9",
+                          .serial = "5429R48872",
+                          .firmware = "5.45",
+                          .antenna = "TRM59800.00     SCIT, number 5033344124"}));
+    EXPECT_EQ(rinex::instrument_of(version +
+                                   labelled("                    u-blox", "REC # / TYPE / VERS") +
+                                   labelled("17", "ANT # / TYPE") + end),
+              (Instrument{.model = "u-blox", .antenna = "number 17"}));
+    EXPECT_TRUE(rinex::instrument_of(version + labelled("", "REC # / TYPE / VERS") +
+                                     labelled("", "ANT # / TYPE") + end + receiver)
+                    .empty());
+    EXPECT_TRUE(rinex::instrument_of("").empty());
+}
+
 TEST(RinexMeasurements, Version2OfARealBaseIsReadWhole) {
     const auto text = recorded("rinex_pair/yamatogawa_master.obs");
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";

@@ -102,6 +102,7 @@ TEST(Sbn, ReadsEveryField) {
     const Observations read = import_text(sbn_receiver(), bytes);
     EXPECT_EQ(read.format, "sbn");
     EXPECT_EQ(read.device, "ROD, 30003117, 1, V1.4(B1)");
+    EXPECT_EQ(read.instrument, (Instrument{.serial = "30003117", .firmware = "V1.4(B1)"}));
     EXPECT_EQ(read.time_scale, "gps");
     EXPECT_EQ(read.accuracy_source, "recording");
     EXPECT_EQ(*read.facts.first_epoch, GpsTime::from_week(week, 3'600'000'000'000));

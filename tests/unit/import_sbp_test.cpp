@@ -94,6 +94,11 @@ TEST(Sbp, ReadsEveryField) {
     EXPECT_EQ(read.format, "sbp");
     EXPECT_EQ(read.variant, "SBP with SDOP");
     EXPECT_EQ(read.device, "GT-31, 30003117, 1, V1.4");
+    // Its first field is what its owner calls it.
+    EXPECT_EQ(read.instrument, (Instrument{.serial = "30003117", .firmware = "V1.4"}));
+    for (const char* id : {"", "GT-31", "a,b,c", "a,b,c,d,e"})
+        EXPECT_FALSE(import_text(sbp_receiver(), header(id) + log_of(3, 200).substr(64)).instrument)
+            << id;
     EXPECT_EQ(read.time_scale, "utc");
     EXPECT_EQ(read.accuracy_source, "none");
     EXPECT_EQ(*read.facts.first_epoch, gps_from_utc({2019, 4, 12, 0, 39, 56, 0}));

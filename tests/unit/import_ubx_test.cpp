@@ -358,5 +358,36 @@ TEST(Ubx, VersionNamesTheDevice) {
               "u-blox ZED-F9P, firmware HPG 1.13");
 }
 
+TEST(Ubx, InstrumentIsWhatVersionAndIdentitySay) {
+    const auto version = [](const std::string& software, const std::string& hardware,
+                            const std::vector<std::string>& extensions) {
+        std::string payload = software + std::string(30 - software.size(), '\0') + hardware +
+                              std::string(10 - hardware.size(), '\0');
+        for (const std::string& each : extensions)
+            payload += each + std::string(30 - each.size(), '\0');
+        return frame(0x0a, 0x04, payload);
+    };
+    const std::string f9p =
+        version("EXT CORE 1.00 (3fda8e)", "00190000",
+                {"ROM BASE 0x118B2060", "FWVER=HPG 1.12", "PROTVER=27.11", "MOD=ZED-F9P"});
+    const std::string identity =
+        frame(0x27, 0x03, std::string("\x01\0\0\0\xf9\x0a\x00\x3b\x7e", 9));
+    const Instrument expected{
+        .make = "u-blox", .model = "ZED-F9P", .serial = "F90A003B7E", .firmware = "HPG 1.12"};
+    EXPECT_EQ(read_ubx(f9p + identity + pvt_frame()).instrument, expected);
+    EXPECT_EQ(read_ubx(identity + pvt_frame() + f9p).instrument, expected);
+    // Its hardware version is no model; its software's version is that of its firmware.
+    EXPECT_EQ(read_ubx(version("7.03 (45969)", "00040007", {}) + pvt_frame()).instrument,
+              (Instrument{.make = "u-blox", .firmware = "7.03 (45969)"}));
+    EXPECT_EQ(read_ubx(frame(0x27, 0x03, std::string("\x02\0\0\0\1\2\3\4\5\6", 10)) + pvt_frame())
+                  .instrument,
+              (Instrument{.make = "u-blox", .serial = "010203040506"}));
+    // Cut off, or of a version that is not known: nothing is said of it.
+    for (const std::string& odd : {std::string("\x01\0\0\0\xf9\x0a", 6),
+                                   std::string("\x07\0\0\0\1\2\3\4\5\6", 10), std::string()})
+        EXPECT_EQ(read_ubx(frame(0x27, 0x03, odd) + pvt_frame()).instrument->serial, "");
+    EXPECT_FALSE(read_ubx(pvt_frame()).instrument);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

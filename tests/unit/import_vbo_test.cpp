@@ -16,6 +16,13 @@ TEST(Vbo, EveryField) {
     EXPECT_EQ(read.frame, "geodetic");
     EXPECT_EQ(read.time_scale, "utc");
     EXPECT_EQ(read.device, "VBox II Version 4.5a, serial number 005201");
+    // "VBox II Version 4.5a" does not say which part of it is what.
+    EXPECT_EQ(read.instrument, (Instrument{.serial = "005201"}));
+    EXPECT_EQ(import_vbo(replaced(header, "VBox II Version 4.5a",
+                                  "Type : VBOX3i\r\nFirmware : 2.5 build 1") +
+                         row + next_row)
+                  .instrument,
+              (Instrument{.model = "VBOX3i", .serial = "005201", .firmware = "2.5 build 1"}));
     EXPECT_EQ(read.accuracy_source, "none");
     EXPECT_EQ(read.facts.receiver, "primary");
     EXPECT_EQ(read.records.total, 2);

@@ -11,7 +11,7 @@
 namespace runcert::fit {
 namespace {
 
-constexpr std::uint16_t file_id = 0, record = 20, gps_metadata = 160;
+constexpr std::uint16_t file_id = 0, record = 20, device_info = 23, gps_metadata = 160;
 constexpr double degrees_per_semicircle = 180.0 / 2147483648.0;
 /// 1989-12-31 UTC.
 constexpr std::int64_t unix_of_fit_epoch_s = 631'065'600;
@@ -120,10 +120,43 @@ struct Contents {
     std::vector<Message> records, metadata;
     std::size_t records_without_position = 0;
     std::optional<std::int64_t> manufacturer, product;
+    Instrument instrument;
     Decoded decoded;
 
     bool uses_metadata() const { return metadata.size() > records.size(); }
 };
+
+/// Garmin's numbers of manufacturers (FIT SDK, profile: manufacturer), those that make watches and
+/// loggers for sports.
+std::string name_of_manufacturer(std::int64_t number) {
+    for (const auto& [known, name] : {std::pair(1, "Garmin"), std::pair(23, "Suunto"),
+                                      std::pair(32, "Wahoo Fitness"), std::pair(123, "Polar")})
+        if (number == known) return name;
+    return fmt::format("manufacturer {} by FIT's numbers", number);
+}
+
+std::string text_of(const Message& message, std::uint8_t field) {
+    const std::string_view text = message.field(field);
+    return instrument_part(text.substr(0, text.find('\0')));
+}
+
+/// Of the device that made the file: `file_id`, and the `device_info` of device 0, its creator.
+void read_instrument(const Message& message, Instrument& instrument) {
+    const bool is_file_id = message.number == file_id;
+    if (!is_file_id && (message.number != device_info || message.whole(0) != 0)) return;
+    const std::uint8_t manufacturer = is_file_id ? 1 : 2, product_name = is_file_id ? 8 : 27;
+    constexpr std::uint8_t serial = 3, software = 5;
+    const auto set = [](std::string& part, std::string said) {
+        if (part.empty()) part = std::move(said);
+    };
+    if (const auto number = message.whole(manufacturer))
+        set(instrument.make, name_of_manufacturer(*number));
+    set(instrument.model, text_of(message, product_name));
+    if (const auto number = message.whole(serial); number && *number != 0)
+        set(instrument.serial, std::to_string(*number));
+    if (const auto version = message.whole(software); !is_file_id && version)
+        set(instrument.firmware, fmt::format("{}.{:02}", *version / 100, *version % 100));
+}
 
 Contents look_through(const RecordingBytes& recording) {
     Contents contents;
@@ -132,6 +165,7 @@ Contents look_through(const RecordingBytes& recording) {
             contents.manufacturer = message.whole(1);
             contents.product = message.whole(2);
         }
+        read_instrument(message, contents.instrument);
         if (message.number != record && message.number != gps_metadata) return;
         const bool is_record = message.number == record;
         if (has_position(message))
@@ -173,6 +207,10 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     if (contents.manufacturer)
         observations.device = fmt::format("manufacturer {}, product {} by FIT's numbers",
                                           *contents.manufacturer, contents.product.value_or(0));
+    Instrument instrument = contents.instrument;
+    if (instrument.model.empty() && contents.product)
+        instrument.model = fmt::format("product {} by FIT's numbers", *contents.product);
+    set_instrument(observations, instrument);
     set_rows(observations, std::move(timed));
     note(observations, contents);
     apply_attempt(observations, receiver);

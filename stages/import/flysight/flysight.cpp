@@ -216,6 +216,10 @@ class Reader {
             observations_.notes.push_back(
                 "Lines end in two carriage returns: the file was converted after it was recorded.");
         observations_.device = device();
+        if (!observations_.device.empty())
+            set_instrument(observations_, {.model = "FlySight 2",
+                                           .serial = instrument_part(device_),
+                                           .firmware = instrument_part(firmware_)});
         set_rows(observations_, std::move(timed_));
         return std::move(observations_);
     }

@@ -27,6 +27,27 @@ struct Identity {
         }
         return all;
     }
+
+    /// Record A: the maker's code of three letters, the serial number, and "FLIGHT:1" or the like
+    /// behind it. HFFTY: maker and model, with a comma between.
+    Instrument instrument() const {
+        constexpr std::size_t code_size = 3, least_serial = 3;
+        Instrument found{.firmware = firmware};
+        const std::size_t comma = type.find(',');
+        if (comma != std::string::npos && type.find(',', comma + 1) == std::string::npos) {
+            found.make = trim(std::string_view(type).substr(0, comma));
+            found.model = trim(std::string_view(type).substr(comma + 1));
+        } else {
+            found.model = type;
+        }
+        if (manufacturer.size() < code_size) return found;
+        if (found.make.empty()) found.make = manufacturer.substr(0, code_size);
+        std::string_view behind = std::string_view(manufacturer).substr(code_size);
+        behind = behind.substr(0, behind.find("FLIGHT:"));
+        behind = behind.substr(0, behind.find_first_of(" :,;-"));
+        if (behind.size() >= least_serial) found.serial = behind;
+        return found;
+    }
 };
 
 /// Free text of a header as it may be shown.
@@ -49,6 +70,7 @@ class Reader {
         Observations observations;
         observations.time_scale = "utc";  // set_rows asks for it
         observations.device = identity_.text();
+        set_instrument(observations, identity_.instrument());
         set_rows(observations, std::move(timed_));
         note_content(observations);
         return observations;

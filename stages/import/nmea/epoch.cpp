@@ -34,8 +34,9 @@ bool is_of_simulator(const Sentence& sentence) {
 }
 
 /// Adds what a TXT sentence says of the device: u-blox receivers name theirs when switched on.
-void name_device(const Sentence& sentence, std::string& device) {
+void name_device(const Sentence& sentence, Tally& tally) {
     constexpr std::size_t longest = 120;
+    std::string& device = tally.device;
     const std::string_view text = trim(sentence[4]);
     const bool names = text.starts_with("HW ") || text.starts_with("MOD=") ||
                        text.starts_with("FWVER=") || text.starts_with("ROM ");
@@ -44,6 +45,9 @@ void name_device(const Sentence& sentence, std::string& device) {
         return;
     device += device.empty() ? "u-blox " : ", ";
     device += text;
+    tally.instrument.make = "u-blox";
+    if (text.starts_with("MOD=")) tally.instrument.model = trim(text.substr(4));
+    if (text.starts_with("FWVER=")) tally.instrument.firmware = trim(text.substr(6));
 }
 
 /// Of GGA, GNS and RMC, in this order, the first with a position; else the first that is there.
@@ -126,7 +130,7 @@ bool EpochReader::is_repeated(const Sentence& sentence) {
 }
 
 void EpochReader::take_in(const Sentence& sentence) {
-    if (sentence.type == SentenceType::txt) return name_device(sentence, tally_.device);
+    if (sentence.type == SentenceType::txt) return name_device(sentence, tally_);
     require_whole(sentence);
     tally_.sentences |= bit(sentence.type);
     if (is_of_simulator(sentence)) ++tally_.of_simulator;

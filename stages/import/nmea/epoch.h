@@ -89,6 +89,7 @@ struct Tally {
     std::int64_t odd_qualities = 0;  ///< GGA quality above 6
     std::int64_t of_simulator = 0;   ///< sentences whose quality is 8, or whose mode is S
     std::string device;
+    Instrument instrument;
 };
 
 /// Joins the sentences of a recording into epochs: those of one time, as they follow each other.

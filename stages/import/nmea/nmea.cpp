@@ -195,6 +195,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_position_sentences(recording, timed, epochs.tally());
     observations.variant = variant_of(epochs.tally().sentences);
     observations.device = epochs.tally().device;
+    set_instrument(observations, epochs.tally().instrument);
     observations.simulated = epochs.tally().of_simulator > 0;
     if (observations.simulated)
         observations.written_by.push_back(

@@ -201,6 +201,26 @@ double read_velocity(const Log& log, Observation& row) {
     return read_real(log.fields[bestvel::latency], "latency");
 }
 
+/// What VERSION says of the receiver's own card, the first of its components that is one: model,
+/// serial number, hardware, firmware. Empty where there is none.
+Instrument instrument_of(const Log& log) {
+    constexpr std::size_t components_at = 1, fields_of_component = 8;
+    constexpr std::size_t model = 1, serial = 2, firmware = 4;
+    const auto text = [&](std::size_t at) {
+        std::string_view field = trim(log.fields[at].text);
+        if (field.size() >= 2 && field.front() == '"' && field.back() == '"')
+            field = field.substr(1, field.size() - 2);
+        return instrument_part(field);
+    };
+    for (std::size_t at = components_at; at + fields_of_component <= log.fields.size();
+         at += fields_of_component)
+        if (log.fields[at].text == "GPSCARD")
+            return {.model = text(at + model),
+                    .serial = text(at + serial),
+                    .firmware = text(at + firmware)};
+    return {};
+}
+
 /// How many of each log there are.
 std::map<std::string_view, std::int64_t> count_logs(const RecordingBytes& recording) {
     std::map<std::string_view, std::int64_t> count;
@@ -231,6 +251,8 @@ class Reader {
                     take_position(*line);
                 else if (!velocities_.empty() && is_log(line->text, velocities_))
                     take_velocity(*line);
+                else if (is_log(line->text, "VERSIONA"))
+                    instrument_ = instrument_of(read_log(*line, recording_));
             } catch (const Failure& failure) {
                 timed_.count_bad(*line, failure);
             }
@@ -238,6 +260,7 @@ class Reader {
         finish();
         Observations observations = empty_observations("novatel", "geodetic", "gps");
         observations.variant = positions_;
+        set_instrument(observations, instrument_);
         set_rows(observations, std::move(timed_));
         note(observations);
         return observations;
@@ -305,6 +328,7 @@ class Reader {
     std::optional<TimedRow> velocity_;  ///< of an epoch whose position comes after it
     std::int64_t without_time_ = 0;
     double latency_s_ = 0.0;
+    Instrument instrument_;
 };
 
 bool recognises(std::string_view bytes) {

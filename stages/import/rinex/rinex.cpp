@@ -127,6 +127,28 @@ void ObservationHeader::read() {
     require_types();
 }
 
+Instrument instrument_of(std::string_view bytes) {
+    Instrument found;
+    LineReader lines(bytes);
+    while (const auto line = lines.next()) {
+        const auto part = [&](std::size_t at) {
+            return instrument_part(characters(line->text, at, 20));
+        };
+        const std::string_view label = label_of(line->text);
+        if (label == "END OF HEADER") break;
+        if (label == "REC # / TYPE / VERS") {
+            found.serial = part(0);
+            found.model = part(20);
+            found.firmware = part(40);
+        }
+        if (label != "ANT # / TYPE") continue;
+        found.antenna = part(20);
+        if (const std::string number = part(0); !number.empty())
+            found.antenna += (found.antenna.empty() ? "number " : ", number ") + number;
+    }
+    return found;
+}
+
 void ObservationHeader::require_types() const {
     const auto has_phase = [](const Types& all) {
         return std::ranges::any_of(all, [](const auto& type) { return type.what == 'L'; });

@@ -40,11 +40,16 @@ struct NavigationFile {
 /// where the file is none, or of another version, and where most records cannot be read.
 NavigationFile read_navigation(const RecordingBytes& recording);
 
+/// What the header of observations says of receiver ("REC # / TYPE / VERS") and antenna ("ANT # /
+/// TYPE"); nothing where it is none.
+Instrument instrument_of(std::string_view bytes);
+
 /// What RTKLIB made of a RINEX recording: the evidence of a run, beside the recording itself.
 struct Solution {
     std::string configuration;      ///< rnx2rtkp's, of the forward pass
     std::string forward, backward;  ///< .pos files; their header names the program's version
     CalledProgram program;
+    Instrument instrument;  ///< as the recording's header says
 };
 
 /// Solves the recording by rnx2rtkp of RTKLIB (Debian package rtklib) with the configuration of

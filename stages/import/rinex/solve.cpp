@@ -141,6 +141,7 @@ Solution solve(const Receiver& receiver, const RecordingBytes& rover, const Reco
                         .version = program_of(solution.forward),
                         .sha256 = external_program_sha256(solver),
                         .isolation = isolation_word()};
+    solution.instrument = instrument_of(rover.bytes);
     return solution;
 }
 
@@ -163,6 +164,7 @@ Observations read(const Receiver& receiver, const Solution& solution,
             file.erase(0, file.find_last_of('/') + 1);
     }
     observations.format = "rinex";
+    set_instrument(observations, solution.instrument);
     observations.variant = fmt::format("solved by {}, {}", program_of(solution.forward),
                                        forward ? "forward" : "backward");
     observations.notes.push_back(fmt::format(

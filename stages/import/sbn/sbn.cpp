@@ -278,8 +278,10 @@ class Reader {
     static constexpr std::size_t most_leap_counts = 8;
 
     void read_message(std::string_view payload, std::size_t offset, const RecordPlace& place) {
-        if (payload[0] == file_id_message && observations_.device.empty())
+        if (payload[0] == file_id_message && observations_.device.empty()) {
             observations_.device = locosys_device(payload.substr(1));
+            set_instrument(observations_, locosys_instrument(payload.substr(1)));
+        }
         if (payload[0] != geodetic_message) return timed_.count_good();
         try {
             const GeodeticRow read = read_geodetic(payload, recording_, place);

@@ -197,7 +197,8 @@ constexpr std::size_t header_bytes = 64;
 constexpr std::size_t file_id_at = 7;
 constexpr std::size_t frame_end_bytes = 4;
 
-std::string read_device(std::string_view header) {
+/// The text of the file identification in the header; empty where there is none.
+std::string_view file_id_of(std::string_view header) {
     if (header.size() < file_id_at) return {};
     const std::size_t message = little_endian<std::uint16_t>(header, 0);
     const std::size_t end = std::min({message, header.size(), header_bytes});
@@ -205,7 +206,7 @@ std::string read_device(std::string_view header) {
         header.substr(file_id_at, end > file_id_at ? end - file_id_at : std::size_t{0});
     if (text.size() >= frame_end_bytes && text.ends_with("\xb0\xb3"))
         text.remove_suffix(frame_end_bytes);  // its checksum may look like letters
-    return locosys_device(text);
+    return text;
 }
 
 /// The records without the room at the end of the file that was never written.
@@ -281,7 +282,9 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     const Filled filled = find_filled(records);
     Observations observations = empty_observations("sbp", "geodetic", "utc");
     observations.variant = filled.sdop ? "SBP with SDOP" : "SBP without SDOP";
-    observations.device = read_device(bytes.substr(0, header_bytes));
+    const std::string_view file_id = file_id_of(bytes.substr(0, header_bytes));
+    observations.device = locosys_device(file_id);
+    set_instrument(observations, locosys_instrument(file_id));
     set_rows(observations, read_rows(recording, filled, records));
     note_content(observations, filled);
     note_jumps(observations);

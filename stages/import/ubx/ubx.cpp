@@ -14,6 +14,7 @@ namespace {
 
 constexpr MessageId raw_measurements = 0x0215;  ///< RXM-RAWX
 constexpr MessageId receiver_version = 0x0a04;  ///< MON-VER
+constexpr MessageId chip_identity = 0x2703;     ///< SEC-UNIQID
 
 /// A text of a fixed size, filled up with NUL; empty where it is not printable.
 std::string_view text_at(std::string_view payload, std::size_t at, std::size_t size) {
@@ -22,19 +23,39 @@ std::string_view text_at(std::string_view payload, std::size_t at, std::size_t s
     return is_printable_ascii(text) ? text : std::string_view();
 }
 
-/// "u-blox ZED-F9P, FWVER=HPG 1.13" of a MON-VER: hardware, or the module and firmware that its
-/// extensions name.
-std::string device_of(std::string_view version) {
+/// Model and firmware of a MON-VER: those that its extensions name; else no model, which its
+/// hardware version is not, and the version of its software.
+Instrument instrument_of(std::string_view version) {
     constexpr std::size_t extensions_at = 40, extension_size = 30, software_size = 30;
-    std::string_view module = text_at(version, software_size, 10);
-    std::string_view firmware = text_at(version, 0, software_size);
+    Instrument found{.make = "u-blox", .firmware = std::string(text_at(version, 0, software_size))};
     for (std::size_t at = extensions_at; at + extension_size <= version.size();
          at += extension_size) {
         const std::string_view extension = text_at(version, at, extension_size);
-        if (extension.starts_with("MOD=")) module = extension.substr(4);
-        if (extension.starts_with("FWVER=")) firmware = extension.substr(6);
+        if (extension.starts_with("MOD=")) found.model = extension.substr(4);
+        if (extension.starts_with("FWVER=")) found.firmware = extension.substr(6);
     }
-    return fmt::format("u-blox {}, firmware {}", module, firmware);
+    return found;
+}
+
+/// "u-blox ZED-F9P, firmware HPG 1.13": the hardware version where no model is named.
+std::string device_of(std::string_view version, const Instrument& instrument) {
+    constexpr std::size_t hardware_at = 30, hardware_size = 10;
+    return fmt::format("u-blox {}, firmware {}",
+                       instrument.model.empty() ? text_at(version, hardware_at, hardware_size)
+                                                : std::string_view(instrument.model),
+                       instrument.firmware);
+}
+
+/// The identity of a SEC-UNIQID in hexadecimal: 5 bytes of version 1, 6 of version 2; empty of
+/// another.
+std::string identity_of(std::string_view payload) {
+    constexpr std::size_t identity_at = 4;
+    const std::size_t size = payload.empty() ? 0 : payload[0] == 1 ? 5 : payload[0] == 2 ? 6 : 0;
+    if (size == 0 || payload.size() < identity_at + size) return {};
+    std::string text;
+    for (const char byte : payload.substr(identity_at, size))
+        text += fmt::format("{:02X}", static_cast<unsigned char>(byte));
+    return text;
 }
 
 /// Reads a recording frame by frame, and joins those of one navigation epoch.
@@ -57,6 +78,7 @@ class Reader {
         require_rows();
         observations_.variant = variant();
         observations_.time_scale = maker_.tally().in_utc > 0 ? "utc" : "gps";
+        set_instrument(observations_, instrument_);
         set_rows(observations_, std::move(timed_));
         set_resolution();
         add_notes();
@@ -69,7 +91,16 @@ class Reader {
     void take_in(const Frame& frame) {
         timed_.count_good();
         if (frame.id == raw_measurements) ++raw_;
-        if (frame.id == receiver_version) observations_.device = device_of(frame.payload);
+        if (frame.id == receiver_version) {
+            const std::string serial = std::move(instrument_.serial);
+            instrument_ = instrument_of(frame.payload);
+            instrument_.serial = serial;
+            observations_.device = device_of(frame.payload, instrument_);
+        }
+        if (frame.id == chip_identity) {
+            instrument_.make = "u-blox";
+            instrument_.serial = identity_of(frame.payload);
+        }
         const auto part = part_of(frame);
         if (!part) return;
         const std::uint32_t time_ms = time_of_week_ms(*part, frame.payload);
@@ -206,6 +237,7 @@ class Reader {
     std::optional<Failure> first_impossible_;  ///< of an epoch whose frames were whole
     unsigned parts_ = 0;                       ///< bit set of the Parts that were there
     std::int64_t raw_ = 0;
+    Instrument instrument_;
     std::int64_t repeated_ = 0;
 };
 

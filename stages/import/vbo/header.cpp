@@ -213,23 +213,27 @@ std::optional<double> degrees_of(double written, Coordinates coordinates) {
     return degrees + minutes / 60.0;
 }
 
+Instrument instrument_of(const Header& header) {
+    return {.model = instrument_part(comment_of(header, {"type"})),
+            .serial = instrument_part(comment_of(header, {"serial", "serialnumber"})),
+            .firmware = instrument_part(comment_of(header, {"firmware"}))};
+}
+
 std::string device_of(const Header& header) {
-    std::string_view type = comment_of(header, {"type"});
-    if (type.empty())
+    const Instrument said = instrument_of(header);
+    std::string device = said.model;
+    if (device.empty())
         for (const std::string_view comment : header.comments)
             if (comment.find(':') == std::string_view::npos && !comment.starts_with('(') &&
                 !comment.starts_with('<')) {
-                type = comment;
+                device = instrument_part(comment);
                 break;
             }
-    std::string device = escape_for_message(type, 80);
-    const auto add = [&](std::string_view what, std::string_view text) {
-        if (text.empty()) return;
-        device +=
-            fmt::format("{}{} {}", device.empty() ? "" : ", ", what, escape_for_message(text, 80));
+    const auto add = [&](std::string_view what, const std::string& text) {
+        if (!text.empty()) device += fmt::format("{}{} {}", device.empty() ? "" : ", ", what, text);
     };
-    add("serial number", comment_of(header, {"serial", "serialnumber"}));
-    add("firmware", comment_of(header, {"firmware"}));
+    add("serial number", said.serial);
+    add("firmware", said.firmware);
     return device;
 }
 

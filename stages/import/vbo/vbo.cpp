@@ -163,6 +163,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations =
         empty_observations("vbo", "geodetic", first_day.utc ? "utc" : "relative");
     observations.device = device_of(header);
+    set_instrument(observations, instrument_of(header));
     set_rows(observations, read_rows(lines, recording, layout,
                                      surveyed.longitudes == LongitudeSense::east_positive,
                                      DayClock(first_day.utc)));

@@ -69,6 +69,9 @@ Header read_header(LineReader& lines, const RecordingBytes& recording);
 /// latitude or longitude is not named, or stands behind the fields.
 Layout find_layout(const Header& header, std::size_t fields, const RecordingBytes& recording);
 
+/// Type, serial number and firmware, where a comment of that name says it.
+Instrument instrument_of(const Header& header);
+
 /// The device that the comments name, with its serial number and firmware.
 std::string device_of(const Header& header);
 

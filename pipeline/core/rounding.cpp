@@ -21,19 +21,23 @@ void require_decimals(int decimals) {
                       fmt::format("Give 0 to {}", kMostDecimals));
 }
 
-/// The value in units of the last place, rounded to the safe side.
-double steps_of(double value, int decimals, SafeSide side) {
-    const double steps = value * power_of_ten(decimals);
-    return whole_steps(steps, kBinaryNoise * std::abs(steps),
-                       side == SafeSide::up ? StepRounding::up : StepRounding::down);
+StepRounding direction_of(SafeSide side) {
+    return side == SafeSide::up ? StepRounding::up : StepRounding::down;
+}
+
+/// The value in units of the last place, rounded.
+double steps_of(double value, int decimals, StepRounding direction, double guard = 0.0) {
+    const double scale = power_of_ten(decimals);
+    const double steps = value * scale;
+    return whole_steps(steps, std::max(guard * scale, kBinaryNoise * std::abs(steps)), direction);
 }
 
 int decimals_of_two_digits(double uncertainty) {
     int decimals = 0;
-    while (decimals < kMostShown && steps_of(uncertainty, decimals, SafeSide::down) < 10.0)
+    while (decimals < kMostShown && steps_of(uncertainty, decimals, StepRounding::down) < 10.0)
         ++decimals;
     // Rounding up may carry into another digit: 0.0991 becomes 0.10.
-    const bool carries = steps_of(uncertainty, decimals, SafeSide::up) >= 100.0;
+    const bool carries = steps_of(uncertainty, decimals, StepRounding::up) >= 100.0;
     return carries ? std::max(0, decimals - 1) : decimals;
 }
 
@@ -75,8 +79,12 @@ double whole_steps(double steps, double tolerance, StepRounding mode) {
 }
 
 std::string shown_figure(double value, int decimals, SafeSide side) {
+    return shown_figure(value, decimals, direction_of(side));
+}
+
+std::string shown_figure(double value, int decimals, StepRounding direction, double guard) {
     require_decimals(decimals);
-    const double steps = steps_of(value, decimals, side);
+    const double steps = steps_of(value, decimals, direction, guard);
     // Adding 0 removes the sign of a zero.
     return fmt::format("{:.{}f}", steps / power_of_ten(decimals) + 0.0, decimals);
 }

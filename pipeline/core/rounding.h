@@ -40,6 +40,10 @@ enum class SafeSide { down, up };
 /// "rounding") for a value that is not finite, decimals outside 0 to 9, or more than 15 digits.
 std::string shown_figure(double value, int decimals, SafeSide side);
 
+/// The same in any direction. A value within `guard`, in its own unit, of a decimal figure counts
+/// as that figure, too: what was kept with fewer digits than it was computed with.
+std::string shown_figure(double value, int decimals, StepRounding direction, double guard = 0.0);
+
 /// Number of decimals to show: the rule's, but no more than the expanded uncertainty justifies. An
 /// uncertainty justifies the decimals (0 to 6) of its two significant digits when rounded up
 /// (0.164: "0.17", so 2; 0.0991: "0.10", so 2). The uncertainty has the unit that is shown. Zero

@@ -13,15 +13,26 @@ std::optional<double> guard_band_m_s(const ProfileVerdict& verdict) {
     return std::max(0.0, verdict.decision->acceptance_limit_m_s - *verdict.required_speed_m_s);
 }
 
-std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+std::string guard_band_figure(const ProfileVerdict& verdict, const SpeedUnit& unit) {
     const auto guard_m_s = guard_band_m_s(verdict);
     if (!guard_m_s) return {};
-    return fmt::format("w = {} {} (acceptance limit less required speed).",
-                       uncertainty_rounded_up(*guard_m_s * unit.per_m_s), unit.name);
+    if (!verdict.speed_m_s) return uncertainty_rounded_up(*guard_m_s * unit.per_m_s);
+    const ShownFigures shown = shown_of(verdict, unit.name);
+    const double required_m_s = *verdict.required_speed_m_s;
+    return shown_difference(shown_speed(SpeedKind::limit, required_m_s + *guard_m_s, shown, unit),
+                            shown_speed(SpeedKind::required, required_m_s, shown, unit));
+}
+
+std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const std::string guard = guard_band_figure(verdict, unit);
+    if (guard.empty()) return {};
+    return fmt::format("w = {} {} (acceptance limit less required speed).", guard, unit.name);
 }
 
 std::string risk_text(const ProfileVerdict& verdict) {
-    if (!verdict.decision || !verdict.decision->risk || verdict.outcome == Outcome::not_certifiable)
+    // Where nothing is proven no outcome is claimed that could be wrong.
+    if (!verdict.decision || !verdict.decision->risk ||
+        verdict.outcome == Outcome::not_certifiable || verdict.outcome == Outcome::not_proven)
         return {};
     const std::string risk = probability_text(*verdict.decision->risk);
     return verdict.outcome == Outcome::beaten

@@ -15,12 +15,16 @@ namespace runcert {
 /// nothing was decided.
 std::optional<double> guard_band_m_s(const ProfileVerdict& verdict);
 
+/// The same as it is shown in a unit, without it: what lies between the two as they are shown
+/// beside the measured speed. Empty where nothing was decided.
+std::string guard_band_figure(const ProfileVerdict& verdict, const SpeedUnit& unit);
+
 /// "w = 0.17 km/h (acceptance limit less required speed)."; empty where there is none.
 std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit);
 
 /// The specific risk of the outcome: of false acceptance where it is beaten, else of false
 /// rejection. "of false acceptance: 0.3 % (that the true speed is below the required speed).";
-/// empty where nothing was decided, or the speed cannot be certified.
+/// empty where nothing was decided or proven, or the speed cannot be certified.
 std::string risk_text(const ProfileVerdict& verdict);
 
 /// Both as sentences, as far as there are any: "Guard band w = 0.17 km/h (...). Risk of ...".

@@ -13,6 +13,42 @@
 namespace runcert {
 namespace {
 
+StepRounding rounding_of(SpeedKind kind) {
+    switch (kind) {
+        case SpeedKind::measured:
+            return StepRounding::down;
+        case SpeedKind::uncertainty:
+        case SpeedKind::required:
+        case SpeedKind::limit:
+            return StepRounding::up;
+        case SpeedKind::plain:
+            break;
+    }
+    return StepRounding::nearest;
+}
+
+SpeedKind kind_of(SafeSide side) {
+    return side == SafeSide::up ? SpeedKind::limit : SpeedKind::measured;
+}
+
+double kept_m_s(double speed_m_s) {
+    return std::isfinite(speed_m_s) ? rounded(speed_m_s, speed_decimals_kept) : speed_m_s;
+}
+
+/// The decimals of an uncertainty's two digits in a unit.
+int decimals_in(double expanded_uncertainty_m_s, const SpeedUnit& unit,
+                std::optional<int> rule_decimals = std::nullopt) {
+    return decimals_of(kept_m_s(expanded_uncertainty_m_s) * unit.per_m_s, rule_decimals);
+}
+
+/// The decimals in any unit of what is shown beside those figures.
+int decimals_beside(const ShownFigures& shown, const SpeedUnit& unit) {
+    if (shown.unit == unit.name) return decimals_of(shown);
+    const double expanded_m_s =
+        parse_double(shown.expanded_uncertainty).value_or(0.0) / speed_unit(shown.unit).per_m_s;
+    return expanded_m_s > 0.0 ? decimals_in(expanded_m_s, unit) : unit.decimals;
+}
+
 std::string without_letters(std::string iso) {
     if (iso.ends_with('Z')) iso.pop_back();
     if (const std::size_t letter = iso.find('T'); letter != std::string::npos) iso[letter] = ' ';
@@ -98,22 +134,33 @@ std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncert
         {.speed_m_s = speed_m_s, .expanded_uncertainty_m_s = expanded_uncertainty_m_s}, unit));
 }
 
+std::string shown_speed(SpeedKind kind, double speed_m_s, int decimals, const SpeedUnit& unit) {
+    return shown_figure(kept_m_s(speed_m_s) * unit.per_m_s, decimals, rounding_of(kind),
+                        speed_guard_m_s * unit.per_m_s);
+}
+
+std::string shown_speed(SpeedKind kind, double speed_m_s, const ShownFigures& beside,
+                        const SpeedUnit& unit) {
+    const int decimals = decimals_beside(beside, unit);
+    return shown_speed(kind, speed_m_s,
+                       kind == SpeedKind::plain ? std::max(decimals, unit.decimals) : decimals,
+                       unit);
+}
+
 ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
                       std::optional<int> rule_decimals) {
-    const double expanded = speeds.expanded_uncertainty_m_s * unit.per_m_s;
-    const int decimals = decimals_of(expanded, rule_decimals);
-    const auto shown = [&](double speed_m_s, SafeSide side) {
-        return shown_figure(speed_m_s * unit.per_m_s, decimals, side);
+    const int decimals = decimals_in(speeds.expanded_uncertainty_m_s, unit, rule_decimals);
+    const auto shown = [&](SpeedKind kind, double speed_m_s) {
+        return shown_speed(kind, speed_m_s, decimals, unit);
     };
     ShownFigures figures{
         .unit = std::string(unit.name),
-        .speed = shown(speeds.speed_m_s, SafeSide::down),
-        .expanded_uncertainty = shown_figure(
-            expanded, std::max(decimals, decimals_of(expanded, std::nullopt)), SafeSide::up)};
+        .speed = shown(SpeedKind::measured, speeds.speed_m_s),
+        .expanded_uncertainty = shown(SpeedKind::uncertainty, speeds.expanded_uncertainty_m_s)};
     if (speeds.required_speed_m_s)
-        figures.required_speed = shown(*speeds.required_speed_m_s, SafeSide::up);
+        figures.required_speed = shown(SpeedKind::required, *speeds.required_speed_m_s);
     if (speeds.acceptance_limit_m_s)
-        figures.acceptance_limit = shown(*speeds.acceptance_limit_m_s, SafeSide::up);
+        figures.acceptance_limit = shown(SpeedKind::limit, *speeds.acceptance_limit_m_s);
     return figures;
 }
 
@@ -131,14 +178,25 @@ int decimals_in(std::string_view figure) {
     return point == std::string_view::npos ? 0 : static_cast<int>(figure.size() - point - 1);
 }
 
+std::string shown_difference(std::string_view figure, std::string_view less) {
+    return format_fixed(parse_double(figure).value_or(0.0) - parse_double(less).value_or(0.0),
+                        std::max(decimals_in(figure), decimals_in(less)));
+}
+
+int decimals_of(const ShownFigures& shown) {
+    return decimals_in(shown.speed);
+}
+
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side) {
-    return shown_figure(speed_m_s * speed_unit(shown.unit).per_m_s, decimals_in(shown.speed), side);
+    return shown_speed(kind_of(side), speed_m_s, shown, speed_unit(shown.unit));
 }
 
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
                          SafeSide side) {
-    if (!verdict.speed_m_s)
-        return fmt::format("{} {}", speed_text(speed_m_s, std::nullopt, speed_unit(unit)), unit);
+    if (!verdict.speed_m_s) {
+        const SpeedUnit& own = speed_unit(unit);
+        return fmt::format("{} {}", shown_speed(kind_of(side), speed_m_s, own.decimals, own), unit);
+    }
     const ShownFigures shown = shown_of(verdict, unit);
     return fmt::format("{} {}", beside(shown, speed_m_s, side), shown.unit);
 }

@@ -12,7 +12,7 @@
 
 // Figures and units as people read them: the one place that writes them. A measured speed is
 // rounded down, an expanded uncertainty, a required speed and an acceptance limit up, so that what
-// is shown never claims more than what was computed (`shown_in`).
+// is shown never claims more than what was computed (`SpeedKind`).
 
 namespace runcert {
 
@@ -63,6 +63,31 @@ std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
 std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
                                         const SpeedUnit& unit);
 
+/// What a speed that is shown is. It decides to which side it is rounded.
+enum class SpeedKind {
+    measured,     ///< down
+    uncertainty,  ///< up: an expanded uncertainty, a guard band
+    required,     ///< up
+    limit,        ///< up: an acceptance limit
+    plain         ///< to the nearest: a record, a current
+};
+
+/// Files keep speeds to 0.000001 m/s. A speed is shown as it is kept, so that it is the same
+/// wherever it is shown; and one this near to a decimal figure of any unit counts as that figure:
+/// 124.666667 m/s is 448.8000012 km/h, and 448.8 km/h was meant.
+inline constexpr int speed_decimals_kept = 6;
+inline constexpr double speed_guard_m_s = 0.6e-6;
+
+/// A speed in a unit, with so many decimals. The one table by which speeds are rounded. Failure (at
+/// "rounding") for one that is not finite.
+std::string shown_speed(SpeedKind kind, double speed_m_s, int decimals, const SpeedUnit& unit);
+
+/// A speed that is shown with figures of a verdict: with their decimals. In another unit than
+/// theirs with those of the uncertainty's two digits there. A plain one has at least the decimals
+/// that are usual for its unit.
+std::string shown_speed(SpeedKind kind, double speed_m_s, const ShownFigures& beside,
+                        const SpeedUnit& unit);
+
 /// Speeds of one verdict that are shown beside one another, m/s.
 struct SpeedsToShow {
     double speed_m_s = 0.0;
@@ -71,9 +96,9 @@ struct SpeedsToShow {
     std::optional<double> acceptance_limit_m_s = std::nullopt;
 };
 
-/// The speeds in a unit as they are to be read: all with the same decimals, those of the expanded
-/// uncertainty's two significant digits but no more than `rule_decimals`; the uncertainty with its
-/// two digits. Failure (at "rounding") for a speed that is not finite.
+/// The speeds in a unit as they are to be read, the uncertainty too: all with the same decimals,
+/// those of the expanded uncertainty's two significant digits but no more than `rule_decimals`.
+/// Failure (at "rounding") for a speed that is not finite.
 ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
                       std::optional<int> rule_decimals = std::nullopt);
 
@@ -83,11 +108,18 @@ ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 /// How many decimals a figure is written with.
 int decimals_in(std::string_view figure);
 
+/// One shown figure less another, with the decimals of the finer one: "0.05". A difference that is
+/// shown is that of what is shown.
+std::string shown_difference(std::string_view figure, std::string_view less);
+
+/// The decimals of figures as they are shown in their own unit.
+int decimals_of(const ShownFigures& shown);
+
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 
 /// Another speed of the same rule, "224.18 km/h", with unit and decimals of the measured one,
-/// rounded to that side; without a measured one to the nearest, with the unit's usual decimals.
+/// rounded to that side; without a measured one with the unit's usual decimals.
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
                          SafeSide side = SafeSide::down);
 

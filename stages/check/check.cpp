@@ -9,6 +9,7 @@
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
+#include "core/statistics.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
@@ -53,13 +54,14 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
 /// Why the robust estimate of a window of the speed rules a certificate out. Empty where it does
 /// not.
 std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
-                               const EstimationSummary& estimation) {
+                               const EstimationSummary& estimation, const SpeedUnit& unit) {
     if (robust && !robust->agrees)
         return fmt::format(
-            "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
-            "more than their uncertainty of {:.3f} km/h: screening may have kept an outlier or "
+            "A robust estimate over the same epochs gives {:+.3f} {} against the screened one, "
+            "more than their uncertainty of {:.3f} {}: screening may have kept an outlier or "
             "rejected a right one.",
-            robust->difference_m_s * km_h_per_m_s, robust->limit_m_s * km_h_per_m_s);
+            robust->difference_m_s * unit.per_m_s, unit.name, robust->limit_m_s * unit.per_m_s,
+            unit.name);
     if (!robust && estimation.robust_unsolved > 0)
         return "The robust estimate, which is the check on screening, did not converge over the "
                "stretch of this window.";
@@ -67,19 +69,20 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
 }
 
 /// The difference of each witness: "recorded velocities +0.120 km/h, carrier phases -0.110 km/h".
-std::string differences_text(const std::vector<WitnessedSpeed>& witnesses) {
+std::string differences_text(const std::vector<WitnessedSpeed>& witnesses, const SpeedUnit& unit) {
     std::vector<std::string> all;
     for (const WitnessedSpeed& one : witnesses)
         if (one.confirms)
-            all.push_back(fmt::format("{} {:+.3f} km/h", witness_name(one),
-                                      -one.difference_m_s * km_h_per_m_s));
+            all.push_back(fmt::format("{} {:+.3f} {}", witness_name(one),
+                                      -one.difference_m_s * unit.per_m_s, unit.name));
     return fmt::format("{}", fmt::join(all, ", "));
 }
 
 /// Why witnesses that contradict a window, or one another, rule a certificate out. Empty where they
 /// do not.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
-                                  const std::optional<SpeedEvidence>& evidence) {
+                                  const std::optional<SpeedEvidence>& evidence,
+                                  const SpeedUnit& unit) {
     const auto one = std::ranges::find_if(witnesses, &contradicts);
     if (one == witnesses.end()) {
         if (!evidence || evidence->disagreement <= 1.0) return {};
@@ -87,13 +90,13 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
             "The witnesses contradict one another. Against the positions they give {}: together "
             "{:.2f} times as far apart as chance makes them once in a thousand. One of them is "
             "wrong.",
-            differences_text(witnesses), evidence->disagreement);
+            differences_text(witnesses, unit), evidence->disagreement);
     }
     return fmt::format(
-        "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "
+        "{} give {:+.3f} {} against {} over the window, in size or direction more than both "
         "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The displacements "
         "differ by {:.3f} m{}.",
-        capitalised(witness_name(*one)), -one->difference_m_s * km_h_per_m_s,
+        capitalised(witness_name(*one)), -one->difference_m_s * unit.per_m_s, unit.name,
         compared_with(one->kind), one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
@@ -130,15 +133,12 @@ std::string shown_though_refused(const ClauseContext& context) {
     if (!indicated || indicated->refusals.empty() || !context.required_speed) return {};
     const double shown_m_s = indicated->mean_m_s.value_or(indicated->speed_m_s);
     if (shown_m_s < context.required_speed->speed_m_s) return {};
-    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
     return fmt::format(
-        "The recording shows {}, at or above the required {} {}. That window cannot be certified "
+        "The recording shows {}, at or above the required {}. That window cannot be certified "
         "(it holds {}).",
         indicated_text(context),
-        context.shown
-            ? context.shown->required_speed
-            : format_fixed(context.required_speed->speed_m_s / metres_per_second(unit.name), 2),
-        unit.name, fmt::join(indicated->refusals, ", "));
+        speed_of_rule(context, context.required_speed->speed_m_s, SpeedKind::required),
+        fmt::join(indicated->refusals, ", "));
 }
 
 /// Why the times of a recording rule a certificate out: too many of them contradict the others.
@@ -174,6 +174,7 @@ std::string refused_for_unfit(const ClauseContext& context,
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const ReceiverFindings& judged = context.input.judged;
     const auto& best = context.windows.best;
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
     std::string refused;
     const auto is_refused = [&](std::string why) {
         refused = std::move(why);
@@ -201,20 +202,30 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                    : "There are too few certifiable windows for the mean that the rule takes.";
     if (is_refused(first_refusal(context.windows,
                                  [&](const auto& window) {
-                                     return refused_for_robust(window.robust, judged.estimation);
+                                     return refused_for_robust(window.robust, judged.estimation,
+                                                               unit);
                                  })) ||
-        is_refused(first_refusal(context.windows, [](const auto& window) {
-            return refused_for_witnesses(window.witnesses, window.evidence);
+        is_refused(first_refusal(context.windows, [&](const auto& window) {
+            return refused_for_witnesses(window.witnesses, window.evidence, unit);
         })))
         return refused;
     if (context.declared && context.declared->contradicts())
-        return fmt::format(
-            "The second method ({}) gives {:+.3f} km/h against the first, more than both "
-            "uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
-            context.declared->method,
-            (context.declared->other_m_s - context.declared->judged_m_s) * km_h_per_m_s,
-            context.declared->normalised_error);
+        return capitalised(second_method_text(context)) +
+               " That is more than both uncertainties allow: one of the two is wrong.";
     return {};
+}
+
+/// What screening does not find of drifts that are this share of the smallest one that it finds
+/// with its power: by the normal distribution of its statistic.
+std::string missed_words(double share, double power, double test_size) {
+    const auto is_probability = [](double p) { return p > 0.0 && p < 1.0; };
+    if (is_probability(test_size) && is_probability(power)) {
+        const double threshold = -normal_quantile(0.5 * test_size);
+        if (share * (threshold + normal_quantile(power)) < threshold)
+            return "screening would miss most drifts that small";
+    }
+    return fmt::format("screening finds drifts that small with a probability below {:.0f} %",
+                       100.0 * power);
 }
 
 /// The drift of the positions that would reverse the decision, and how much drift could have gone
@@ -222,19 +233,28 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
-    std::string words =
-        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
-                    *decision.drift_survived_m, time_span_text(duration_s));
+    const std::string span = time_span_text(duration_s);
     const auto& witnesses = context.windows.best->witnesses;
     const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
-    if (sharpest != witnesses.end())
+    const bool beside_witness = sharpest != witnesses.end();
+    const auto& power = context.windows.best->detection_power;
+    const double found_m = decision.drift_found_m_s.value_or(0.0) * duration_s;
+    if (!beside_witness && power && *decision.drift_survived_m < found_m)
+        return fmt::format(" A drift of {:.2f} m over {} would reverse this outcome; {}.",
+                           *decision.drift_survived_m, span,
+                           missed_words(*decision.drift_survived_m / found_m, *power,
+                                        context.input.judged.tests.test_size));
+    std::string words =
+        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
+                    *decision.drift_survived_m, span);
+    if (beside_witness)
         words +=
             fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
                         words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
-    else if (decision.drift_found_m_s && context.windows.best->detection_power)
+    else if (decision.drift_found_m_s && power)
         words += fmt::format(
-            "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
-            *decision.drift_found_m_s * duration_s, 100.0 * *context.windows.best->detection_power);
+            "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %", found_m,
+            100.0 * *power);
     return words + ".";
 }
 

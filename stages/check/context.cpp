@@ -173,6 +173,13 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
+/// What one shown figure is more than another, with its sign: "+0.02", "0.00".
+std::string signed_difference(std::string_view figure, std::string_view less) {
+    const std::string text = shown_difference(figure, less);
+    const bool more = text.find_first_of("123456789") != std::string::npos && text[0] != '-';
+    return (more ? "+" : "") + text;
+}
+
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
 /// nothing.
 bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
@@ -191,12 +198,52 @@ void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
         if (contradicts(one) || is_unfit(one, context)) continue;
         const bool sure = confirms(one, context);
-        (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one));
+        (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one, context));
         context.observed = context.observed || (sure && is_observed(one));
     }
 }
 
 }  // namespace
+
+std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedKind kind) {
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    return fmt::format("{} {}",
+                       context.shown ? shown_speed(kind, speed_m_s, *context.shown, unit)
+                                     : shown_speed(kind, speed_m_s, unit.decimals, unit),
+                       unit.name);
+}
+
+ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
+                               double other_expanded_uncertainty_m_s, double judged_m_s) {
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const ShownFigures page =
+        context.shown ? *context.shown
+                      : shown_in({.speed_m_s = judged_m_s,
+                                  .expanded_uncertainty_m_s = other_expanded_uncertainty_m_s},
+                                 unit);
+    const int decimals = decimals_of(shown_in(
+        {.speed_m_s = other_m_s, .expanded_uncertainty_m_s = other_expanded_uncertainty_m_s}, unit,
+        decimals_of(page)));
+    const auto shown = [&](SpeedKind kind, double speed_m_s) {
+        return shown_speed(kind, speed_m_s, decimals, unit);
+    };
+    const std::string other = shown(SpeedKind::measured, other_m_s);
+    const std::string judged = shown(SpeedKind::measured, judged_m_s);
+    const std::string uncertainty = shown(SpeedKind::uncertainty, other_expanded_uncertainty_m_s);
+    return {.other = fmt::format("{0} {2} ± {1} {2}", other, uncertainty, unit.name),
+            .judged = fmt::format("{} {}", judged, unit.name),
+            .difference = fmt::format("{} {}", signed_difference(other, judged), unit.name)};
+}
+
+std::optional<SubtractedCurrent> subtracted_current(const ClauseContext& context) {
+    if (context.profile.current != CurrentUse::subtracted || !context.shown) return std::nullopt;
+    const ShownFigures& shown = *context.shown;
+    const std::string over_ground =
+        beside(shown, context.speed->speed_m_s + context.current->along_m_s, SafeSide::down);
+    return SubtractedCurrent{
+        .over_ground = fmt::format("{} {}", over_ground, shown.unit),
+        .current = fmt::format("{} {}", signed_difference(over_ground, shown.speed), shown.unit)};
+}
 
 bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& context) {
     constexpr double times = 3.0;
@@ -215,9 +262,10 @@ bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
            could_have_failed(2.0 * one.standard_uncertainty_m_s, context);
 }
 
-std::string too_uncertain_text(double expanded_uncertainty_m_s) {
-    return fmt::format("at ± {} km/h it is too uncertain to confirm",
-                       uncertainty_rounded_up(expanded_uncertainty_m_s * km_h_per_m_s));
+std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseContext& context) {
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    return fmt::format("at ± {} {} it is too uncertain to confirm",
+                       uncertainty_rounded_up(expanded_uncertainty_m_s * unit.per_m_s), unit.name);
 }
 
 std::string_view compared_with(WitnessKind kind) {
@@ -230,30 +278,28 @@ std::string witness_name(const WitnessedSpeed& one) {
                : fmt::format("the {}", words_of(one.kind));
 }
 
-std::string witness_text(const WitnessedSpeed& one) {
-    const std::string speed = speed_with_uncertainty_text(
-        one.speed_m_s, 2.0 * one.standard_uncertainty_m_s, speed_unit("km/h"));
+std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context) {
+    const ComparedSpeeds shown =
+        compared_speeds(context, one.speed_m_s, 2.0 * one.standard_uncertainty_m_s,
+                        one.speed_m_s + one.difference_m_s);
     const char* const agreement =
         contradicts(one) ? "the two contradict one another" : "the two agree";
     if (one.kind == WitnessKind::phases)
         return fmt::format(
             "a second computation, from the raw signals handed in, gives {}; {} (normalised error "
             "{:.2f}, at most 1); that the receiver wrote them is to be attested",
-            speed, agreement, one.normalised_error);
+            shown.other, agreement, one.normalised_error);
     return fmt::format(
-        "{} give {} over the window, {:+.3f} km/h against {} (normalised error {:.2f}, at most 1)",
-        witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), speed,
-        -one.difference_m_s * km_h_per_m_s, compared_with(one.kind), one.normalised_error);
+        "{} give {} over the window, {} against the {} of {} (normalised error {:.2f}, at most 1)",
+        witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), shown.other,
+        shown.difference, shown.judged, compared_with(one.kind), one.normalised_error);
 }
 
 std::string indicated_text(const ClauseContext& context) {
     const IndicatedWindow& indicated = *context.windows.indicated;
-    const double speed_m_s = indicated.mean_m_s.value_or(indicated.speed_m_s);
-    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
-    return fmt::format("{} {} {}",
-                       context.shown ? beside(*context.shown, speed_m_s, SafeSide::down)
-                                     : format_fixed(speed_m_s / metres_per_second(unit.name), 2),
-                       unit.name, beginning_text(indicated.span));
+    return fmt::format("{} {}",
+                       speed_of_rule(context, indicated.mean_m_s.value_or(indicated.speed_m_s)),
+                       beginning_text(indicated.span));
 }
 
 std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
@@ -304,11 +350,11 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
     }
     set_speed(context);
     set_decision(context);
+    set_shown(context);
     if (windows.best) {
         set_declared(context);
         set_witnesses(context);
     }
-    set_shown(context);
     return context;
 }
 

@@ -85,28 +85,26 @@ void add_windows(const ClauseContext& context, Notes& notes) {
             speed_with_uncertainty_text(
                 windows.fastest->speed_m_s,
                 expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor),
-                speed_unit("km/h")),
+                speed_unit(rule_unit_name(context.profile))),
             beginning_text(windows.fastest->span));
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
-        std::vector<std::string> speeds{
-            fmt::format("{:.3f}", windows.best->speed_m_s * km_h_per_m_s)};
+        std::vector<std::string> speeds{speed_of_rule(context, windows.best->speed_m_s)};
         for (const FurtherWindow& one : windows.further)
-            speeds.push_back(fmt::format("{:.3f}", one.speed_m_s * km_h_per_m_s));
+            speeds.push_back(speed_of_rule(context, one.speed_m_s));
         say(notes,
-            "The speed is the mean of {} windows ({} km/h); their errors are taken as "
+            "The speed is the mean of {} windows ({}); their errors are taken as "
             "equal, so averaging does not reduce the uncertainty.",
             speeds.size(), fmt::join(speeds, ", "));
     }
     if (windows.indicated && windows.indicated->mean_m_s)
-        say(notes, "The unscreened recording shows a mean of {:.3f} km/h over as many windows.",
-            *windows.indicated->mean_m_s * km_h_per_m_s);
+        say(notes, "The unscreened recording shows a mean of {} over as many windows.",
+            speed_of_rule(context, *windows.indicated->mean_m_s));
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
-    if (context.profile.current == CurrentUse::subtracted && context.current &&
-        context.current->missing.empty())
-        say(notes, "The current along the course, {:+.3f} kn, is subtracted from the speed.",
-            context.current->along_m_s / metres_per_second("kn"));
+    if (const auto between = subtracted_current(context))
+        say(notes, "The current along the course, {}, is subtracted from {} over the ground.",
+            between->current, between->over_ground);
     for (const auto* flow : {&context.wind, &context.current})
         if (*flow && !(*flow)->missing.empty())
             say(notes, "The series of the {} gives no figure for the window: {}.",
@@ -120,7 +118,7 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
     if (!second.missing.empty())
         say(notes, "The second method ({}) gives no figure: {}.", second.method, second.missing);
     else
-        say(notes, "By the attempt's own statement, {}.", second_method_text(second));
+        say(notes, "By the attempt's own statement, {}", second_method_text(context));
 }
 
 void add_unsure_witnesses(const ClauseContext& context, Notes& notes) {
@@ -143,11 +141,11 @@ void add_next_time(const ClauseContext& context, Notes& notes) {
                             decision->probability > 1.0 - decision->level;
     if (!not_proven && !(limit_m_s && u_m_s > *limit_m_s)) return;
     if (2.0 * *best->expected_beside_velocities_m_s > u_m_s) return;
-    const SpeedUnit& unit = speed_unit("km/h");
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
     say(notes,
         "Velocities by the receiver's own Doppler measurement, recorded beside the "
-        "positions, would bring this speed to about ± {} km/h in the next run.",
-        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s));
+        "positions, would bring this speed to about ± {} {} in the next run.",
+        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s), unit.name);
 }
 
 void add_rule(const ClauseContext& context, Notes& notes) {

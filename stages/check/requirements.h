@@ -1,5 +1,6 @@
 #pragma once
 
+#include "reports/words/figures.h"
 #include "schemas/attempt/attempt.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
@@ -23,9 +24,6 @@ struct DeclaredAgreement {
     bool agrees() const { return missing.empty() && normalised_error <= 1.0; }
     bool contradicts() const { return missing.empty() && !agrees(); }
 };
-
-/// The result of a second method that gives a figure, as part of a sentence.
-std::string second_method_text(const DeclaredAgreement& second);
 
 /// A judged speed, before the current is subtracted, with its window.
 struct JudgedSpeed {
@@ -83,6 +81,33 @@ struct ClauseContext {
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows);
 
+/// A speed as it stands beside the measured one, in the rule's unit: "216.00 km/h".
+std::string speed_of_rule(const ClauseContext& context, double speed_m_s,
+                          SpeedKind kind = SpeedKind::measured);
+
+/// A speed that another measurement gives, and the one that it is compared with, as they are shown:
+/// in the rule's unit, with the decimals that the uncertainties of both justify. The difference is
+/// that of what is shown.
+struct ComparedSpeeds {
+    std::string other;       ///< "216.07 km/h ± 0.15 km/h"
+    std::string judged;      ///< "216.00 km/h"
+    std::string difference;  ///< "+0.07 km/h": of the other, less the judged one
+};
+ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
+                               double other_expanded_uncertainty_m_s, double judged_m_s);
+
+/// The current that is subtracted, as it is shown: what lies between the speed over the ground and
+/// the measured one. Empty where none is.
+struct SubtractedCurrent {
+    std::string over_ground;  ///< "54.40 kn"
+    std::string current;      ///< "+0.10 kn"
+};
+std::optional<SubtractedCurrent> subtracted_current(const ClauseContext& context);
+
+/// What the second method gives beside the positions, from its first words on. It must give a
+/// figure.
+std::string second_method_text(const ClauseContext& context);
+
 /// The runs of a recording under the profile's thresholds.
 std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
 
@@ -94,11 +119,11 @@ bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& con
 /// Whether a witness that agrees could have failed.
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context);
 
-/// "at ± 9.00 km/h it is too uncertain to confirm".
-std::string too_uncertain_text(double expanded_uncertainty_m_s);
+/// "at ± 9.0 km/h it is too uncertain to confirm", in the rule's unit.
+std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseContext& context);
 
 /// The result of a witness for the window, in words.
-std::string witness_text(const WitnessedSpeed& one);
+std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context);
 
 /// What a witness of this kind is compared with.
 std::string_view compared_with(WitnessKind kind);

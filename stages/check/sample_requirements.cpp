@@ -64,12 +64,6 @@ Distances distances_of(const std::vector<std::vector<ScreenedEpoch>>& windows, d
     return found;
 }
 
-/// A speed in the unit and with the decimals of the measured one.
-std::string shown_speed(const ClauseContext& context, double speed_m_s) {
-    return fmt::format("{} {}", beside(*context.shown, speed_m_s, SafeSide::down),
-                       context.shown->unit);
-}
-
 }  // namespace
 
 Finding computation::acceleration(const Clause& clause, const ClauseContext& context) {
@@ -131,7 +125,7 @@ Finding computation::least_speed(const Clause& clause, const ClauseContext& cont
     finding.evidence += fmt::format(
         ": whether the slower samples count is for an official; without their distance the "
         "speed is {}",
-        shown_speed(context, left * context.speed->speed_m_s));
+        speed_of_rule(context, left * context.speed->speed_m_s));
     return finding;
 }
 
@@ -149,7 +143,8 @@ Finding computation::device_deduction(const Clause&, const ClauseContext& contex
         {.name = "deduction for the device", .value = taken.speed, .unit = taken.unit}};
     if (!context.speed) return {RequirementStatus::attest, evidence, std::move(figures)};
     const double left_m_s = context.speed->speed_m_s - taken.speed * metres_per_second(taken.unit);
-    evidence += fmt::format("; it leaves {} of the measured speed", shown_speed(context, left_m_s));
+    evidence +=
+        fmt::format("; it leaves {} of the measured speed", speed_of_rule(context, left_m_s));
     if (context.required_speed)
         evidence += fmt::format(
             ", which {} the required {} {}",
@@ -158,7 +153,7 @@ Finding computation::device_deduction(const Clause&, const ClauseContext& contex
     figures.push_back({.name = "measured speed less the deduction",
                        .value = left_m_s / metres_per_second(context.shown->unit),
                        .unit = context.shown->unit,
-                       .shown = shown_speed(context, left_m_s)});
+                       .shown = speed_of_rule(context, left_m_s)});
     return {RequirementStatus::attest, std::move(evidence), std::move(figures)};
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
+#include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
 
@@ -167,9 +168,9 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
                 "the fastest window that the recording shows could be certified"};
     const double least_m_s = best->speed_m_s + 2.0 * best->standard_uncertainty_m_s;
     const std::string words =
-        fmt::format("the recording{} {:.3f} km/h {} in a window that cannot be certified ({})",
+        fmt::format("the recording{} {} {} in a window that cannot be certified ({})",
                     indicated->source == SpeedSource::velocity ? "'s velocities show" : " shows",
-                    indicated->speed_m_s * km_h_per_m_s, beginning_text(indicated->span),
+                    speed_of_rule(context, indicated->speed_m_s), beginning_text(indicated->span),
                     fmt::join(indicated->refusals, ", "));
     std::vector<Figure> figures{
         {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
@@ -192,11 +193,11 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
     const double to_s = std::max(one.start.seconds() + one.duration.seconds(),
                                  other.start.seconds() + other.duration.seconds());
     return {RequirementStatus::met,
-            fmt::format("two runs in opposite directions, {:.3f} km/h and {:.3f} km/h, within "
+            fmt::format("two runs in opposite directions, {} and {}, within "
                         "{:.1f} s, at most {:g} s",
-                        context.windows.best->speed_m_s * km_h_per_m_s,
-                        context.windows.further.front().speed_m_s * km_h_per_m_s, to_s - from_s,
-                        *context.profile.opposite_runs_within_s),
+                        speed_of_rule(context, context.windows.best->speed_m_s),
+                        speed_of_rule(context, context.windows.further.front().speed_m_s),
+                        to_s - from_s, *context.profile.opposite_runs_within_s),
             {{.name = "speed of the one", .value = context.windows.best->speed_m_s, .unit = "m/s"},
              {.name = "speed of the other",
               .value = context.windows.further.front().speed_m_s,
@@ -212,12 +213,18 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const double bias_limit_m_s = context.speed->bias_limit_m_s;
     const bool met = u <= *context.profile.accuracy_limit_m_s;
     const SpeedUnit& unit = speed_unit(context.profile.accuracy_unit);
-    const auto rounded_up = [&](double uncertainty_m_s) {
-        return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s),
-                           unit.name);
-    };
     const std::string limit =
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
+    const auto rounded_up = [&](double uncertainty_m_s) {
+        std::string shown =
+            shown_speed(SpeedKind::uncertainty, uncertainty_m_s, *context.shown, unit);
+        // Where so few decimals would hide on which side of the limit it is, with its own.
+        const bool below = parse_double(shown).value_or(0.0) <=
+                           *context.profile.accuracy_limit_m_s * unit.per_m_s + 1e-9;
+        if (below != (uncertainty_m_s <= *context.profile.accuracy_limit_m_s))
+            shown = uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s);
+        return fmt::format("{} {}", shown, unit.name);
+    };
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format(
                 "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
@@ -251,8 +258,8 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
                                    fmt::format("{} {}", shown.required_speed, shown.unit));
     required.expanded_uncertainty = required_u / metres_per_second(shown.unit);
     if (required_u > 0.0)
-        required.shown += fmt::format(
-            " ± {} {} (k = 2)", uncertainty_rounded_up(*required.expanded_uncertainty), shown.unit);
+        required.shown +=
+            fmt::format(" ± {} {} (k = 2)", beside(shown, required_u, SafeSide::up), shown.unit);
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("measured speed {}, required {} {}: conformance probability {} (at least "
                         "{} required); acceptance limit {} {}",

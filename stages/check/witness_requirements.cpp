@@ -66,7 +66,7 @@ RequirementStatus status_of(double normalised_error, bool could_fail) {
 std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context) {
     return could_have_failed(expanded_uncertainty_m_s, context)
                ? std::string()
-               : "; " + too_uncertain_text(expanded_uncertainty_m_s);
+               : "; " + too_uncertain_text(expanded_uncertainty_m_s, context);
 }
 
 /// The second receiver's finding.
@@ -80,16 +80,32 @@ Finding by_receiver(const ClauseContext& context) {
         return {RequirementStatus::not_met,
                 fmt::format("receiver \"{}\" {}", receiver, silence_of_receiver(context.input))};
     const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
-    return {status_of(one->normalised_error, could_have_failed(expanded_m_s, context)),
-            fmt::format(
-                "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h against "
-                "the primary one; normalised error {:.2f}, at most 1, with what the two do not "
-                "share: noise, each receiver's own time-correlated error, antenna. They share base "
-                "station, satellites, atmosphere, frame and time scale{}",
-                receiver, one->speed_m_s * km_h_per_m_s,
-                context.windows.best->span.duration.seconds(), -one->difference_m_s * km_h_per_m_s,
-                one->normalised_error, doubt(expanded_m_s, context)),
-            {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
+    const ComparedSpeeds shown = compared_speeds(context, one->speed_m_s, expanded_m_s,
+                                                 one->speed_m_s + one->difference_m_s);
+    return {
+        status_of(one->normalised_error, could_have_failed(expanded_m_s, context)),
+        fmt::format(
+            "receiver \"{}\" gives {} over the same {:.3f} s, {} against the primary one's {}; "
+            "normalised error {:.2f}, at most 1, with what the two do not "
+            "share: noise, each receiver's own time-correlated error, antenna. They share base "
+            "station, satellites, atmosphere, frame and time scale{}",
+            receiver, shown.other, context.windows.best->span.duration.seconds(), shown.difference,
+            shown.judged, one->normalised_error, doubt(expanded_m_s, context)),
+        {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
+}
+
+ComparedSpeeds declared_speeds(const ClauseContext& context) {
+    const DeclaredAgreement& declared = *context.declared;
+    return compared_speeds(context, declared.other_m_s, declared.other_expanded_uncertainty_m_s,
+                           declared.judged_m_s);
+}
+
+/// What a second method is compared with, and what lies between that and the measured speed: "the
+/// positions' 54.40 kn before the current is taken off".
+std::string judged_text(const ComparedSpeeds& shown, const ClauseContext& context) {
+    return fmt::format("the positions' {}{}{}", shown.judged,
+                       context.windows.further.empty() ? "" : " over the best window",
+                       subtracted_current(context) ? " before the current is taken off" : "");
 }
 
 /// The finding of the method that the attempt declares.
@@ -101,15 +117,12 @@ Finding by_declaration(const ClauseContext& context) {
         return {RequirementStatus::not_met,
                 fmt::format("{}: {}", agreement.method, agreement.missing)};
     const double expanded_m_s = agreement.other_expanded_uncertainty_m_s;
+    const ComparedSpeeds shown = declared_speeds(context);
     return {
         status_of(agreement.normalised_error, could_have_failed(expanded_m_s, context)),
-        fmt::format(
-            "{} gives {}, {:+.3f} km/h against the primary method; normalised error {:.2f}, at "
-            "most 1{}",
-            agreement.method,
-            speed_with_uncertainty_text(agreement.other_m_s, expanded_m_s, speed_unit("km/h")),
-            (agreement.other_m_s - agreement.judged_m_s) * km_h_per_m_s, agreement.normalised_error,
-            doubt(expanded_m_s, context)),
+        fmt::format("{} gives {}, {} against {}; normalised error {:.2f}, at most 1{}",
+                    agreement.method, shown.other, shown.difference, judged_text(shown, context),
+                    agreement.normalised_error, doubt(expanded_m_s, context)),
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
@@ -121,8 +134,8 @@ Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
             finding.figures.push_back(
                 {.name = fmt::format("normalised error of the {}", words_of(one.kind)),
                  .value = one.normalised_error});
-            finding.evidence +=
-                fmt::format("{}{}", finding.evidence.empty() ? "" : "; ", witness_text(one));
+            finding.evidence += fmt::format("{}{}", finding.evidence.empty() ? "" : "; ",
+                                            witness_text(one, context));
             finding.evidence += doubt(2.0 * one.standard_uncertainty_m_s, context);
             const bool accepted =
                 std::ranges::find(clause.accepts, to_text(one.kind)) != clause.accepts.end();
@@ -188,14 +201,19 @@ std::string unfit(const ClauseContext& context) {
 
 }  // namespace
 
-std::string second_method_text(const DeclaredAgreement& second) {
-    return fmt::format(
-        "the second method ({}) gives {}, {:+.3f} km/h against this one (normalised error {:.2f}, "
-        "at most 1)",
-        second.method,
-        speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s,
-                                    speed_unit("km/h")),
-        (second.other_m_s - second.judged_m_s) * km_h_per_m_s, second.normalised_error);
+std::string second_method_text(const ClauseContext& context) {
+    const DeclaredAgreement& second = *context.declared;
+    const ComparedSpeeds shown = declared_speeds(context);
+    std::string text = fmt::format(
+        "the second method ({}) gives {}, {} against {} (normalised error {:.2f}, at most 1).",
+        second.method, shown.other, shown.difference, judged_text(shown, context),
+        second.normalised_error);
+    if (const auto between = subtracted_current(context);
+        between && context.windows.further.empty())
+        text += fmt::format(" The measured {} {} is {} over the ground less the current of {}.",
+                            context.shown->speed, context.shown->unit, between->over_ground,
+                            between->current);
+    return text;
 }
 
 DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
@@ -240,7 +258,7 @@ Finding computation::recorded_speeds(const Clause&, const ClauseContext& context
     if (!one) return {RequirementStatus::attest, "the positions say nothing of the window"};
     const std::vector<Figure> figures{
         {.name = "normalised error of the positions' speed", .value = one->normalised_error}};
-    std::string evidence = witness_text(*one);
+    std::string evidence = witness_text(*one, context);
     if (one->normalised_error > 1.0)
         return {RequirementStatus::not_met,
                 fmt::format("{}: one of the two is wrong{}", evidence, shown_speed(context)),
@@ -251,14 +269,14 @@ Finding computation::recorded_speeds(const Clause&, const ClauseContext& context
     if (expanded_m_s > says_nothing * (one->speed_m_s + one->difference_m_s))
         return {RequirementStatus::not_met,
                 fmt::format("{}; {}, or to contradict, any speed{}", evidence,
-                            too_uncertain_text(expanded_m_s), shown_speed(context)),
+                            too_uncertain_text(expanded_m_s, context), shown_speed(context)),
                 figures};
     const std::string delay = delay_there(context);
     if (!delay.empty()) evidence += "; " + delay;
     if (confirms(*one, context) || !delay.empty())
         return {RequirementStatus::met, std::move(evidence), figures};
     return {RequirementStatus::attest,
-            evidence + "; " + too_uncertain_text(expanded_m_s) +
+            evidence + "; " + too_uncertain_text(expanded_m_s, context) +
                 ", and no change of speed tells whether they are of the same moments",
             figures};
 }

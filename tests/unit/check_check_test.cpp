@@ -156,8 +156,8 @@ TEST(Check, AWitnessThatAgreesStandsBesideTheSpeed) {
     EXPECT_EQ(verdict.outcome, Outcome::beaten);
     ASSERT_EQ(verdict.witnesses.size(), 1U);
     EXPECT_EQ(verdict.witnesses.front(),
-              "the recorded velocities give 215.92 km/h ± 0.36 km/h over the window, -0.072 km/h "
-              "against the positions (normalised error 0.20, at most 1)");
+              "the recorded velocities give 215.92 km/h ± 0.36 km/h over the window, -0.08 km/h "
+              "against the 216.00 km/h of the positions (normalised error 0.20, at most 1)");
     EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
 }
 

@@ -154,8 +154,8 @@ TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
     EXPECT_NEAR(*verdict.speed_m_s, 58.0, 1e-12);
     EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 0.024, 1e-12);
     EXPECT_EQ(note_with(verdict, "mean of 3"),
-              "The speed is the mean of 3 windows (216.000, 208.800, 201.600 km/h); their errors "
-              "are taken as equal, so averaging does not reduce the uncertainty.");
+              "The speed is the mean of 3 windows (216.000 km/h, 208.800 km/h, 201.600 km/h); their "
+              "errors are taken as equal, so averaging does not reduce the uncertainty.");
     EXPECT_TRUE(contains(note_with(verdict, "unscreened"), "a mean of 210.600 km/h"));
     EXPECT_TRUE(contains(scene.clause("window_complete").evidence, "with 2 more the mean"));
 }
@@ -181,7 +181,7 @@ TEST(Shown, FiguresAreRoundedToTheSafeSideInTheRulesUnit) {
     const ShownFigures shown = *scene.verdict().shown;
     EXPECT_EQ(shown.unit, "km/h");
     EXPECT_EQ(shown.speed, "222.87");
-    EXPECT_EQ(shown.expanded_uncertainty, "0.011");
+    EXPECT_EQ(shown.expanded_uncertainty, "0.02");
     EXPECT_EQ(shown.required_speed, "222.88");
     // An uncertainty of 0.34 km/h justifies two decimals, one of 3.4 km/h one.
     scene.best().standard_uncertainty_m_s = 1.7 * kmh;

@@ -163,6 +163,38 @@ TEST(Drift, ThatADecisionSurvivesIsSaid) {
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
 }
 
+// Screening finds 0.21 m with a probability of 80 %. By its normal statistic (threshold 4.75 for a
+// test size of 2.03e-6) half of the drifts of 4.75 / (4.75 + 0.84) of that are found, 0.178 m.
+TEST(Drift, ThatScreeningWouldMissIsSaidToBeSo) {
+    const auto reason = [](double above_m_s, double found_m_s) {
+        RuleScene scene = above_target(above_m_s);
+        for (ScreenedEpoch& row : scene.rows())
+            row.detectable.ramp_m_s = found_m_s;
+        scene.best().detection_power = 0.8;
+        scene.judged.tests.test_size = 2.03e-6;
+        const ProfileVerdict verdict = scene.verdict();
+        EXPECT_EQ(verdict.outcome, Outcome::beaten);
+        return verdict.reason;
+    };
+    for (const double above_m_s : {0.04, 0.059})
+        EXPECT_TRUE(contains(reason(above_m_s, 0.07),
+                             fmt::format(" A drift of {:.2f} m over 3 s would reverse this "
+                                         "outcome; screening would miss most drifts that small.",
+                                         3.0 * above_m_s)))
+            << reason(above_m_s, 0.07);
+    EXPECT_TRUE(contains(reason(0.06, 0.07),
+                         "A drift of 0.18 m over 3 s would reverse this outcome; screening finds "
+                         "drifts that small with a probability below 80 %."))
+        << reason(0.06, 0.07);
+    for (const double above_m_s : {0.07001, 0.14}) {
+        const std::string said = reason(above_m_s, 0.07);
+        EXPECT_TRUE(contains(said, "To undo this, the positions would have to drift by")) << said;
+        EXPECT_TRUE(contains(said, "screening finds a drift of 0.21 m there with a probability of"))
+            << said;
+        EXPECT_FALSE(contains(said, "would reverse this outcome")) << said;
+    }
+}
+
 TEST(NextTime, SaysWhatVelocitiesWouldBring) {
     const auto notes = [](double above_m_s, std::optional<double> expected_m_s) {
         RuleScene scene = above_target(above_m_s);

@@ -103,7 +103,9 @@ TEST(SubtractedCurrent, IsTakenOffWithItsUncertainty) {
     EXPECT_NEAR(*verdict.speed_m_s, 59.75, 1e-12);
     EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 2.0 * std::hypot(0.005, 0.03), 1e-12);
     EXPECT_TRUE(std::ranges::any_of(verdict.notes, [](const std::string& note) {
-        return contains(note, "The current along the course, +0.486 kn, is subtracted");
+        return contains(note,
+                        "The current along the course, +0.90 km/h, is subtracted from 216.00 "
+                        "km/h over the ground.");
     }));
     set_current(scene, 0.5, 180.0, 0.06);  // against it
     EXPECT_NEAR(*scene.verdict().speed_m_s, 60.5, 1e-12);

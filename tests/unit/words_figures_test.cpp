@@ -109,10 +109,10 @@ TEST(WordsOfFigures, ShownSpeedsAreRoundedToTheSafeSideInEveryUnit) {
     const ShownFigures mph = shown_in(speeds, speed_unit("mph"));
     EXPECT_EQ(mph.speed, "144.26");
     EXPECT_EQ(mph.expanded_uncertainty, "0.10");
-    // The rule's decimals, where they are fewer; the uncertainty keeps its two digits.
+    // The rule's decimals, where they are fewer, of the uncertainty too.
     const ShownFigures rule = shown_in(speeds, speed_unit("km/h"), 1);
     EXPECT_EQ(rule.speed, "232.1");
-    EXPECT_EQ(rule.expanded_uncertainty, "0.17");
+    EXPECT_EQ(rule.expanded_uncertainty, "0.2");
     EXPECT_EQ(rule.required_speed, "224.1");
 }
 

@@ -105,9 +105,13 @@ std::vector<std::string> phase_sentences(const ScreenedPhaseTable& phases) {
 
 std::string phase_window_sentence(const WitnessedSpeed& phases) {
     const std::int64_t slips = phases.slips.value_or(0), refusals = phases.refusals.value_or(0);
+    const ShownFigures shown =
+        shown_in({.speed_m_s = phases.speed_m_s,
+                  .expanded_uncertainty_m_s = 2.0 * phases.standard_uncertainty_m_s},
+                 speed_unit("km/h"));
     return fmt::format(
         "Over the window the phases of {} were unbroken; {} found inside it, and {} refused. They "
-        "give {}, and the positions {:.3f} km/h. The two displacements differ by {} m{}.",
+        "give {}, and the positions {} {}. The two displacements differ by {} m{}.",
         counted(phases.satellites.value_or(0), "satellite"),
         slips == 0   ? "no slip was"
         : slips == 1 ? "1 slip was"
@@ -115,9 +119,9 @@ std::string phase_window_sentence(const WitnessedSpeed& phases) {
         refusals == 0   ? "no pair of epochs was"
         : refusals == 1 ? "1 pair of epochs was"
                         : fmt::format("{} pairs of epochs were", refusals),
-        speed_with_uncertainty_text(phases.speed_m_s, 2.0 * phases.standard_uncertainty_m_s,
-                                    speed_unit("km/h")),
-        km_h_per_m_s * (phases.speed_m_s + phases.difference_m_s), format_fixed(phases.apart_m, 3),
+        measured_speed_text(shown),
+        beside(shown, phases.speed_m_s + phases.difference_m_s, SafeSide::down), shown.unit,
+        format_fixed(phases.apart_m, 3),
         phases.apart_azimuth_deg ? fmt::format(", towards {} degrees from north",
                                                format_fixed(*phases.apart_azimuth_deg, 0))
                                  : std::string());

@@ -196,10 +196,9 @@ class Reader {
     void read_header(std::string_view frame) {
         if (!observations_.device.empty()) return;
         observations_.device = device_of(frame);
-        const std::uint16_t firmware = field::firmware.whole(frame);
-        set_instrument(observations_,
-                       {.serial = std::to_string(field::identifier.whole(frame)),
-                        .firmware = firmware == 0 ? std::string() : std::to_string(firmware)});
+        // Its number is no serial number: three loggers that were worn at once have the same.
+        if (const std::uint16_t firmware = field::firmware.whole(frame))
+            set_instrument(observations_, {.firmware = std::to_string(firmware)});
         if (is_signed(frame))
             observations_.notes.push_back(
                 "The logger's own signature in the header was not checked.");

@@ -100,7 +100,7 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
               "Conformance probability: 99.9987 % (at least 95 % required). It includes the "
               "standard uncertainty of the record itself, 0.025 km/h of the required speed.");
     expect_in(words,
-              "Guard band w = 0.044 km/h (acceptance limit less required speed). Risk of false "
+              "Guard band w = 0.05 km/h (acceptance limit less required speed). Risk of false "
               "acceptance: 0.0013 % (that the true speed is below the required speed).");
     expect_in(words, "No agreement on the decision rule is stated.");
     EXPECT_EQ(cell_at(report, window_of_nalsa, "Required speed", "km/h"), "204.510");
@@ -126,9 +126,12 @@ TEST(Decision, WhoAgreedOnItsRuleStandsBesideIt) {
 
 TEST(Decision, ThatIsNegativeHasARiskOfFalseRejection) {
     sample::Run run = sample::make_run();
-    verdict_of(run).outcome = Outcome::not_proven;
+    verdict_of(run).outcome = Outcome::not_beaten;
     verdict_of(run).decision->risk = 0.42;
     expect_in(page_of(run), "Risk of false rejection: 42.00 % (that the true speed reaches the");
+    // What is not proven claims nothing that could be wrong.
+    verdict_of(run).outcome = Outcome::not_proven;
+    EXPECT_EQ(page_of(run).find("Risk of false rejection"), std::string::npos);
 }
 
 TEST(Decision, OfASpeedThatCannotBeCertifiedItSaysThatItDoesNotCount) {

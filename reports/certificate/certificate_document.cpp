@@ -22,24 +22,6 @@ std::vector<const SpeedUnit*> units_in_order(const SpeedUnit& own) {
     return units;
 }
 
-/// The decimals that the rule gives speeds in its own unit.
-std::optional<int> rule_decimals(const RuleView& rule, const SpeedUnit& unit) {
-    const auto& rounding = rule.profile.result ? rule.profile.result : rule.profile.rounding;
-    if (!rounding || unit.name != rule.unit().name) return std::nullopt;
-    return rounding->decimals;
-}
-
-std::string speed_cell(const SpeedRow& row, const RuleView& rule,
-                       const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
-    const double speed = *row.speed_m_s * unit.per_m_s;
-    if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
-    if (row.kind == SpeedRow::stated || !uncertainty_m_s)
-        return speed_text(*row.speed_m_s, std::nullopt, unit);
-    return shown_figure(speed,
-                        decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(rule, unit)),
-                        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
-}
-
 void add_if_any(Document& document, Section section) {
     if (!section.blocks.empty()) document.sections.push_back(std::move(section));
 }
@@ -92,9 +74,10 @@ std::vector<Block> plots_of(const Json& figures, std::string_view kind) {
     return blocks;
 }
 
-Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows, const RuleView& rule,
-                  std::optional<double> uncertainty_m_s) {
+Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
+                  const RuleView& rule) {
     const auto units = units_in_order(rule.unit());
+    const ShownFigures shown = rule.shown();
     std::vector<std::string> heads{""};
     for (const SpeedUnit* unit : units)
         heads.push_back(fmt::format(">{}|14", unit->name));
@@ -103,7 +86,7 @@ Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows, c
         if (!row.speed_m_s) continue;
         std::vector<std::string> cells{row.label};
         for (const SpeedUnit* unit : units)
-            cells.push_back(speed_cell(row, rule, uncertainty_m_s, *unit));
+            cells.push_back(shown_speed(row.kind, *row.speed_m_s, shown, *unit));
         add_row(block, std::move(cells), row.counts ? "chosen" : "");
     }
     return block;

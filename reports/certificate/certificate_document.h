@@ -47,21 +47,15 @@ std::vector<Block> plots_of(const nlohmann::ordered_json& figures, std::string_v
 
 /// One speed, to be shown in every unit.
 struct SpeedRow {
-    enum Kind {
-        measured,     ///< with the decimals of the measured speed, rounded down
-        uncertainty,  ///< with two significant digits, rounded up
-        limit,        ///< with the decimals of the measured speed, rounded up
-        stated        ///< not measured: with the decimals usual for its unit
-    };
     std::string label;
     std::optional<double> speed_m_s;
-    Kind kind = measured;
+    SpeedKind kind = SpeedKind::measured;
     bool counts = false;  ///< the one that the rule counts
 };
-/// Rows of one speed each, in every unit, the rule's own first, where figures are those of the
-/// first page. Rows without a speed are left out.
-Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows, const RuleView& rule,
-                  std::optional<double> uncertainty_m_s);
+/// Rows of one speed each, in every unit, the rule's own first, with the decimals of the figures on
+/// the first page. Rows without a speed are left out.
+Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
+                  const RuleView& rule);
 
 // The sections.
 

@@ -64,23 +64,15 @@ void add_large_words(Section& page, const RuleView& rule) {
     add(page, paragraph(rule.verdict.reason, "reason"));
 }
 
-std::optional<int> utc_offset_minutes(const std::string& offset) {
-    if (offset.size() != 6) return std::nullopt;
-    const auto hours = parse_integer(std::string_view(offset).substr(1, 2));
-    const auto minutes = parse_integer(std::string_view(offset).substr(4, 2));
-    if (!hours || !minutes) return std::nullopt;
-    return (offset[0] == '-' ? -1 : 1) * static_cast<int>(60 * *hours + *minutes);
-}
-
 /// "13:50:57 at UTC+10:30".
-std::string local_time(GpsTime time, const std::string& utc_offset) {
-    const std::optional<int> minutes = utc_offset_minutes(utc_offset);
-    if (!minutes) return {};
-    std::string text =
-        to_utc_iso(time.plus_nanoseconds(*minutes * 60 * GpsTime::nanoseconds_per_second), 0);
+std::string local_time(GpsTime time, const Attempt& attempt) {
+    if (!attempt.utc_offset_minutes) return {};
+    std::string text = to_utc_iso(
+        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
+        0);
     text.pop_back();
     std::ranges::replace(text, 'T', ' ');
-    return fmt::format("{} local (UTC{})", text, utc_offset);
+    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
 }
 
 std::string window_line(const RuleView& rule) {
@@ -126,7 +118,7 @@ void add_result(Section& page, const RuleView& rule) {
         add_fact(list, "Window", window_line(rule));
         if (verdict.window->start_gps)
             add_fact(list, "Local time",
-                     local_time(*verdict.window->start_gps, rule.inputs.attempt.utc_offset));
+                     local_time(*verdict.window->start_gps, rule.inputs.attempt));
         if (rule.profile.margin_kind == MarginKind::elapsed_time)
             add_fact(list, "Elapsed time", seconds_text(verdict.window->duration));
     }
@@ -158,17 +150,19 @@ std::string labelled(const char* label, const std::string& text) {
     return text.empty() ? text : fmt::format("{} {}", label, text);
 }
 
+/// "maker model, serial 42, firmware 1.2, antenna choke ring"; empty where nothing is known.
+std::string parts_text(const Instrument& one) {
+    return joined({joined({one.make, one.model}, " "), labelled("serial", one.serial),
+                   labelled("firmware", one.firmware), labelled("antenna", one.antenna)});
+}
+
+/// As the attempt says, and as the recording does.
 std::string instrument_text(const Receiver& receiver, const Observations& recording) {
-    const Instrument said = receiver.instrument.value_or(Instrument{});
-    const std::string stated =
-        joined({joined({said.make, said.model}, " "), labelled("serial", said.serial),
-                labelled("firmware", said.firmware), labelled("antenna", said.antenna)});
-    return or_not_stated(
-        joined({stated, recording.device.empty()
-                            ? ""
-                            : fmt::format("{}the recording says: {}", stated.empty() ? "" : "and ",
-                                          recording.device)},
-               "; "));
+    const std::string stated = receiver.instrument ? parts_text(*receiver.instrument) : "";
+    std::string recorded = recording.instrument ? parts_text(*recording.instrument) : "";
+    if (recorded.empty()) recorded = recording.device;
+    if (recorded == stated) recorded.clear();
+    return or_not_stated(joined({stated, labelled("the recording says", recorded)}, "; "));
 }
 
 /// Craft, people, place and instrument: each said, or said to be missing.

@@ -98,9 +98,12 @@ void add_segments(Plots& plots, const Json& segments) {
     for (const Json& segment : segments) {
         const std::string name = fmt::format("data{}", plots.items.size());
         plots.blocks += data_block(name, segment);
+        const std::string title = segment["segment_name"].get<std::string>();
+        // The caption says what the arrow is: a legend is as wide as a narrow figure leaves it.
+        const bool is_arrow = title == "north" || title == "second axis of the plane";
         plots.items.push_back(
-            fmt::format("${} using 1:2 with lines linewidth 2.2 linecolor rgb black title {}", name,
-                        quoted(segment["segment_name"])));
+            fmt::format("${} using 1:2 with lines linewidth 2.2 linecolor rgb black {}", name,
+                        is_arrow ? "notitle" : "title " + quoted(title)));
     }
 }
 

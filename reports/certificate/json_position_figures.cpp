@@ -200,7 +200,8 @@ Json track_figure(const ReportInputs& inputs) {
     Json figure =
         empty_figure("track", "The track in the plane",
                      "Smoothed positions on axes of equal scale" + plane +
-                         (georeferenced ? " The arrow points to the north of the origin." : "") +
+                         (georeferenced ? " The arrow points to the north of the origin."
+                                        : " The arrow points along the second axis.") +
                          (inputs.attempt.course ? " Across it: the lines of the course." : "") +
                          thinning_words(thinning(table.rows.size())),
                      georeferenced ? "east of the origin (m)" : "first plane coordinate (m)",

@@ -48,14 +48,7 @@ Json stated_json(const Receiver& receiver) {
     set("accuracy_vertical_m", accuracy.vertical_m);
     set("accuracy_velocity_m_s", accuracy.velocity_m_s);
     if (receiver.calibration) json["calibration"] = calibration_json(*receiver.calibration);
-    if (const auto& said = receiver.instrument) {
-        Json& instrument = json["instrument"] = Json::object();
-        set_text(instrument, "make", said->make);
-        set_text(instrument, "model", said->model);
-        set_text(instrument, "serial", said->serial);
-        set_text(instrument, "firmware", said->firmware);
-        set_text(instrument, "antenna", said->antenna);
-    }
+    if (receiver.instrument) json["instrument"] = members_json(*receiver.instrument);
     return json;
 }
 
@@ -162,6 +155,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
               {"length_s", rounded(last_time(results.screened.rows).seconds(), 9)}};
     if (!observations.written_by.empty()) json["written_by"] = observations.written_by;
     set_text(json, "device", observations.device);
+    if (observations.instrument) json["instrument"] = members_json(*observations.instrument);
     if (observations.simulated) json["simulated"] = true;
     if (observations.processing) json["processing"] = members_json(*observations.processing);
     set_text(json, "time_origin", observations.time_origin);

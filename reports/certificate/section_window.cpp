@@ -68,21 +68,19 @@ void add_best_facts(Block& list, const RuleView& rule) {
 Block result_table(const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
     const auto& uncertainty = verdict.expanded_uncertainty_m_s;
-    std::optional<double> lower, acceptance;
-    if (verdict.speed_m_s && uncertainty) lower = *verdict.speed_m_s - *uncertainty;
+    std::optional<double> acceptance;
     if (verdict.decision) acceptance = verdict.decision->acceptance_limit_m_s;
     return speed_table(
         "Result",
-        {{"Measured speed", verdict.speed_m_s, SpeedRow::measured, true},
+        {{"Measured speed", verdict.speed_m_s, SpeedKind::measured, true},
          {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
-          uncertainty, SpeedRow::uncertainty},
-         {"Measured speed less expanded uncertainty", lower},
-         {"Acceptance limit", acceptance, SpeedRow::limit},
-         {"Required speed", verdict.required_speed_m_s, SpeedRow::limit},
+          uncertainty, SpeedKind::uncertainty},
+         {"Acceptance limit", acceptance, SpeedKind::limit},
+         {"Required speed", verdict.required_speed_m_s, SpeedKind::required},
          {"Standing record",
           verdict.record ? std::optional(verdict.record->speed_m_s) : std::nullopt,
-          SpeedRow::stated}},
-        rule, uncertainty);
+          SpeedKind::plain}},
+        rule);
 }
 
 /// The rule's speed where it is none of the four definitions; empty where it is one.
@@ -114,18 +112,17 @@ void add_definitions(Section& section, const RuleView& rule) {
     std::vector<SpeedRow> rows;
     const std::string other = other_definition(rule.profile);
     if (!other.empty())
-        rows.push_back({other + " – the rule's", best.speed_m_s, SpeedRow::measured, true});
+        rows.push_back({other + " – the rule's", best.speed_m_s, SpeedKind::measured, true});
     for (const SpeedDefinition name : {SpeedDefinition::displacement, SpeedDefinition::path_length,
                                        SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
         const bool counts = other.empty() && name == rule.profile.definition;
         rows.push_back({capitalised(words_of(name)) + (counts ? " – the rule's" : ""),
-                        speed_by(best.definitions, name), SpeedRow::measured, counts});
+                        speed_by(best.definitions, name), SpeedKind::measured, counts});
     }
     if (!best.fitted)
         rows.push_back(
-            {"Standard uncertainty", best.standard_uncertainty_m_s, SpeedRow::uncertainty});
-    const double u = expanded_uncertainty_m_s(best, rule.profile.coverage_factor);
-    add(section, speed_table("By definition of speed", rows, rule, u));
+            {"Standard uncertainty", best.standard_uncertainty_m_s, SpeedKind::uncertainty});
+    add(section, speed_table("By definition of speed", rows, rule));
     if (std::string note = definition_note(rule); !note.empty())
         add(section, paragraph(std::move(note), "note"));
     add(section, speed_table("Mean over the window, by method",
@@ -134,7 +131,7 @@ void add_definitions(Section& section, const RuleView& rule) {
                               {"Method v1 of [DHD22]: central difference", best.methods.v1_m_s},
                               {"Method v2 of [DHD22]: path length", best.methods.v2_m_s},
                               {"Forward filter of [DHD22]", best.methods.kalman_m_s}},
-                             rule, u));
+                             rule));
 }
 
 std::string window_label(const WindowSpan& span) {
@@ -151,9 +148,8 @@ void add_further(Section& section, const RuleView& rule) {
         rows.push_back({window_label(further.span), further.speed_m_s});
     if (const auto figure = figure_of(windows))
         rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_m_s,
-                        SpeedRow::measured, true});
-    add(section, speed_table("Windows that make the figure", rows, rule,
-                             expanded_uncertainty_m_s(best, rule.profile.coverage_factor)));
+                        SpeedKind::measured, true});
+    add(section, speed_table("Windows that make the figure", rows, rule));
 }
 
 /// The same rule by each receiver, where there are several.

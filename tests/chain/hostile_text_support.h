@@ -37,9 +37,9 @@ inline std::string endless(const std::string& tag) {
 }
 
 /// Words of the fields that the report shows, with the markup.
-inline const std::vector<std::string> tags{"CRAFT",  "ROLE",       "NAME",        "KEY",  "RECORD",
-                                           "REASON", "AMENDS",     "METHOD",      "BODY", "TITLE",
-                                           "CLAUSE", "CLAUSETEXT", "CLAUSESOURCE"};
+inline const std::vector<std::string> tags{"CRAFT",  "ROLE",   "NAME",       "RECORD",
+                                           "REASON", "AMENDS", "METHOD",     "BODY",
+                                           "TITLE",  "CLAUSE", "CLAUSETEXT", "CLAUSESOURCE"};
 inline const std::vector<std::string> endless_tags{"PLACE", "OTHERNAME", "OTHERREASON",
                                                    "ATTESTTEXT"};
 

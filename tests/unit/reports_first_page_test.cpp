@@ -70,10 +70,9 @@ TEST(FirstPage, OfEveryOtherOutcomeTheReasonStandsThereAndNoSpeedInLargeLetters)
         EXPECT_EQ(headlines(report), 0U) << to_text(outcome);
         EXPECT_EQ(block_of_look(report, "reason")["text"], verdict_of(run).reason)
             << to_text(outcome);
-        EXPECT_EQ(
-            fact_at(report, first,
-                    outcome == Outcome::not_certifiable ? "Not certifiable" : "Measured speed"),
-            "216.00 km/h ± 0.019 km/h (k = 2)")
+        EXPECT_EQ(fact_at(report, first,
+                          outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed"),
+                  "216.00 km/h ± 0.019 km/h (k = 2)")
             << to_text(outcome);
         EXPECT_EQ(has_fact(report, first, "Conformance probability"),
                   outcome != Outcome::not_certifiable);

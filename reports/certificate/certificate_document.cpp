@@ -12,8 +12,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int usual_decimals = 2;  ///< of a required speed beside which nothing was measured
-
 /// km/h, m/s, kn, mph, the rule's own in front.
 std::vector<const SpeedUnit*> units_in_order(const SpeedUnit& own) {
     std::vector<const SpeedUnit*> units{&own};
@@ -45,10 +43,11 @@ ShownFigures RuleView::shown() const {
                              expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
                         unit());
     ShownFigures figures{.unit = std::string(unit().name)};
+    const auto& rounding = profile.result ? profile.result : profile.rounding;
     if (verdict.required_speed_m_s)
         figures.required_speed =
-            shown_figure(*verdict.required_speed_m_s * unit().per_m_s,
-                         rule_decimals(*this, unit()).value_or(usual_decimals), SafeSide::up);
+            shown_speed(SpeedKind::required, *verdict.required_speed_m_s,
+                        rounding ? rounding->decimals : unit().decimals, unit());
     return figures;
 }
 

@@ -42,7 +42,7 @@ std::string rule_line(const RuleView& rule) {
                        rule_identity_text(rule.verdict),
                        rule.profile.looked_at.empty()
                            ? ""
-                           : fmt::format(", its texts looked at until {}", rule.profile.looked_at));
+                           : fmt::format(", texts checked on {}", rule.profile.looked_at));
 }
 
 Block outcome_block(const RuleView& rule) {
@@ -112,7 +112,7 @@ void add_result(Section& page, const RuleView& rule) {
                              level_text(verdict.decision->level)));
     if (verdict.own_arithmetic)
         add_fact(
-            list, "The rule's arithmetic",
+            list, "By the body's arithmetic",
             verdict.own_arithmetic->shown.empty() ? "not known" : verdict.own_arithmetic->shown);
     if (verdict.window) {
         add_fact(list, "Window", window_line(rule));

@@ -145,9 +145,7 @@ std::string budget_subject(const RuleView& rule, const Scale& scale) {
             : fmt::format("; the measured speed is the mean of {} windows, with the mean of their "
                           "uncertainties, as if their errors were the same",
                           further.size() + 1),
-        current ? fmt::format("; the current's component, {}, is subtracted from it, and adds its "
-                              "own uncertainty",
-                              speed_beside(rule.verdict, *current, scale.unit().name))
+        current ? "; the current's component is subtracted from it, and adds its own uncertainty"
                 : "");
 }
 
@@ -228,7 +226,7 @@ void add_uncertainty(Section& section, const RuleView& rule) {
         add_fact(beside, "Time-correlated position errors", bound_text(*best.bound, scale));
     if (!beside.facts.empty()) add(section, std::move(beside));
     add(section, budget_blocks(rule));
-    if (best.selection) add_selection(section, rule, scale);
+    if (best.selection && rule.windows->candidates > 1) add_selection(section, rule, scale);
     add_undetected(section, best, scale);
 }
 

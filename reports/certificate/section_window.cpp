@@ -190,13 +190,6 @@ void add_window(Section& section, const RuleView& rule, const nlohmann::ordered_
         if (rule.verdict.speed_m_s) add(section, result_table(rule));
         if (rule.verdict.own_arithmetic)
             add(section, paragraph(own_arithmetic_text(*rule.verdict.own_arithmetic), "note"));
-        if (rule.verdict.current_subtracted_m_s)
-            add(section,
-                paragraph(
-                    fmt::format("The current's component along the course, {}, is subtracted.",
-                                speed_beside(rule.verdict, *rule.verdict.current_subtracted_m_s,
-                                             rule.unit().name)),
-                    "note"));
         for (std::size_t i = 0; i < figures.size(); ++i)
             if (figures[i].value("figure_profile", "") == rule.profile.id &&
                 figures[i]["figure"] == "window")

@@ -47,7 +47,7 @@ ShownFigures RuleView::shown() const {
     if (verdict.required_speed_m_s)
         figures.required_speed =
             shown_speed(SpeedKind::required, *verdict.required_speed_m_s,
-                        rounding ? rounding->decimals : unit().decimals, unit());
+                        rounding ? static_cast<int>(rounding->decimals) : unit().decimals, unit());
     return figures;
 }
 

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "recompute.h"
 #include "reports/diff/table_comparison.h"
 #include "schemas/products/products.h"
@@ -73,11 +75,32 @@ std::set<std::string> numbers_in(const std::string& text) {
     return numbers;
 }
 
+std::size_t decimals_of(const std::string& number) {
+    const std::size_t point = number.find('.');
+    return point == std::string::npos ? 0 : number.size() - point - 1;
+}
+
+/// Whether two texts may be one figure, rounded to other decimals: at most one unit of the last
+/// place of the coarser apart.
+bool may_be_one_figure(const std::string& a, const std::string& b) {
+    if (a == b) return true;
+    const std::size_t coarser = std::min(decimals_of(a), decimals_of(b));
+    const auto one = parse_double(a), other = parse_double(b);
+    if (decimals_of(a) == decimals_of(b) || !one || !other) return false;
+    return coarser == 0 ? *one == *other
+                        : std::abs(*one - *other) <=
+                              std::pow(10.0, -static_cast<double>(coarser)) * (1.0 + 1e-9);
+}
+
 /// Whether a sentence of another program may be this one's in other words: it has no number that
-/// this one's has not.
+/// this one's has not, but for its decimals.
 bool may_be_reworded(const std::string& recomputed, const std::string& in_folder) {
-    return is_sentence(recomputed) && is_sentence(in_folder) &&
-           std::ranges::includes(numbers_in(recomputed), numbers_in(in_folder));
+    if (!is_sentence(recomputed) || !is_sentence(in_folder)) return false;
+    const std::set<std::string> known = numbers_in(recomputed);
+    return std::ranges::all_of(numbers_in(in_folder), [&](const std::string& number) {
+        return std::ranges::any_of(
+            known, [&](const std::string& own) { return may_be_one_figure(own, number); });
+    });
 }
 
 void judge_values(FileComparison& file, const std::vector<ValueDifference>& values,

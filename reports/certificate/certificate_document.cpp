@@ -60,6 +60,9 @@ std::vector<RuleView> rule_views(const ReportInputs& inputs) {
 }
 
 std::string clause_name(const std::string& clause) {
+    // Ids never change; what they are called in the field's terms may.
+    if (clause == "kind-of-solution") return "Fix type";
+    if (clause == "positions-on-the-earth") return "Geodetic coordinates";
     std::string name = clause;
     std::ranges::replace(name, '-', ' ');
     return capitalised(name);

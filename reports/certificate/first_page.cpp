@@ -69,7 +69,7 @@ std::string local_time(GpsTime time, const Attempt& attempt) {
     if (!attempt.utc_offset_minutes) return {};
     std::string text = to_utc_iso(
         time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
-        0);
+        3);
     text.pop_back();
     std::ranges::replace(text, 'T', ' ');
     return fmt::format("{} (UTC{})", text, attempt.utc_offset);

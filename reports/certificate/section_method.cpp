@@ -181,8 +181,10 @@ void add_sheet(Section& section, const ReportInputs& inputs, const std::string& 
         add(section, std::move(sheet));
     }
     Block signs = table({"Role|22", "Name|26", "Place and date|26", "Signature|26"}, {}, "sheet");
-    for (const Official& official : inputs.attempt.officials)
-        add_row(signs, {official.role, official.name, "", ""});
+    for (const Official& official : inputs.attempt.officials) {
+        TableRow& row = add_row(signs, {official.role, official.name, "", ""});
+        if (!official.key.empty()) row.further.push_back(official.key);
+    }
     add_row(signs, {"For the body", "", "", ""});
     add(section, std::move(signs));
     add(section, paragraph("This report is on the recordings named above and on nothing else. It "

@@ -58,6 +58,13 @@ std::string decision_words(const RuleView& rule) {
     return words;
 }
 
+/// "From a secondary source: press reports", "This program's own requirement".
+std::string source_line(const Requirement& requirement) {
+    const std::string source = source_text(requirement);
+    if (source.starts_with("this program's own")) return capitalised(source);
+    return fmt::format("{}: {}", capitalised(words_of(requirement.certainty)), source);
+}
+
 Block requirements_table(const RuleView& rule) {
     Block block = table({"State|13", "Requirement|47", "Evidence|40"});
     block.slot = "clauses/" + rule.verdict.profile;
@@ -71,8 +78,7 @@ Block requirements_table(const RuleView& rule) {
         for (const Figure& figure : requirement.figures)
             row.further.push_back(fmt::format("{}: {}{}{}", figure.name, figure_value_text(figure),
                                               figure.note.empty() ? "" : "; ", figure.note));
-        row.further.push_back(fmt::format("{}: {}", capitalised(words_of(requirement.certainty)),
-                                          source_text(requirement)));
+        row.further.push_back(source_line(requirement));
     }
     return block;
 }

@@ -76,10 +76,7 @@ Block result_table(const RuleView& rule) {
          {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
           uncertainty, SpeedKind::uncertainty},
          {"Acceptance limit", acceptance, SpeedKind::limit},
-         {"Required speed", verdict.required_speed_m_s, SpeedKind::required},
-         {"Standing record",
-          verdict.record ? std::optional(verdict.record->speed_m_s) : std::nullopt,
-          SpeedKind::plain}},
+         {"Required speed", verdict.required_speed_m_s, SpeedKind::required}},
         rule);
 }
 

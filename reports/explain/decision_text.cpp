@@ -89,14 +89,16 @@ std::string uncertainty_text(const ProfileView& view) {
     const double expanded_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0);
     const double limit_m_s = verdict.decision ? verdict.decision->bias_limit_m_s : 0.0;
     const double standard_m_s = (expanded_m_s - limit_m_s) / verdict.coverage_factor;
+    const ShownFigures shown = shown_of(verdict, unit.name);
+    const std::string expanded = fmt::format("{} {}", shown.expanded_uncertainty, shown.unit);
     std::string text =
         limit_m_s > 0.0
             ? fmt::format(
                   "Expanded {}: {} times the standard uncertainty, {}, and {} for what "
                   "choosing the fastest window may have left in the speed.",
-                  rounded_up(expanded_m_s), coverage_text(verdict.coverage_factor),
-                  rounded_up(standard_m_s), rounded_up(limit_m_s))
-            : fmt::format("Expanded {} (k = {}), standard {}.", rounded_up(expanded_m_s),
+                  expanded, coverage_text(verdict.coverage_factor), rounded_up(standard_m_s),
+                  rounded_up(limit_m_s))
+            : fmt::format("Expanded {} (k = {}), standard {}.", expanded,
                           coverage_text(verdict.coverage_factor), rounded_up(standard_m_s));
     if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
         text += fmt::format(

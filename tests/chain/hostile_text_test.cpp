@@ -96,7 +96,7 @@ TEST_F(HostileText, IsWithinTheMarginsOnPaper) {
         if (!std::regex_search(line, found, box)) continue;
         ++count;
         EXPECT_GE(std::stod(found[1]), 18 * mm - slack) << line;
-        EXPECT_GE(std::stod(found[2]), 15 * mm - slack) << line;
+        EXPECT_GE(std::stod(found[2]), 11 * mm - slack) << line;
         EXPECT_LE(std::stod(found[3]), (210 - 16) * mm + slack) << line;
         EXPECT_LE(std::stod(found[4]), 297 * mm) << line;
     }

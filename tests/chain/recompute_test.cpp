@@ -222,6 +222,15 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
     expect_in(recomputed(), {"yes  recompute", "note: a sentence of another program"});
     forge("6-verdict.yaml", std::string(verdict).replace(words, 6, "(k = 2.5"));
     expect_in(recomputed(), {"NO   recompute"});
+    // A figure may have had other decimals, and be no other for that.
+    const std::size_t end = verdict.find(" km/h for the choice of the window");
+    ASSERT_NE(end, std::string::npos);
+    const std::size_t begin = verdict.rfind(' ', end - 1) + 1;
+    const std::string figure = verdict.substr(begin, end - begin);
+    forge("6-verdict.yaml", std::string(verdict).replace(begin, figure.size(), figure + "4"));
+    expect_in(recomputed(), {"yes  recompute", "note: a sentence of another program"});
+    forge("6-verdict.yaml", std::string(verdict).replace(begin, figure.size(), "7" + figure));
+    expect_in(recomputed(), {"NO   recompute"});
     forge("6-verdict.yaml", verdict);
     // It may not have said all of its parameters; what it said must be what was used.
     const std::string said = "  plane_scale_bound: 0.001\n";

@@ -209,7 +209,7 @@ TEST(WalkThrough, AVerdictHasItsSpeedsInBothUnitsAndNoSentenceTwoStops) {
     const Document walk = walk_through(record_with(verdict_in("km/h")), {.stages = {"check"}});
     const std::string text = document_text(walk, 1000);
     expect_in(text,
-              {"216.0 km/h ± 0.35 km/h (k = 2); in the file 60.005 m/s ± 0.098 m/s\n",
+              {"216.0 km/h ± 0.4 km/h (k = 2); in the file 60.005 m/s ± 0.098 m/s\n",
                "Required speed  216.1 km/h (60.010 m/s)\n", "shows as 220.5 km/h (61.250 m/s) over",
                "NOT MET  flat ",
                "\n    The course rises by 3 m.\n    Figure: rise: 3 m; up.\n    The clause: The "

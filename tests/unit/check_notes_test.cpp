@@ -153,9 +153,10 @@ TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_NEAR(*verdict.speed_m_s, 58.0, 1e-12);
     EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 0.024, 1e-12);
-    EXPECT_EQ(note_with(verdict, "mean of 3"),
-              "The speed is the mean of 3 windows (216.000 km/h, 208.800 km/h, 201.600 km/h); their "
-              "errors are taken as equal, so averaging does not reduce the uncertainty.");
+    EXPECT_EQ(
+        note_with(verdict, "mean of 3"),
+        "The speed is the mean of 3 windows (216.000 km/h, 208.800 km/h, 201.600 km/h); their "
+        "errors are taken as equal, so averaging does not reduce the uncertainty.");
     EXPECT_TRUE(contains(note_with(verdict, "unscreened"), "a mean of 210.600 km/h"));
     EXPECT_TRUE(contains(scene.clause("window_complete").evidence, "with 2 more the mean"));
 }

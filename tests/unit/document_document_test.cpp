@@ -194,8 +194,8 @@ TEST(DocumentText, HostileTextSteersNoTerminal) {
         EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= ' ') << int{c};
     EXPECT_EQ(text.find("\xE2\x80\xAE"), std::string::npos);
     EXPECT_EQ(plain_text(hostile), plain_text(plain_text(hostile)));
-    // A line of its own would be the program's word.
-    EXPECT_EQ(text_of(code("a\nVERIFIED"), 80), "    a VERIFIED\n");
+    // Its lines are its own, and set in.
+    EXPECT_EQ(text_of(code("a\nVERIFIED"), 80), "    a\n    VERIFIED\n");
 }
 
 TEST(PlainText, KeepsLettersAndTakesOutWhatSteers) {
@@ -269,8 +269,12 @@ TEST_F(DocumentHtml, HostileTextIsShownAsText) {
     EXPECT_EQ(found_in(html, "count(//*[local-name()='script'])"), "0");
     for (const char* element :
          {"h1'", "h2'", "h3'", "p'", "p'][@class='subtitle'", "dt'", "dd'", "caption'", "td'",
-          "th'][@scope='row'", "li'][not(*[local-name()='a'])", "pre'", "small'", "bdi'"})
+          "th'][@scope='row'", "li'][not(*[local-name()='a'])", "small'", "bdi'"})
         EXPECT_EQ(text_at(html, element), plain_text(hostile)) << element;
+    // The lines of what a person types stay lines.
+    std::string typed = text_at(html, "pre'");
+    std::ranges::replace(typed, '\n', ' ');
+    EXPECT_EQ(typed, plain_text(hostile));
     EXPECT_NE(text_at(html, "figcaption'").find(plain_text(hostile)), std::string::npos);
     for (const char* piece : {"\x1b", "\xE2\x80\xAE", "{{craft}}<"})
         EXPECT_EQ(html.find(piece), std::string::npos) << piece;

@@ -180,22 +180,24 @@ TEST(FirstPage, NamesPeopleAndInstrumentAsTheAttemptStatesThem) {
     EXPECT_EQ(fact_at(report, first, "Organisation"), "A club, mail@example.org");
     EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("Salt Runner, R-1, land-yacht"));
     EXPECT_EQ(fact_at(report, first, "Instrument"),
-              "Maker M2, serial 77; and the recording says: M2, firmware 3.1");
+              "Maker M2, serial 77; the recording says M2, firmware 3.1");
 }
 
-// 08:51:44.500 UTC, to the second.
+// 08:51:44.500 UTC.
 TEST(FirstPage, GivesTheLocalTimeOfTheWindow) {
     sample::Run run = made();
-    const auto local = [&](const char* offset) {
+    const auto local = [&](const char* offset, std::optional<int> minutes) {
         run.inputs.attempt.utc_offset = offset;
+        run.inputs.attempt.utc_offset_minutes = minutes;
         return fact_at(report_json(run.inputs), first, "Local time");
     };
-    EXPECT_EQ(local("+10:30"), "2022-03-18 19:21:45 local (UTC+10:30)");
-    EXPECT_EQ(local("-09:00"), "2022-03-17 23:51:45 local (UTC-09:00)");
-    EXPECT_EQ(local("-00:30"), "2022-03-18 08:21:45 local (UTC-00:30)");
-    EXPECT_TRUE(local("").starts_with("no fact"));
+    EXPECT_EQ(local("+10:30", 630), "2022-03-18 19:21:44.500 (UTC+10:30)");
+    EXPECT_EQ(local("-09:00", -540), "2022-03-17 23:51:44.500 (UTC-09:00)");
+    EXPECT_EQ(local("-00:30", -30), "2022-03-18 08:21:44.500 (UTC-00:30)");
+    EXPECT_TRUE(local("", std::nullopt).starts_with("no fact"));
     sample::Run plane = made({.georeferenced = false});
     plane.inputs.attempt.utc_offset = "+10:30";
+    plane.inputs.attempt.utc_offset_minutes = 630;
     EXPECT_FALSE(has_fact(report_json(plane.inputs), first, "Local time"))
         << "the recording's time is relative";
 }

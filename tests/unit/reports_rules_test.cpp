@@ -103,14 +103,14 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
               "Guard band w = 0.05 km/h (acceptance limit less required speed). Risk of false "
               "acceptance: 0.0013 % (that the true speed is below the required speed).");
     expect_in(words, "No agreement on the decision rule is stated.");
-    EXPECT_EQ(cell_at(report, window_of_nalsa, "Required speed", "km/h"), "204.510");
-    EXPECT_EQ(cell_at(report, window_of_nalsa, "Acceptance limit", "km/h"), "204.553");
+    EXPECT_EQ(cell_at(report, window_of_nalsa, "Required speed", "km/h"), "204.51");
+    EXPECT_EQ(cell_at(report, window_of_nalsa, "Acceptance limit", "km/h"), "204.56");
     const std::string page =
         print_page(report_json(sample::with_one_rule(sample::make_run()).inputs));
     expect_in(page, "<p class=\"headline\">216.00 km/h ± 0.019 km/h <small>(k = 2)</small></p>");
     expect_in(page, "<dt><bdi>Required speed</bdi></dt><dd><bdi>204.51 km/h</bdi></dd>");
     expect_in(page,
-              "Figures: speed rounded down, uncertainty, required speed and acceptance limit "
+              "Figures: speed rounded down; uncertainty, required speed and acceptance limit "
               "rounded up.");
     expect_in(page, "99.9987 % (at least 95 % required)");
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
@@ -326,7 +326,7 @@ TEST(Windows, ThoseThatMakeTheFigureTogetherAreListedWithTheirMean) {
                                                "Mean of the 2"}));
     // (216.0087 + 212.4) / 2
     EXPECT_EQ(table["columns"][1]["head"], "km/h");
-    EXPECT_EQ(table["rows"][2]["cells"][1], "214.204");
+    EXPECT_EQ(table["rows"][2]["cells"][1], "214.20");
     EXPECT_EQ(table["rows"][2]["mark"], "chosen");
     const std::string uncertainty =
         sentences_at(report, {.section = "uncertainty", .rule = "nalsa"});

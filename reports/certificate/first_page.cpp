@@ -165,10 +165,19 @@ std::string instrument_text(const Receiver& receiver, const Observations& record
     return or_not_stated(joined({stated, labelled("the recording says", recorded)}, "; "));
 }
 
+/// Two columns beside each other cannot go on to another page: very long facts stand in one.
+void set_columns(Block& facts, const char* columns) {
+    constexpr std::size_t long_fact = 400;
+    const bool fit = std::ranges::none_of(facts.facts, [](const Fact& fact) {
+        return fact.name.size() + fact.value.size() > long_fact;
+    });
+    facts.look = fit ? columns : "narrow";
+}
+
 /// Craft, people, place and instrument: each said, or said to be missing.
 void add_identity(Section& page, const ReportInputs& inputs) {
     const Attempt& attempt = inputs.attempt;
-    Block list = facts({}, {}, "two_columns");
+    Block list = facts({});
     add_fact(list, "Attempt", attempt.id);
     add_fact(list, "Craft",
              joined({attempt.craft.name, attempt.craft.registration, attempt.craft.kind,
@@ -194,6 +203,7 @@ void add_identity(Section& page, const ReportInputs& inputs) {
                                 ? official.role
                                 : fmt::format("{}: {}", official.role, official.name));
     add_fact(list, "Officials", or_not_stated(fmt::format("{}", fmt::join(officials, ", "))));
+    set_columns(list, "two_columns");
     add(page, std::move(list));
 }
 
@@ -206,13 +216,14 @@ std::string state_text(const Requirement& requirement) {
 
 /// A line each: what it is about, its state, and who answered.
 void add_requirements(Section& page, const RuleView& rule) {
-    Block list = facts({}, "Requirements", "requirements");
+    Block list = facts({}, "Requirements");
     list.slot = "requirements/" + rule.verdict.profile;
     for (const Requirement& requirement : rule.verdict.requirements)
         list.facts.push_back({.name = clause_name(requirement.clause),
                               .value = state_text(requirement),
                               .mark = std::string(to_text(requirement.status)),
                               .clause = requirement.clause});
+    set_columns(list, "requirements");
     add(page, std::move(list));
 }
 

@@ -151,14 +151,14 @@ Block software_table(const ReportInputs& inputs) {
 }
 
 Block files_table(const std::vector<ReportSubject>& subjects) {
-    Block block = table({"File|44", "What it is|40", ">Bytes|16"});
+    Block block = table({"File|44", "What it is|40", ">Length|16"});
     for (const ReportSubject& subject : subjects) {
         const bool renamed = !subject.original.empty() && subject.original != subject.file;
         TableRow& row = add_row(
             block,
             {subject.file,
              subject.role + (renamed ? fmt::format(" (handed in as {})", subject.original) : ""),
-             counted(static_cast<std::int64_t>(subject.bytes))});
+             counted(static_cast<std::int64_t>(subject.bytes), "byte")});
         row.further.push_back(subject.sha256);
     }
     return block;

@@ -138,7 +138,6 @@ Section requirements_section(const ReportInputs& inputs) {
     Section section{.anchor = "requirements", .title = "Requirements of the rules"};
     for (const RuleView& rule : rule_views(inputs))
         add_requirements_of(section, rule);
-    std::vector<std::string> items;
     Block said = facts({}, "Who says what the figures rest on");
     for (const InputsOfOrigin& one : inputs_by_origin(inputs.verdict.origins))
         add_fact(said, one.label, one.text);

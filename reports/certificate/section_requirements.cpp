@@ -12,17 +12,6 @@
 namespace runcert {
 namespace {
 
-/// "11 requirements in all: 6 met, 0 not met, 5 to be attested."
-std::string counts_text(const ProfileVerdict& verdict) {
-    const auto count = [&](RequirementStatus status) {
-        return std::ranges::count(verdict.requirements, status, &Requirement::status);
-    };
-    return fmt::format("{} in all: {} met, {} not met, {} to be attested.",
-                       counted(std::ssize(verdict.requirements), "requirement"),
-                       count(RequirementStatus::met), count(RequirementStatus::not_met),
-                       count(RequirementStatus::attest));
-}
-
 std::string decision_rule(const RuleView& rule) {
     const double level =
         rule.verdict.decision ? rule.verdict.decision->level : rule.profile.decision_probability;
@@ -117,9 +106,11 @@ void add_requirements_of(Section& section, const RuleView& rule) {
     if (verdict.decision) add(section, paragraph(decision_words(rule)));
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         add(section, paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
-    Block standing = paragraph(
-        fmt::format("{} Standing: {}.", counts_text(verdict), standing_text(verdict.standing)),
-        "strong");
+    Block standing =
+        paragraph(fmt::format("{} in all: {}. Standing: {}.",
+                              counted(std::ssize(verdict.requirements), "requirement"),
+                              requirement_counts(verdict), standing_text(verdict.standing)),
+                  "strong");
     standing.slot = "standing/" + verdict.profile;
     add(section, std::move(standing));
     add(section, requirements_table(rule));

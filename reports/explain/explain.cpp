@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
+#include "reports/words/decision.h"
 #include "reports/words/outcome.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
@@ -112,20 +113,12 @@ std::vector<Section> one_clause(const std::vector<ProfileView>& views, const std
     return sections;
 }
 
-std::string counts_of(const ProfileVerdict& verdict) {
-    const auto count = [&](RequirementStatus status) {
-        return std::ranges::count(verdict.requirements, status, &Requirement::status);
-    };
-    return fmt::format("{}: {} met, {} not met, {} to be attested",
-                       counted(std::ssize(verdict.requirements), "clause"),
-                       count(RequirementStatus::met), count(RequirementStatus::not_met),
-                       count(RequirementStatus::attest));
-}
-
 Section in_short(const ProfileView& view) {
     Section section = decision_in_short(view);
     Block& told = section.blocks.back();
-    add_fact(told, "Clauses", counts_of(view.verdict));
+    add_fact(told, "Clauses",
+             fmt::format("{}: {}", counted(std::ssize(view.verdict.requirements), "clause"),
+                         requirement_counts(view.verdict)));
     for (std::string& words : override_words(view.verdict, {}))
         add_fact(told, "Replaced", std::move(words));
     for (std::string& note : notes_of(view.verdict))

@@ -55,6 +55,14 @@ std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const
     return sentences;
 }
 
+std::string requirement_counts(const ProfileVerdict& verdict) {
+    const auto count = [&](RequirementStatus status) {
+        return std::ranges::count(verdict.requirements, status, &Requirement::status);
+    };
+    return fmt::format("{} met, {} not met, {} to be attested", count(RequirementStatus::met),
+                       count(RequirementStatus::not_met), count(RequirementStatus::attest));
+}
+
 std::string silent_rule_text(const Profile& profile) {
     const bool says =
         profile.written["decision"].exists() || profile.margin_above == MarginBase::upper_limit;

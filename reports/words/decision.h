@@ -30,6 +30,9 @@ std::string risk_text(const ProfileVerdict& verdict);
 /// Both as sentences, as far as there are any: "Guard band w = 0.17 km/h (...). Risk of ...".
 std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit);
 
+/// "6 met, 0 not met, 5 to be attested": a verdict's requirements by their state.
+std::string requirement_counts(const ProfileVerdict& verdict);
+
 /// What it means that a rule does not say how uncertainty counts in the decision; empty for a rule
 /// that does.
 std::string silent_rule_text(const Profile& profile);

@@ -11,6 +11,7 @@ set(programs_dir ${CMAKE_INSTALL_LIBEXECDIR}/runcert)
 install(TARGETS ${RUNCERT_PROGRAMS} RUNTIME DESTINATION ${programs_dir})
 file(RELATIVE_PATH to_runcert ${CMAKE_INSTALL_FULL_BINDIR}
   ${CMAKE_INSTALL_PREFIX}/${programs_dir}/runcert)
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/package)
 file(CREATE_LINK ${to_runcert} ${CMAKE_BINARY_DIR}/package/runcert SYMBOLIC)
 install(FILES ${CMAKE_BINARY_DIR}/package/runcert DESTINATION ${CMAKE_INSTALL_BINDIR})
 

@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "core/prose.h"
 #include "core/text.h"
+#include "moving_line.h"
+#include "reports/document/document_text.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
 #include "reports/words/figures.h"
@@ -30,6 +35,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* run_times_name = "run.yaml";
+
 struct CertifyOptions {
     std::string attempt;
     std::string out;
@@ -37,7 +44,19 @@ struct CertifyOptions {
     bool no_render = false;
     bool no_pdf = false;
     bool brief = false;
+    bool quiet = false;
+    bool json = false;
 };
+
+/// A line under a heading, broken at the terminal's width; a file gets it whole.
+void say(const std::string& label, const std::string& text) {
+    constexpr std::size_t indent = 11;
+    fmt::print("  {:<8} ", label);
+    if (isatty(STDOUT_FILENO) != 0)
+        fmt::print("{}", wrapped(text, indent, indent, terminal_columns()));
+    else
+        fmt::print("{}\n", plain_text(text));
+}
 
 /// The speed as it is to be read, and what it had to reach.
 void print_speed(const ProfileVerdict& verdict) {
@@ -45,41 +64,41 @@ void print_speed(const ProfileVerdict& verdict) {
     const std::string by_rule =
         own && !own->shown.empty() ? own->shown + " by the rule's own arithmetic" : std::string();
     if (!verdict.speed_m_s) {
-        if (!by_rule.empty()) fmt::print("  speed    none measured; {}\n", by_rule);
+        if (!by_rule.empty()) say("speed", "none measured; " + by_rule);
         return;
     }
     const ShownFigures shown = shown_of(verdict, "km/h");
-    fmt::print("  speed    {}\n", measured_speed_text(shown, verdict.coverage_factor));
-    if (!by_rule.empty()) fmt::print("           {}\n", by_rule);
+    say("speed", measured_speed_text(shown, verdict.coverage_factor));
+    if (!by_rule.empty()) say("", by_rule);
     if (!verdict.decision || verdict.outcome == Outcome::not_certifiable) return;
-    fmt::print("  required {} {}; acceptance limit {} {}\n", shown.required_speed, shown.unit,
-               shown.acceptance_limit, shown.unit);
-    fmt::print("           conformance probability {} (at least {} required)\n",
-               probability_text(verdict.decision->probability),
-               level_text(verdict.decision->level));
+    say("required", fmt::format("{} {}; acceptance limit {} {}", shown.required_speed, shown.unit,
+                                shown.acceptance_limit, shown.unit));
+    say("", fmt::format("conformance probability {} (at least {} required)",
+                        probability_text(verdict.decision->probability),
+                        level_text(verdict.decision->level)));
     for (const std::string& more : decision_sentences(verdict, speed_unit(shown.unit)))
-        fmt::print("           {}\n", more);
+        say("", more);
 }
 
-void print_window(const WindowSpan& span) {
-    fmt::print("  window   {} from {}{}\n", seconds_text(span.duration), seconds_text(span.start),
-               span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
+std::string window_text(const WindowSpan& span) {
+    return fmt::format("{} from {}{}", seconds_text(span.duration), seconds_text(span.start),
+                       span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
 
 void print_refused(const ProfileVerdict& verdict) {
     const RefusedWindow& indicated = *verdict.indicated;
-    fmt::print(
-        "  refused  {} at {}: {}\n",
-        speed_beside(verdict, indicated.speed_m_s, verdict.shown ? verdict.shown->unit : "km/h"),
-        seconds_text(indicated.span.start),
-        plain_text(fmt::format("{}", fmt::join(indicated.refusals, "; "))));
+    say("refused",
+        fmt::format("{} at {}: {}",
+                    speed_beside(verdict, indicated.speed_m_s,
+                                 verdict.shown ? verdict.shown->unit : "km/h"),
+                    seconds_text(indicated.span.start), fmt::join(indicated.refusals, "; ")));
 }
 
 /// What must be read with the verdict, the first of it.
 void print_notes(const std::vector<std::string>& notes, const fs::path& run_dir) {
     constexpr std::size_t most = 5;
     for (std::size_t i = 0; i < std::min(most, notes.size()); ++i)
-        fmt::print("  note     {}\n", plain_text(notes[i]));
+        say("note", notes[i]);
     if (notes.size() > most)
         fmt::print("  ... and {} more: runcert explain {}\n", notes.size() - most,
                    run_dir.string());
@@ -93,29 +112,47 @@ std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementSt
     return clauses;
 }
 
-/// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
-bool print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
+/// The command that explains what decided.
+std::string explain_command(const ProfileVerdict& verdict, const fs::path& run_dir) {
+    const auto failed = clauses_of(verdict, RequirementStatus::not_met);
+    const bool by_clause = !failed.empty() && verdict.reason.starts_with("Not met");
+    return fmt::format("runcert explain {} {}", shell_word(run_dir.string()),
+                       by_clause ? shell_word(verdict.profile + "/" + failed.front())
+                                 : "decision --profile " + shell_word(verdict.profile));
+}
+
+/// Prints one profile's verdict, to be read in five seconds.
+void print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
     fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
     print_speed(verdict);
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        fmt::print("           {}\n",
-                   plain_text(agreement_text(attempt.decision_rule_agreed, verdict.window)));
-    if (verdict.window) print_window(*verdict.window);
+        say("", agreement_text(attempt.decision_rule_agreed, verdict.window));
+    if (verdict.window) say("window", window_text(*verdict.window));
     for (const std::string& witness : verdict.witnesses)
-        fmt::print("  witness  {}\n", plain_text(witness));
+        say("witness", witness);
     if (verdict.unseen_drift_m_s)
-        fmt::print("  witness  none. {}\n", positions_alone_text(*verdict.unseen_drift_m_s));
-    fmt::print("  why      {}\n", plain_text(verdict.reason));
+        say("witness", "none. " + positions_alone_text(*verdict.unseen_drift_m_s));
+    say("why", verdict.reason);
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);
-    fmt::print("  standing {}\n", standing_text(verdict.standing));
+    say("standing", standing_text(verdict.standing));
     if (const auto attest = clauses_of(verdict, RequirementStatus::attest); !attest.empty())
-        fmt::print("  attest   {}\n", fmt::join(attest, ", "));
-    if (const auto failed = clauses_of(verdict, RequirementStatus::not_met); !failed.empty())
-        fmt::print("  not met  {}\n  explain  runcert explain {} {}\n", fmt::join(failed, ", "),
-                   shell_word(run_dir.string()),
-                   shell_word(verdict.profile + "/" + failed.front()));
-    return verdict.outcome == Outcome::beaten;
+        say("attest", fmt::format("{}", fmt::join(attest, ", ")));
+    if (const auto failed = clauses_of(verdict, RequirementStatus::not_met); !failed.empty()) {
+        say("not met", fmt::format("{}", fmt::join(failed, ", ")));
+        fmt::print("  explain  {}\n", explain_command(verdict, run_dir));
+    }
+}
+
+/// What is read last of what was refused: the reason, the place, what helps.
+void print_refusals(const Verdict& verdict, const fs::path& run_dir) {
+    for (const ProfileVerdict& profile : verdict.profiles) {
+        if (profile.outcome != Outcome::not_certifiable) continue;
+        fmt::print("\n{}: {}\n", profile.profile, outcome_words(state_of(profile)).title);
+        say("why", profile.reason);
+        if (profile.indicated) say("where", window_text(profile.indicated->span));
+        fmt::print("  explain  {}\n", explain_command(profile, run_dir));
+    }
 }
 
 Verdict verdict_in(const fs::path& run_dir) {
@@ -123,10 +160,9 @@ Verdict verdict_in(const fs::path& run_dir) {
     return read_verdict(read_file(file), file.string());
 }
 
-bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
-    bool all_beaten = true;
+void print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
     for (const ProfileVerdict& profile : verdict.profiles)
-        all_beaten = print_verdict(profile, attempt, run_dir) && all_beaten;
+        print_verdict(profile, attempt, run_dir);
     if (!verdict.georeferenced)
         fmt::print(
             "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
@@ -135,7 +171,16 @@ bool print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::pa
         fmt::print("\nnote     {}\n", plain_text(missing));
     fmt::print("\n");
     std::fflush(stdout);
-    return all_beaten;
+}
+
+/// The answer for programs.
+void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed, int status) {
+    nlohmann::ordered_json answer{
+        {"run_folder", run_dir.string()}, {"signed", is_signed}, {"exit_status", status}};
+    answer["georeferenced"] = verdict.georeferenced;
+    for (const ProfileVerdict& profile : verdict.profiles)
+        answer["profiles"].push_back(members_json(profile));
+    fmt::print("{}\n", answer.dump(2, ' ', true));
 }
 
 void print_stage(const StageDone& stage) {
@@ -179,20 +224,32 @@ int certify(const CertifyOptions& options) {
                                                  *key, role);
                           }};
     std::vector<StageDone> stages;
-    bool all_beaten = false;
+    Verdict verdict;
+    MovingLine line(
+        options.json || options.quiet ? nullptr : stdout,
+        seconds_of_steps(fs::exists(run_dir / run_times_name) ? read_file(run_dir / run_times_name)
+                                                              : std::string()));
+    const bool says_stages = !options.json && !options.quiet;
     const auto show = [&](const StageDone& stage) {
         StageDone shown = stage;
-        if (stage.name == "check") shown.said = {"verdict below"};
-        print_stage(shown);
         stages.push_back(stage);
+        if (stage.name == "check") {
+            verdict = verdict_in(staging.path());
+            shown.said = {"verdict below"};
+        }
+        line.clear();
+        if (says_stages) print_stage(shown);
         // The answer is there before anything is drawn.
-        if (stage.name == "check")
-            all_beaten = print_verdicts(verdict_in(staging.path()), attempt, run_dir);
+        if (stage.name == "check" && !options.json) print_verdicts(verdict, attempt, run_dir);
     };
     StageDone report;  // one to the user, with its pages
     try {
         make_run(
-            run, [](const Step&) { return false; },
+            run,
+            [&](const Step& step) {
+                line.begins(step.name);
+                return false;
+            },
             [&](const StageDone& done) {
                 if (done.name == "report") {
                     report = done;
@@ -206,16 +263,25 @@ int certify(const CertifyOptions& options) {
             });
         show(report);
     } catch (const StageFailed& failed) {
+        line.clear();
         fmt::print(stderr, "{}", message_of(failed));
         return 2;
     }
-    write_file_unsynced(staging.path() / "run.yaml", run_times_text(started, stages));
+    write_file_unsynced(staging.path() / run_times_name, run_times_text(started, stages));
     const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
+    const bool all_beaten = std::ranges::all_of(
+        verdict.profiles, [](const auto& one) { return one.outcome == Outcome::beaten; });
+    const int status = all_beaten ? 0 : 1;
+    if (options.json) {
+        print_json(verdict, run_dir, is_signed, status);
+        return status;
+    }
     fmt::print("         {}{}\n",
                (run_dir / (options.no_render ? "report.json" : "report.html")).string(),
                is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)");
-    return all_beaten ? 0 : 1;
+    if (says_stages) print_refusals(verdict, run_dir);
+    return status;
 }
 
 }  // namespace
@@ -231,6 +297,9 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_flag("--brief", options->brief,
                       "of the PDF the first page alone, the certificate");
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
+    CLI::Option* quiet = command->add_flag("--quiet", options->quiet,
+                                           "print the verdict, and nothing of the stages");
+    command->add_flag("--json", options->json, "print one JSON document instead")->excludes(quiet);
     command->footer(fmt::format(
         "Exit status: 0 the outcome of every profile is beaten, 1 one is not, 2 no certificate\n"
         "could be made. It goes by the outcome alone: requirements that remain to be attested and\n"

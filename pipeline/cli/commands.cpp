@@ -27,19 +27,23 @@ int run_companion(const std::string& name, const std::vector<std::string>& argum
 }
 
 int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
+    // Whoever asked for no PDF gets none later.
+    const bool pdf = fs::exists(run_dir / "report.pdf") || !fs::exists(run_dir / "report.html");
     try {
         {
             const RunLock lock(run_dir);
             keep_sealed_page(run_dir);
         }
-        run_step("render",
-                 {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir, .roster = roster});
+        run_step("render", {.attempt = run_dir / "attempt.yaml",
+                            .run_dir = run_dir,
+                            .pdf = pdf,
+                            .roster = roster});
     } catch (const StageFailed& failed) {
         fmt::print(stderr, "{}{}; its pages could not be made again and do not show it\n",
                    message_of(failed), done);
         return 2;
     }
-    fmt::print("pages   report.html, report.pdf\n");
+    fmt::print("pages   report.html{}\n", pdf ? ", report.pdf" : "");
     return 0;
 }
 

@@ -1,14 +1,44 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "commands.h"
+#include "core/failure.h"
 #include "core/text.h"
 #include "run/stage_main.h"
 #include "store/external_program.h"
 #include "store/program.h"
 
 using namespace runcert;
+
+namespace {
+
+/// Failure where the first word is no command.
+void require_command(const CLI::App& app, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands(nullptr))
+        names.push_back(command->get_name());
+    if (std::ranges::find(names, word) != names.end()) return;
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    throw Failure("the command line", fmt::format("\"{}\" is no command", escape_for_message(word)),
+                  fmt::format("Did you mean {}? Commands are {}", nearest(word, known),
+                              fmt::join(names, ", ")));
+}
+
+/// "help", "help certify" and "version" as options say them.
+std::vector<std::string> as_options(std::vector<std::string> words) {
+    if (words.empty()) return {"--help"};
+    if (words[0] == "version") words[0] = "--version";
+    if (words[0] == "help") {
+        words.erase(words.begin());
+        words.emplace_back("--help");
+    }
+    return words;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     return guarded_main([&]() -> int {
@@ -40,8 +70,11 @@ int main(int argc, char** argv) {
         add_seal(app, chosen);
         add_bundle(app, chosen);
         add_export(app, chosen);
+        std::vector<std::string> words = as_options({argv + 1, argv + argc});
+        if (!words[0].starts_with('-')) require_command(app, words[0]);
+        std::ranges::reverse(words);  // as CLI11 takes them
         try {
-            app.parse(argc, argv);
+            app.parse(words);
         } catch (const CLI::Success& help) {
             return app.exit(help);
         }

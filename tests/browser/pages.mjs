@@ -29,7 +29,7 @@ export const key = (name) => once(`key ${name}`, () => {
 
 /** The run folder of an attempt; whether its record is beaten does not matter here. */
 const certify = (name, attempt, args) => once(name, () => {
-  runcert(["runcert", "certify", attempt, "--out", inWork(name), ...args], [0, 1]);
+  runcert(["runcert", "certify", attempt, "--no-pdf", "--out", inWork(name), ...args], [0, 1]);
   return inWork(name);
 });
 
@@ -91,7 +91,7 @@ function copyOf(run_folder, name) {
 }
 
 function render(folder) {
-  runcert(["runcert-report", "--render-only", "--run-dir", folder, "--attempt", path.join(folder, "attempt.yaml")]);
+  runcert(["runcert-report", "--render-only", "--no-pdf", "--run-dir", folder, "--attempt", path.join(folder, "attempt.yaml")]);
 }
 
 /** A run signed by a measurer (minisign and ssh) and by a judge. */

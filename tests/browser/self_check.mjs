@@ -193,10 +193,11 @@ describe("a changed page", () => {
   });
 });
 
-// `verify` compares the page with the one that it renders itself, byte by byte: daily it is asked of
-// every eighth.
+// Daily every second. `verify` compares the page with the one that it renders itself, byte by byte:
+// daily it is asked of every eighth.
 describe("a page that shows something else while it carries the signed report", () => {
-  for (const [index, [name, change]] of Object.entries(pages.lies).entries())
+  for (const [index, [name, change]] of Object.entries(pages.lies).entries()) {
+    if (!isStudy && index % 2 === 1) continue;
     test(`${name}: red, and refused by verify`, async () => {
       const file = pages.editedPage(pages.beatenRun(), `lie-${name.replaceAll(/\W+/g, "-")}`, change);
       const { state, words, shown } = await withPage(file, async (page) =>
@@ -206,6 +207,7 @@ describe("a page that shows something else while it carries the signed report", 
       assert.doesNotMatch(shown, /299\.99/);
       if (isStudy || index % 8 === 0) assert.match(pages.verifyWithPage(pages.beatenRun(), file), /^NO +pages/m);
     });
+  }
 
   test("one whose script the browser refuses says that it has not checked itself", async () => {
     const file = pages.editedPage(pages.signedRun(), "refused", (text) =>

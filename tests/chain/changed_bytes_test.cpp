@@ -20,7 +20,9 @@ constexpr Draws changes_of_pages{.daily = 4, .study = 40};
 
 class ChangedBytes : public testing::Test {
   protected:
-    static void SetUpTestSuite() { signed_ = new SignedRun("land_yacht", has_pages()); }
+    static void SetUpTestSuite() {
+        signed_ = new SignedRun("land_yacht", has_pages() ? "--brief" : "--no-render");
+    }
     static void TearDownTestSuite() { delete signed_; }
     static bool has_pages() { return has_program("weasyprint"); }
 

@@ -98,13 +98,13 @@ class CrashPoints : public SignedRuns {
     }
 
     /// Kills a command before each of its calls of these names; after the first three, in the daily
-    /// set, before every third; of removals always before every third. Each time `begin`
+    /// set, before every seventh; of removals always before every third. Each time `begin`
     /// makes the run folder first, and `look` sees what is left. How many kills there were.
     int kill_at_each(const Words& command, const std::function<void()>& begin,
                      const std::function<void()>& look) const {
         int kills = 0;
         for (const char* call : {"renameat", "renameat2", "mkdirat", "unlinkat"})
-            for (int n = 1, later = draws({.daily = 3, .study = 1});;
+            for (int n = 1, later = draws({.daily = 7, .study = 1});;
                  n += n < 4 ? 1 : std::max(later, call == std::string_view("unlinkat") ? 3 : 1)) {
                 SCOPED_TRACE(fmt::format("before {} {}", call, n));
                 begin();

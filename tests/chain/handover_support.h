@@ -13,13 +13,13 @@ namespace runcert::chain {
 /// An example certified and signed by a key made for it.
 class SignedRun {
   public:
-    explicit SignedRun(const std::string& example, bool render = false) {
+    /// `pages`: how they are made, as certify is told.
+    explicit SignedRun(const std::string& example, const std::string& pages = "--no-render") {
         EXPECT_EQ(runcert({"keygen", "--out", (path() / "measurer").string(), "--no-password"})
                       .exit_status,
                   0);
-        std::vector<std::string> more{"--key", (path() / "measurer.key").string()};
-        if (!render) more.emplace_back("--no-render");
-        const ProcessResult result = certify(examples / example / "attempt.yaml", run(), more);
+        const ProcessResult result = certify(examples / example / "attempt.yaml", run(),
+                                             {"--key", (path() / "measurer.key").string(), pages});
         EXPECT_NE(result.exit_status, 2) << result.errors;
     }
     fs::path path() const { return folder_.path(); }

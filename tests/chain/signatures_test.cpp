@@ -151,16 +151,16 @@ TEST_F(Signatures, AreRefusedWhereAByteOfThemIsAnother) {
     const std::string text = read_file(file);
     // Every part of it, the shortest of which (algorithm and key id, in base 64) has 13 letters.
     const auto step = static_cast<std::size_t>(draws({.daily = 12, .study = 5}));
+    bool by_roster = false;
     for (std::size_t at = text.find('\n') + 1; at + 1 < text.size(); at += step) {
         std::string changed = text;
         changed[at] = static_cast<char>(changed[at] ^ 2);
         write_file_atomically(file, changed);
-        for (const std::vector<std::string>& keys : {std::vector<std::string>{"--roster", roster()},
-                                                     {"--pubkey", public_key("measurer")}}) {
-            const ProcessResult result = verify(keys);
-            EXPECT_EQ(result.exit_status, 1) << at << result.output << result.errors;
-            EXPECT_NE(result.output.find("report.json.minisig"), std::string::npos) << at;
-        }
+        by_roster = !by_roster;
+        const ProcessResult result = by_roster ? verify({"--roster", roster()})
+                                               : verify({"--pubkey", public_key("measurer")});
+        EXPECT_EQ(result.exit_status, 1) << at << result.output << result.errors;
+        EXPECT_NE(result.output.find("report.json.minisig"), std::string::npos) << at;
     }
 }
 

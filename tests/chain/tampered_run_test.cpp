@@ -159,9 +159,9 @@ class TamperedPages : public TamperedRun {
         const fs::path rendered = shared_->path() / "rendered";
         if (!fs::exists(rendered)) {
             must_sign("measurer", "measurer");
-            const ProcessResult made =
-                run_process({RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--attempt",
-                             (run() / "attempt.yaml").string(), "--run-dir", run().string()});
+            const ProcessResult made = run_process(
+                {RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--brief", "--attempt",
+                 (run() / "attempt.yaml").string(), "--run-dir", run().string()});
             ASSERT_EQ(made.exit_status, 0) << made.errors;
             fs::rename(run(), rendered);
         }

@@ -169,7 +169,7 @@ TEST(BundleLimits, AreInTheHelpOfWhoeverUsesThem) {
 }
 
 TEST(BundleLimits, WhatVerifyWouldRefuseIsNotBundled) {
-    const SignedRun made("salt_lake", true);
+    const SignedRun made("salt_lake", "--brief");
     fs::resize_file(made.run() / "report.pdf", longest_pdf + 1);
     for (const char* command : {"bundle", "verify"}) {
         const ProcessResult result = runcert({command, made.run().string()});
@@ -185,7 +185,7 @@ TEST(BundleLimits, WhatVerifyWouldRefuseIsNotBundled) {
 
 TEST(BundleLimits, APdfMadeToFillMemoryAndDiskDoesNot) {
     if (!has_program("qpdf")) GTEST_SKIP() << "qpdf is not installed";
-    const SignedRun made("salt_lake", true);
+    const SignedRun made("salt_lake");
     ASSERT_EQ(shell(made.path(),
                     "head -c 700000000 /dev/zero > report.json; qpdf --empty --add-attachment "
                     "report.json -- run/report.pdf; rm report.json; mkdir t")

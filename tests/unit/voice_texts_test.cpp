@@ -177,17 +177,75 @@ TEST(Voice, ALongSentenceIsFound) {
 // Terms that are not the field's (JCGM 200 and 100, ISO 19111, detection theory), and names that
 // mislead. What keeps such a word: clause ids, words that attempts are written with.
 TEST(Voice, TermsAreTheFields) {
-    static const std::regex not_used(
-        "certified speed|speed to reach|to reach the target|\\bu of (?:it|the speed)\\b|"
-        "least speed|left (?:for|to) a person|for a person to attest|stated accurac|"
-        "\\btoo (?:good|bad)\\b|slow error|\\blearnt\\b|smallest error|could have missed|"
-        "wrong positions?\\b|wrong epochs?\\b|kinds? of solution|stretch(?:es)? without a break|"
-        "positions on the earth|local plane|heights above the ellipsoid|data do not tell|"
-        "data cannot tell|made anew|no "
-        "surer|\\b(?!velocity_mps\\b)\\w*_mps\\b|target_(?:speed|m_s|km)|\\blearn_|told_by|"
-        "DetectableError|Workshop|RareDecision|not_told|ask_witnesses|counted_axes|RowByRow|"
-        "TimedRows|probability (?:is )?(?:asked|needed)|\\+/-",
-        std::regex::icase | std::regex::optimize);
+    // In lower case, spaces for what is no word at their ends. Looked for one by one: a regular
+    // expression of all takes twenty times as long.
+    static const std::vector<std::string> not_used{"certified speed",
+                                                   "speed to reach",
+                                                   "to reach the target",
+                                                   " u of it ",
+                                                   " u of the speed ",
+                                                   "least speed",
+                                                   "left for a person",
+                                                   "left to a person",
+                                                   "for a person to attest",
+                                                   "stated accurac",
+                                                   " too good ",
+                                                   " too bad ",
+                                                   "slow error",
+                                                   " learnt ",
+                                                   "smallest error",
+                                                   "could have missed",
+                                                   "wrong position ",
+                                                   "wrong positions ",
+                                                   "wrong epoch ",
+                                                   "wrong epochs ",
+                                                   "kind of solution",
+                                                   "kinds of solution",
+                                                   "stretch without a break",
+                                                   "stretches without a break",
+                                                   "positions on the earth",
+                                                   "local plane",
+                                                   "heights above the ellipsoid",
+                                                   "data do not tell",
+                                                   "data cannot tell",
+                                                   "made anew",
+                                                   "no surer",
+                                                   "_mps ",
+                                                   "target_speed",
+                                                   "target_m_s",
+                                                   "target_km",
+                                                   " learn_",
+                                                   "told_by",
+                                                   "detectableerror",
+                                                   "workshop",
+                                                   "raredecision",
+                                                   "not_told",
+                                                   "ask_witnesses",
+                                                   "counted_axes",
+                                                   "rowbyrow",
+                                                   "timedrows",
+                                                   "probability asked",
+                                                   "probability is asked",
+                                                   "probability needed",
+                                                   "probability is needed",
+                                                   "+/-"};
+    const auto is_word = [](char c) {
+        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+    };
+    const auto stands_in = [&](const std::string& line, const std::string& phrase) {
+        const bool begins = phrase.front() == ' ', ends = phrase.back() == ' ';
+        const std::string words = phrase.substr(begins ? 1 : 0, phrase.size() - begins - ends);
+        for (std::size_t at = line.find(words); at != std::string::npos;
+             at = line.find(words, at + 1)) {
+            const std::size_t end = at + words.size();
+            if ((!begins || at == 0 || !is_word(line[at - 1])) &&
+                (!ends || end == line.size() || !is_word(line[end])))
+                return true;
+        }
+        return false;
+    };
+    EXPECT_TRUE(stands_in("what is too good.", " too good ") && stands_in("a_mps", "_mps "));
+    EXPECT_FALSE(stands_in("too goodly", " too good ") || stands_in("stood good", " too good "));
     for (const fs::path& file : files_of({"pipeline", "stages", "reports", "schemas", "examples",
                                           "cmake", "README.md", "REFERENCES.md", "tests"})) {
         const std::string path = fs::relative(file, root).generic_string();
@@ -196,9 +254,14 @@ TEST(Voice, TermsAreTheFields) {
         std::size_t number = 0;
         for (std::string line; std::getline(lines, line);) {
             ++number;
-            std::smatch found;
-            EXPECT_FALSE(line.size() < 2000 && std::regex_search(line, found, not_used))
-                << path << ":" << number << ": " << found.str();
+            if (line.size() >= 2000) continue;
+            std::ranges::transform(line, line.begin(),
+                                   [](unsigned char c) { return std::tolower(c); });
+            static const std::string key = "velocity_mps";  // which attempts are written with
+            for (std::size_t at = line.find(key); at != std::string::npos; at = line.find(key))
+                line.erase(at, key.size());
+            for (const std::string& phrase : not_used)
+                EXPECT_FALSE(stands_in(line, phrase)) << path << ":" << number << ": " << phrase;
         }
     }
 }

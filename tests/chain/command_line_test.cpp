@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "chain_support.h"
+#include "core/text.h"
+
+// Commands as people and programs type them.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+TEST(CommandLine, AMistypedCommandIsAnsweredWithTheNearest) {
+    const struct {
+        std::string typed, meant;
+    } cases[] = {{"certfy", "certify"},
+                 {"verfy", "verify"},
+                 {"inspct", "inspect"},
+                 {"bundel", "bundle"},
+                 {"at", "attest"}};
+    for (const auto& one : cases) {
+        const ProcessResult result = runcert({one.typed, "x"});
+        EXPECT_EQ(result.exit_status, 2);
+        EXPECT_NE(result.errors.find("Did you mean " + one.meant + "?"), std::string::npos)
+            << result.errors;
+    }
+    EXPECT_NE(runcert({"\x1b[31m"}).errors.find("\\x1B[31m"), std::string::npos);
+}
+
+TEST(CommandLine, HelpAndVersionAreCommandsToo) {
+    EXPECT_EQ(runcert({"help"}).output, runcert({"--help"}).output);
+    EXPECT_EQ(runcert({}).output, runcert({"--help"}).output);
+    EXPECT_EQ(runcert({"help", "verify"}).output, runcert({"verify", "--help"}).output);
+    EXPECT_EQ(runcert({"version"}).output, runcert({"--version"}).output);
+    EXPECT_EQ(runcert({"help", "verify"}).exit_status, 0);
+}
+
+TEST(CommandLine, CertifyAnswersProgramsInOneDocument) {
+    const TemporaryFolder folder;
+    for (const char* example : {"land_yacht", "rejected"}) {
+        const ProcessResult result = certify(examples / example / "attempt.yaml",
+                                             folder.path() / example, {"--json", "--no-render"});
+        const auto json = nlohmann::json::parse(result.output);
+        EXPECT_EQ(json["exit_status"], result.exit_status);
+        EXPECT_EQ(json["signed"], false);
+        const bool beaten = json["profiles"][0]["outcome"] == "beaten";
+        EXPECT_EQ(beaten, result.exit_status == 0);
+        const auto report = nlohmann::json::parse(
+            read_file(fs::path(json["run_folder"].get<std::string>()) / "report.json"));
+        EXPECT_EQ(report["predicate"]["profiles"][0]["outcome"], json["profiles"][0]["outcome"]);
+    }
+}
+
+TEST(CommandLine, QuietCertifySaysTheVerdictAlone) {
+    const TemporaryFolder folder;
+    const ProcessResult result = certify(examples / "land_yacht" / "attempt.yaml",
+                                         folder.path() / "run", {"--quiet", "--no-render"});
+    EXPECT_EQ(result.exit_status, 0);
+    EXPECT_TRUE(result.output.starts_with("\nnalsa: ")) << result.output;
+    for (const char* stage : {"\nimport ", "\nsmooth ", "\nreport "})
+        EXPECT_EQ(result.output.find(stage), std::string::npos) << stage;
+}
+
+TEST(CommandLine, ARefusalEndsWithReasonPlaceAndTheCommandThatExplainsIt) {
+    const TemporaryFolder folder;
+    const std::string run = (folder.path() / "run").string();
+    const ProcessResult result =
+        certify(examples / "rejected" / "attempt.yaml", run, {"--no-render"});
+    const std::size_t at = result.output.rfind("\nnalsa: Not certifiable\n");
+    ASSERT_NE(at, std::string::npos) << result.output;
+    const std::string last = result.output.substr(at);
+    std::smatch explain;
+    ASSERT_TRUE(std::regex_search(last, explain, std::regex("  explain  runcert (.*)\n"))) << last;
+    EXPECT_NE(last.find("  why      "), std::string::npos) << last;
+    EXPECT_NE(last.find("  where    "), std::string::npos) << last;
+    const std::string words = explain[1].str();
+    const ProcessResult explained =
+        run_process({"sh", "-c", std::string(RUNCERT_PROGRAMS) + "/runcert " + words});
+    EXPECT_EQ(explained.exit_status, 0) << words << explained.errors;
+}
+
+TEST(CommandLine, OnATerminalLinesKeepToItsWidthAndOneMoves) {
+    const TemporaryFolder folder;
+    if (run_process({"sh", "-c", "command -v script"}).exit_status != 0)
+        GTEST_SKIP() << "the program script is not installed";
+    const std::string run = (folder.path() / "run").string();
+    const std::string command = "stty cols 60; TERM=xterm " RUNCERT_PROGRAMS "/runcert certify " +
+                                (examples / "land_yacht" / "attempt.yaml").string() +
+                                " --no-render --out " + run;
+    const ProcessResult first = run_process({"script", "-qec", command, "/dev/null"});
+    EXPECT_EQ(first.exit_status, 0) << first.output;
+    EXPECT_NE(first.output.find("\r\033[Ksmooth   estimates the motion"), std::string::npos);
+    EXPECT_EQ(first.output.find("as the last time"), std::string::npos);
+    const std::string again = run_process({"script", "-qec", command, "/dev/null"}).output;
+    EXPECT_NE(again.find("as the last time"), std::string::npos) << again;
+    const std::size_t verdict = first.output.find("nalsa: ");
+    std::istringstream lines(first.output.substr(verdict));
+    for (std::string line; std::getline(lines, line) && !line.starts_with("\r\033[K");) {
+        if (line.ends_with('\r')) line.pop_back();
+        if (line.starts_with("nalsa: ") || line.find(run) != std::string::npos) continue;
+        EXPECT_LE(line.size(), 62U) << line;  // with the bytes of "±"
+    }
+}
+
+TEST(CommandLine, InspectTakesSeveralRecordingsAndWhatIsPipedIn) {
+    const fs::path salt = examples / "salt_lake" / "recording.pos";
+    const fs::path course = examples / "course" / "recording.pos";
+    const ProcessResult both = runcert({"inspect", salt.string(), course.string()});
+    EXPECT_EQ(both.exit_status, 0) << both.errors;
+    EXPECT_NE(both.output.find(salt.string()), std::string::npos);
+    EXPECT_NE(both.output.find(course.string()), std::string::npos);
+    const auto list = nlohmann::json::parse(
+        runcert({"inspect", "--json", salt.string(), course.string()}).output);
+    EXPECT_EQ(list.size(), 2U);
+    const ProcessResult piped =
+        run_process({RUNCERT_PROGRAMS "/runcert", "inspect", "-"}, {.standard_input = salt});
+    EXPECT_EQ(piped.exit_status, 0) << piped.errors;
+    EXPECT_TRUE(piped.output.starts_with("standard input\n")) << piped.output;
+    const std::string alone = runcert({"inspect", salt.string()}).output;
+    EXPECT_EQ(piped.output.substr(piped.output.find("Positions\n")),
+              alone.substr(alone.find("Positions\n")));
+    // What cannot be read is said, and the others are shown.
+    const ProcessResult one_bad = runcert({"inspect", "missing.pos", salt.string()});
+    EXPECT_EQ(one_bad.exit_status, 2);
+    EXPECT_NE(one_bad.output.find("Positions\n"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

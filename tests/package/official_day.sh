@@ -1,0 +1,40 @@
+#!/bin/bash
+# An official's day with the installed program, nothing else at hand: an attempt is certified, signed
+# and answered for until its record is beaten; a board takes the bundle and verifies it.
+set -euo pipefail
+cd "$(mktemp -d)"
+says() { # says FILE TEXT
+    grep -qF -- "$2" "$1" || { cat "$1"; echo "not said: $2"; exit 1; }
+}
+cp -r /usr/share/doc/runcert/examples .
+for role in measurer judge board; do
+    runcert keygen --no-password --out "$role" --role "$role" | sed -n 's/^roster *//p' >>roster
+done
+
+begun=$(date +%s%N)
+runcert certify examples/land_yacht/attempt.yaml --out run --key measurer.key >said
+echo "first answer: $((($(date +%s%N) - begun) / 1000000)) ms"
+says said "13 attestations"
+
+answer() { runcert attest run --yes --no-render "$@" >>said; }
+answer accuracy positions-on-the-earth time-scale kind-of-solution recording-as-read \
+    --role measurer --key measurer.key
+answer secondary-method flat-course wind-power-only observers positions-as-measured \
+    craft-and-attempts --role judge --key judge.key
+answer margin measurement-plan --role board --key board.key
+runcert attest run --recomputed --role board --key board.key --yes --roster roster >>said
+runcert bundle run --roster roster --out run.tar.zst >>said
+echo "bundle: $(stat -c %s run.tar.zst) bytes"
+
+mkdir board
+cp run.tar.zst roster board
+cd board
+runcert verify run.tar.zst --roster roster --recompute >said
+says said "Record beaten. Standing: complete."
+tail -n 1 said | grep -qx "VERIFIED" || { cat said; exit 1; }
+
+# A changed file is found, whoever sends it.
+cp -r ../run forged
+printf "x" >>forged/4-trajectory.ecsv
+if runcert verify forged --roster roster >said; then cat said; exit 1; fi
+tail -n 1 said | grep -qx "NOT VERIFIED"

@@ -1,44 +1,14 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "schemas/day_list/declared.h"
 #include "schemas/day_results/day_results.h"
 #include "schemas/verdict/declared.h"
 
 namespace runcert {
-
-/// A file of a run, as it was when its run was done.
-struct ListedFile {
-    std::string file;  ///< relative to the day's folder
-    std::string sha256;
-    std::uint64_t bytes = 0;
-};
-
-/// What became of one attempt of the day.
-struct ListedAttempt {
-    std::string id;
-    std::string source;
-    std::string state;  ///< "done", "failed", "not_processed"
-    std::optional<ListedFile> verdict = {};
-    std::optional<ListedFile> report = {};
-    std::vector<ListedFile> observations = {};  ///< of each receiver
-    std::vector<ListedFile> attestations = {};
-    std::vector<std::string> pages = {};
-    std::vector<std::string> notes = {};
-    std::string step = {}, problem = {}, where = {}, remedy = {};  ///< of a failed one
-    std::string reason = {};                                       ///< of one that was left out
-};
-
-/// The attempts of a day, in the day's own order.
-struct DayList {
-    std::string day;
-    std::vector<ListedAttempt> attempts = {};
-    std::vector<std::string> notes = {};
-};
 
 /// Reads the list that `runcert batch` hands over, JSON. `where` names it in messages. Failure,
 /// with the path of the value, where anything is missing, unknown or of another type; where a file

@@ -63,45 +63,37 @@ Failures failures_of(const DayResults& results) {
     return failures;
 }
 
+/// Adds a section of one block, where that holds something.
+void add_if_any(Document& page, const char* anchor, const char* title, Block block) {
+    if (!block.rows.empty() || !block.items.empty())
+        page.sections.push_back({.anchor = anchor, .title = title, .blocks = {std::move(block)}});
+}
+
 void add_failed(Document& page, const Failures& failures) {
-    if (failures.above.rows.empty()) return;
-    Section section{.anchor = "failures", .title = "What could not be processed"};
-    add(section, failures.above);
+    add_if_any(page, "failures", "What could not be processed", failures.above);
     if (const std::int64_t more = std::ssize(failures.below.rows); more > 0)
-        add(section,
+        add(page.sections.back(),
             paragraph(fmt::format("{} more stand below the rankings.", counted(more)), "strong"));
-    page.sections.push_back(std::move(section));
 }
 
-void add_more_failed(Document& page, const Failures& failures) {
-    if (failures.below.rows.empty()) return;
-    page.sections.push_back({.anchor = "more-failures",
-                             .title = "What else could not be processed",
-                             .blocks = {failures.below}});
-}
-
-void add_left_out(Document& page, const DayResults& results) {
+Block left_out_of(const DayResults& results) {
     Block left_out = table({"Attempt|22", "From|30", "Why|48"});
     for (const AttemptResult& attempt : results.attempts)
         if (attempt.state == "not_processed")
             add_row(left_out, {attempt.id, attempt.source, attempt.reason});
-    if (left_out.rows.empty()) return;
-    page.sections.push_back(
-        {.anchor = "left-out", .title = "Left out", .blocks = {std::move(left_out)}});
+    return left_out;
 }
 
 /// Notes of the day, and of the attempts that are done.
-void add_notes(Document& page, const DayResults& results) {
-    std::vector<std::string> notes;
+Block notes_of(const DayResults& results) {
+    Block notes = list_of({});
     for (const std::string& text : results.notes)
-        notes.push_back(sentence(text));
+        notes.items.push_back(sentence(text));
     for (const AttemptResult& attempt : results.attempts)
         if (attempt.state != "failed")
             for (const std::string& text : attempt.notes)
-                notes.push_back(fmt::format("{}: {}", attempt.id, sentence(text)));
-    if (notes.empty()) return;
-    page.sections.push_back(
-        {.anchor = "notes", .title = "Notes", .blocks = {list_of(std::move(notes))}});
+                notes.items.push_back(fmt::format("{}: {}", attempt.id, sentence(text)));
+    return notes;
 }
 
 Section made_from(const Header& header) {
@@ -137,9 +129,9 @@ std::string day_page(const DayResults& results) {
         page.sections.push_back(std::move(rule.section));
         parts.images.push_back(std::move(rule.picture));
     }
-    add_more_failed(page, failures);
-    add_left_out(page, results);
-    add_notes(page, results);
+    add_if_any(page, "more-failures", "What else could not be processed", failures.below);
+    add_if_any(page, "left-out", "Left out", left_out_of(results));
+    add_if_any(page, "notes", "Notes", notes_of(results));
     page.sections.push_back(made_from(results.header));
     parts.style =
         std::string(day_page_text("page.css")) + std::string(day_page_text("template/day.css"));

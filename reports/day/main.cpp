@@ -26,7 +26,7 @@ struct Options {
 void note_listed(const Options& options, const ListedFile& listed, const FileDigest& found,
                  const std::string& role, Header& header) {
     const std::filesystem::path path = options.out / listed.file;
-    if (found.sha256 != listed.sha256 || found.bytes != listed.bytes)
+    if (found.sha256 != listed.sha256 || static_cast<std::int64_t>(found.bytes) != listed.bytes)
         throw Failure(path.string(),
                       fmt::format("the file is not the one that its run wrote: its SHA-256 is {}, "
                                   "expected {}",

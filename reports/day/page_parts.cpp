@@ -186,16 +186,8 @@ std::string best_words(const BestOfDay& best) {
                 : "as the best of that many it exceeds the record too");
 }
 
-AttemptsById attempts_by_id(const DayResults& results) {
-    AttemptsById attempts;
-    for (const AttemptResult& attempt : results.attempts)
-        if (const auto [found, added] = attempts.try_emplace(attempt.id, &attempt);
-            !added && attempt.state == "done")
-            found->second = &attempt;
-    return attempts;
-}
-
-RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts, std::size_t number) {
+RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
+                         std::size_t number) {
     const Picture picture = picture_of(profile, attempts);
     Section section{.anchor = fmt::format("rule-{}", number + 1),
                     .title = fmt::format("{} ({})", capitalised(profile.title), profile.profile),

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,16 +12,13 @@
 
 namespace runcert {
 
-/// Attempts by their id; of equal ids the one that is done.
-using AttemptsById = std::map<std::string_view, const AttemptResult*>;
-AttemptsById attempts_by_id(const DayResults& results);
-
 /// One rule: its counts, its picture and its ranking.
 struct RankingPart {
     Section section;
     std::string picture;  ///< of that number; empty where there is nothing to draw
 };
-RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts, std::size_t number);
+RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
+                         std::size_t number);
 
 /// What the title of a result speaks of.
 OutcomeState state_of(const DayResult& result);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/failure.h"
+#include "reports/diff/run_difference.h"
 #include "store/atomic_file.h"
 
 namespace runcert {
@@ -14,19 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* day_file = "day.yaml";
 
-/// By id; of equal ids the one that is done.
-using Attempts = std::map<std::string, const AttemptResult*>;
-
-Attempts by_id(const DayResults& day) {
-    Attempts attempts;
-    for (const AttemptResult& attempt : day.attempts) {
-        const AttemptResult*& known = attempts[attempt.id];
-        if (known == nullptr || attempt.state == "done") known = &attempt;
-    }
-    return attempts;
-}
-
-const AttemptResult* find(const Attempts& attempts, const std::string& id) {
+const AttemptResult* find(const AttemptsById& attempts, const std::string& id) {
     const auto found = attempts.find(id);
     return found == attempts.end() ? nullptr : found->second;
 }
@@ -117,9 +105,13 @@ ChangeCauses causes_of(const std::string& id, const fs::path& old_out, const fs:
 
 }  // namespace
 
+bool DayComparison::equal() const {
+    return only_old.empty() && only_new.empty() && states.empty() && results.empty();
+}
+
 DayComparison compare_results(const DayResults& old_day, const DayResults& new_day) {
-    const Attempts then = by_id(old_day);
-    const Attempts now = by_id(new_day);
+    const AttemptsById then = attempts_by_id(old_day);
+    const AttemptsById now = attempts_by_id(new_day);
     DayComparison comparison;
     for (const AttemptResult& attempt : old_day.attempts)
         if (find(then, attempt.id) == &attempt && !now.contains(attempt.id))

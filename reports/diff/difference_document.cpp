@@ -100,8 +100,7 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
     const auto say = [&](const std::string& what) {
         add(section, paragraph(fmt::format("{}: {}", product.file, what)));
     };
-    if (product.only_a || product.only_b)
-        return say(fmt::format("MISSING in {}", product.only_a ? "B" : "A"));
+    if (!product.missing_in.empty()) return say("MISSING in " + upper_case(product.missing_in));
     if (product.equal()) return say("every value is the same.");
     if (!product.table) {
         say(fmt::format("{} {}.", counted(std::ssize(product.values), "value"),
@@ -115,10 +114,12 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
         counted(compared.joined, "row"), counted(compared.rows_a - compared.joined),
         counted(compared.rows_b - compared.joined), counted(std::ssize(compared.columns), "column"),
         counted(std::ssize(compared.header), "value")));
-    if (!compared.columns_only_a.empty())
-        add(section, paragraph("Columns only in A: " + listed(compared.columns_only_a)));
-    if (!compared.columns_only_b.empty())
-        add(section, paragraph("Columns only in B: " + listed(compared.columns_only_b)));
+    for (const auto& [what, columns] :
+         {std::pair{"only in A", &compared.columns_only_a},
+          std::pair{"only in B", &compared.columns_only_b},
+          std::pair{"of another type, unit or format", &compared.columns_otherwise}})
+        if (!columns->empty())
+            add(section, paragraph(fmt::format("Columns {}: {}.", what, listed(*columns))));
     if (!compared.columns.empty()) add(section, columns_table(compared));
     add_cut(section, values_table(compared.header), all, option_of_all);
 }
@@ -242,11 +243,12 @@ Document difference_document(const RunDifference& difference, const std::filesys
                  .blocks = {facts(
                      {{.name = "A", .value = a.string()}, {.name = "B", .value = b.string()}})}};
     Section causes{.anchor = "causes", .title = "Causes"};
-    add_changes(causes, "Programs", "every file was made by the same in both", difference.programs);
+    add_changes(causes, "Programs", "every file was made by the same in both",
+                difference.causes.programs);
     add_changes(causes, "Inputs", "the recordings and rules have the same hashes",
-                difference.inputs);
-    add_changes(causes, "Parameters", "the same", difference.parameters);
-    add_changes(causes, "Attempt", "the same", difference.attempt);
+                difference.causes.inputs);
+    add_changes(causes, "Parameters", "the same", difference.causes.parameters);
+    add_changes(causes, "Attempt", "the same", difference.causes.attempt);
     Section results{.anchor = "results", .title = "Results"};
     for (const EpochDifference& epochs : difference.epochs)
         add_epochs(results, epochs, all);

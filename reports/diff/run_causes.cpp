@@ -4,7 +4,6 @@
 #include <array>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
 
 #include "core/failure.h"
@@ -58,66 +57,37 @@ void add_parameters(RunCauses& causes, const Json& header_a, const Json& header_
     }
 }
 
-constexpr std::array<std::string_view, 3> compared_members{"stage", "inputs", "parameters"};
-
-/// The lines of a map in block style that hold these members, at the text's own margin. Lines of a
-/// member are those below its key that stand deeper, or begin a list's item at its place.
-class MemberLines {
-  public:
-    /// Takes the next line of the text; false where the map is at its end.
-    bool take(std::string_view line) {
-        const std::size_t indent = line.find_first_not_of(' ');
-        if (indent == std::string_view::npos) return true;
-        if (!margin_) margin_ = indent;
-        if (indent < *margin_) return false;
-        if (indent == *margin_ && line[indent] != '-') {
-            const std::string_view key = line.substr(indent, line.find(':') - indent);
-            wanted_ = std::ranges::find(compared_members, key) != compared_members.end();
-            if (wanted_) ++found_;
-        }
-        if (wanted_) text_.append(line.substr(*margin_)) += '\n';
-        return true;
+/// The lines of a product that hold its header, which comes first: up to the first other member.
+std::string header_text(std::string_view product, bool is_table) {
+    constexpr std::array<std::string_view, 5> members{"schema", "stage", "inputs", "parameters",
+                                                      "attempt"};
+    const std::size_t margin = is_table ? 4 : 0;  // "#   schema: ..."
+    std::string text;
+    if (is_table) {
+        constexpr std::string_view begins = "\n# meta:\n";
+        const std::size_t meta = product.find(begins);
+        product.remove_prefix(meta == std::string_view::npos ? product.size()
+                                                             : meta + begins.size());
     }
-    /// The members, where each was found once.
-    std::optional<std::string> text() const {
-        return found_ == compared_members.size() ? std::optional(text_) : std::nullopt;
+    while (product.size() > margin) {
+        const std::size_t end = std::min(product.find('\n'), product.size());
+        const std::string_view line = product.substr(0, end).substr(std::min(margin, end));
+        const bool is_key = !line.empty() && line.front() != ' ' && line.front() != '-';
+        if (is_key && std::ranges::find(members, line.substr(0, line.find(':'))) == members.end())
+            break;
+        text.append(line) += '\n';
+        product.remove_prefix(std::min(end + 1, product.size()));
     }
-
-  private:
-    std::optional<std::size_t> margin_;
-    bool wanted_ = false;
-    std::size_t found_ = 0;
-    std::string text_;
-};
-
-/// The header's members, cut out of a product; nothing where it is laid out otherwise.
-std::optional<std::string> header_text(std::string_view product, bool is_table) {
-    MemberLines members;
-    bool inside = !is_table;
-    while (!product.empty()) {
-        const std::size_t end = product.find('\n');
-        std::string_view line = product.substr(0, end);
-        product.remove_prefix(end == std::string_view::npos ? product.size() : end + 1);
-        if (is_table) {
-            if (!line.starts_with("# ")) break;
-            line.remove_prefix(2);
-            if (!inside) {
-                inside = line == "meta:";
-                continue;
-            }
-        }
-        if (!members.take(line)) break;
-    }
-    return members.text();
+    return text;
 }
 
 /// The header alone: parsing all that a table says of its columns takes ten times as long.
 Json header_in(const RunFolder& run, const std::string& product) {
     const fs::path file = run.folder / product;
     const FileView view(file);
-    const auto text = header_text(view.bytes(), product.ends_with(".ecsv"));
-    if (!text) return header_of(view.bytes(), file.string());
-    return json_from_yaml(YamlValue(parse_yaml(*text, file.string()), file.string()));
+    const std::string text = header_text(view.bytes(), product.ends_with(".ecsv"));
+    if (text.empty()) return header_of(view.bytes(), file.string());
+    return json_from_yaml(YamlValue(parse_yaml(text, file.string()), file.string()));
 }
 
 void add_claims(HashesByName& claims, const Json& header) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "reports/diff/table_comparison.h"
 #include "run/attempt_files.h"
 #include "run/stage_run.h"
 #include "store/atomic_file.h"
@@ -66,7 +67,7 @@ class ProductPair {
           header_b_(header_of(text_b_, where_b_)) {}
 
     void add_to(RunDifference& difference) const {
-        add_header_changes(difference, name_, header_a_, header_b_);
+        add_header_changes(difference.causes, name_, header_a_, header_b_);
         add_results(difference);
     }
 
@@ -77,10 +78,10 @@ class ProductPair {
         ProductDifference product{.file = name_};
         if (name_.ends_with(".ecsv")) {
             product.table = compare_tables(text_a_, text_b_, where_a_, where_b_);
-            if (stage() == "screen") {
-                difference.epochs.push_back(epoch_difference(text_a_, text_b_, where_a_, where_b_));
-                difference.epochs.back().receiver = receiver();
-            }
+            if (stage() == "screen")
+                difference.epochs
+                    .emplace_back(epoch_difference(text_a_, text_b_, where_a_, where_b_))
+                    .receiver = receiver();
         } else {
             const Json a = results_of(text_a_, where_a_);
             const Json b = results_of(text_b_, where_b_);
@@ -114,8 +115,20 @@ std::map<std::string, std::int64_t> EpochDifference::counts() const {
     return counted;
 }
 
+bool EpochDifference::equal() const {
+    return changes.empty() && joined == rows_a && joined == rows_b;
+}
+
+bool ProductDifference::equal() const {
+    return missing_in.empty() && values.empty() && (!table || table->equal());
+}
+
+bool RunCauses::none() const {
+    return *this == RunCauses();
+}
+
 bool RunDifference::equal() const {
-    return none() && windows.empty() && verdicts.empty() &&
+    return causes.none() && windows.empty() && verdicts.empty() &&
            std::ranges::all_of(epochs, &EpochDifference::equal) &&
            std::ranges::all_of(products, &ProductDifference::equal);
 }
@@ -124,16 +137,15 @@ RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folde
     const RunFolder a = read_run_folder(folder_a);
     const RunFolder b = read_run_folder(folder_b);
     RunDifference difference;
-    difference.inputs = hash_changes(hashes_of(a), hashes_of(b), "not named");
-    difference.attempt = attempt_changes(a, b);
+    difference.causes.inputs = hash_changes(hashes_of(a), hashes_of(b), "not named");
+    difference.causes.attempt = attempt_changes(a, b);
     for (const std::string& name : in_either(a.products, b.products)) {
         if (holds(a.products, name) && holds(b.products, name)) {
             ProductPair(a, b, name).add_to(difference);
             continue;
         }
-        ProductDifference product{.file = name};
-        (holds(a.products, name) ? product.only_a : product.only_b) = true;
-        difference.products.push_back(std::move(product));
+        difference.products.push_back(
+            {.file = name, .missing_in = holds(a.products, name) ? "b" : "a"});
     }
     return difference;
 }

@@ -3,38 +3,14 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "reports/diff/table_comparison.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/difference/declared.h"
 #include "schemas/document/document.h"
 
 namespace runcert {
-
-/// Something that differs between two runs.
-struct Change {
-    std::string what;  ///< "smooth.robust_scale", "recording.primary.pos"
-    std::string a;
-    std::string b;
-    std::string note = {};  ///< how large it is, where that can be said
-
-    bool operator==(const Change&) const = default;
-};
-
-/// Why the results of two runs may differ.
-struct RunCauses {
-    std::vector<Change> programs;
-    std::vector<Change> inputs;
-    std::vector<Change> parameters;
-    std::vector<Change> attempt;  ///< but for its parameters
-
-    bool none() const {
-        return programs.empty() && inputs.empty() && parameters.empty() && attempt.empty();
-    }
-    bool operator==(const RunCauses&) const = default;
-};
 
 /// A run folder, and what its attempt says.
 struct RunFolder {
@@ -65,47 +41,6 @@ void add_header_changes(RunCauses& causes, const std::string& product,
 /// beyond its header, and no recording. Inputs are compared by the hashes that the headers claim,
 /// so that it is those which the results were made from. Failure as `read_run_folder`.
 RunCauses causes_between(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// What became of an epoch.
-struct EpochChange {
-    JoinedRow row;
-    std::string a;  ///< "used", "left out: outlier", "used; step before it"
-    std::string b;
-};
-
-struct EpochDifference {
-    std::string receiver = {};
-    std::int64_t rows_a = 0, rows_b = 0, joined = 0;
-    std::vector<EpochChange> changes = {};
-
-    /// How many changed from what to what: "used -> left out: outlier".
-    std::map<std::string, std::int64_t> counts() const;
-    bool equal() const { return changes.empty() && joined == rows_a && joined == rows_b; }
-};
-
-/// The largest changes of one product.
-struct ProductDifference {
-    std::string file;
-    std::optional<TableComparison> table = {};  ///< of a table
-    std::vector<ValueDifference> values = {};   ///< of a document
-    bool only_a = false;
-    bool only_b = false;
-
-    bool equal() const {
-        return !only_a && !only_b && values.empty() && (!table || table->equal());
-    }
-};
-
-/// All that differs between two run folders. Nothing but what is told apart here decides whether
-/// they are equal: not run.yaml, signatures or pages.
-struct RunDifference : RunCauses {
-    std::vector<EpochDifference> epochs;
-    std::vector<Change> windows;
-    std::vector<Change> verdicts;
-    std::vector<ProductDifference> products;
-
-    bool equal() const;
-};
 
 /// Compares two run folders. Failure where one is not a run folder, or holds what cannot be read.
 RunDifference difference_of_runs(const std::filesystem::path& a, const std::filesystem::path& b);

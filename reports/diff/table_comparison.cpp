@@ -1,21 +1,14 @@
 #include "reports/diff/table_comparison.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
-#include "store/ecsv.h"
+#include "reports/diff/joined_tables.h"
+#include "schemas/common/header.h"
 
 namespace runcert {
 namespace {
-
-std::optional<std::size_t> find_column(const std::vector<EcsvColumn>& columns,
-                                       const std::string& name) {
-    for (std::size_t i = 0; i < columns.size(); ++i)
-        if (columns[i].name == name) return i;
-    return std::nullopt;
-}
 
 std::string sigma_name(const std::string& column) {
     if (column.starts_with("speed_")) return "sigma_speed";
@@ -47,9 +40,8 @@ struct JoinedColumn {
 std::vector<JoinedColumn> join_columns(const EcsvReader& a, const EcsvReader& b) {
     std::vector<JoinedColumn> joined;
     for (std::size_t i = 0; i < a.columns().size(); ++i)
-        if (const auto other = find_column(b.columns(), a.columns()[i].name))
-            joined.push_back(
-                {i, *other, find_column(a.columns(), sigma_name(a.columns()[i].name))});
+        if (const auto other = find_column(b, a.columns()[i].name))
+            joined.push_back({i, *other, find_column(a, sigma_name(a.columns()[i].name))});
     return joined;
 }
 
@@ -85,22 +77,9 @@ bool is_larger(const CellDifference& cell, const CellDifference& than) {
            (!than.difference || std::abs(*cell.difference) > std::abs(*than.difference));
 }
 
-JoinedRow place_of(const EcsvReader& a, const EcsvReader& b) {
-    const auto whole = [](const EcsvReader& table) {
-        const auto column = find_column(table.columns(), "epoch");
-        return column && !table.is_missing(*column) ? table.integer(*column) : 0;
-    };
-    return {.epoch_a = whole(a),
-            .epoch_b = whole(b),
-            .time_s = a.real(find_column(a.columns(), "time").value()),
-            .line_a = a.line(),
-            .line_b = b.line()};
-}
-
-void note(TableComparison& found, std::vector<ColumnDifference>& columns, std::size_t index,
-          CellDifference cell, const std::string& unit) {
+void note(TableComparison& found, ColumnDifference& column, CellDifference cell,
+          const std::string& unit) {
     if (!cell.tolerated && !found.first_not_tolerated) found.first_not_tolerated = cell;
-    ColumnDifference& column = columns[index];
     ++column.cells;
     if (column.cells > 1 && !is_larger(cell, column.largest)) return;
     column.column = cell.column;
@@ -108,39 +87,24 @@ void note(TableComparison& found, std::vector<ColumnDifference>& columns, std::s
     column.largest = std::move(cell);
 }
 
-/// Steps to a row, counted from 0, and says at which line the first row was that it passed over.
-std::optional<std::size_t> step_to(EcsvReader& table, std::size_t& next, std::size_t row) {
-    std::optional<std::size_t> passed;
-    for (; next <= row; ++next) {
-        (void)table.next_row();
-        if (next < row && !passed) passed = table.line();
-    }
-    return passed;
+std::vector<ColumnDifference> compare_rows(TableComparison& found, JoinedTables& tables) {
+    const std::vector<JoinedColumn> joined = join_columns(tables.a(), tables.b());
+    std::vector<ColumnDifference> columns(joined.size());
+    while (tables.next())
+        for (std::size_t i = 0; i < joined.size(); ++i)
+            if (auto cell = compare_cells(tables.a(), tables.b(), joined[i])) {
+                cell->row = tables.row();
+                note(found, columns[i], std::move(*cell), tables.a().columns()[joined[i].a].unit);
+            }
+    std::erase_if(columns, [](const ColumnDifference& column) { return column.cells == 0; });
+    return columns;
 }
 
-void compare_rows(TableComparison& found, EcsvReader& a, EcsvReader& b,
-                  const std::vector<RowPair>& pairs) {
-    const std::vector<JoinedColumn> joined = join_columns(a, b);
-    std::vector<ColumnDifference> columns(joined.size());
-    std::size_t next_a = 0;
-    std::size_t next_b = 0;
-    const auto keep_first = [](std::optional<std::size_t>& line,
-                               std::optional<std::size_t> passed) {
-        if (!line) line = passed;
-    };
-    for (const RowPair& pair : pairs) {
-        keep_first(found.only_a_line, step_to(a, next_a, pair.a));
-        keep_first(found.only_b_line, step_to(b, next_b, pair.b));
-        for (std::size_t i = 0; i < joined.size(); ++i)
-            if (auto cell = compare_cells(a, b, joined[i])) {
-                cell->row = place_of(a, b);
-                note(found, columns, i, std::move(*cell), a.columns()[joined[i].a].unit);
-            }
-    }
-    keep_first(found.only_a_line, a.next_row() ? std::optional(a.line()) : std::nullopt);
-    keep_first(found.only_b_line, b.next_row() ? std::optional(b.line()) : std::nullopt);
-    std::erase_if(columns, [](const ColumnDifference& column) { return column.cells == 0; });
-    found.columns = std::move(columns);
+constexpr const char* header_members[] = {"schema", "stage", "inputs", "parameters", "attempt"};
+
+YamlValue whole_of(std::string_view text, const std::string& name) {
+    if (name.ends_with(".ecsv")) return YamlValue(EcsvReader(text, name).meta(), name);
+    return YamlValue(parse_yaml(text, name), name);
 }
 
 }  // namespace
@@ -153,35 +117,43 @@ bool TableComparison::equal() const {
 bool TableComparison::tolerated() const {
     return columns_only_a.empty() && columns_only_b.empty() && columns_otherwise.empty() &&
            joined == rows_a && joined == rows_b && !first_not_tolerated &&
-           std::ranges::all_of(header,
-                               [](const ValueDifference& value) { return value.tolerated; });
+           std::ranges::all_of(header, &ValueDifference::tolerated);
 }
 
 TableComparison compare_tables(std::string_view a, std::string_view b, const std::string& where_a,
                                const std::string& where_b, const ComparisonRules& rules) {
-    EcsvReader table_a(a, where_a);
-    EcsvReader table_b(b, where_b);
-    TableComparison found;
-    for (const EcsvColumn& column : table_a.columns()) {
-        const auto other = find_column(table_b.columns(), column.name);
+    JoinedTables tables(a, b, where_a, where_b);
+    TableComparison found{
+        .rows_a = tables.rows_a(), .rows_b = tables.rows_b(), .joined = tables.joined()};
+    for (const EcsvColumn& column : tables.a().columns()) {
+        const auto other = find_column(tables.b(), column.name);
         if (!other)
             found.columns_only_a.push_back(column.name);
-        else if (!is_written_alike(column, table_b.columns()[*other]))
+        else if (!is_written_alike(column, tables.b().columns()[*other]))
             found.columns_otherwise.push_back(column.name);
     }
-    for (const EcsvColumn& column : table_b.columns())
-        if (!find_column(table_a.columns(), column.name))
-            found.columns_only_b.push_back(column.name);
-    const bool absolute = says_first_epoch(a, where_a) && says_first_epoch(b, where_b);
-    const auto times_a = row_times(a, where_a, absolute);
-    const auto times_b = row_times(b, where_b, absolute);
-    const auto pairs = join_by_time(times_a, times_b);
-    found.rows_a = std::ssize(times_a);
-    found.rows_b = std::ssize(times_b);
-    found.joined = std::ssize(pairs);
+    for (const EcsvColumn& column : tables.b().columns())
+        if (!find_column(tables.a(), column.name)) found.columns_only_b.push_back(column.name);
     found.header = value_differences(results_of(a, where_a), results_of(b, where_b), rules);
-    compare_rows(found, table_a, table_b, pairs);
+    found.columns = compare_rows(found, tables);
+    found.only_a_line = tables.only_a_line();
+    found.only_b_line = tables.only_b_line();
     return found;
+}
+
+nlohmann::ordered_json results_of(std::string_view text, const std::string& name) {
+    auto results = json_from_yaml(whole_of(text, name));
+    for (const char* member : header_members)
+        results.erase(member);
+    return results;
+}
+
+nlohmann::ordered_json header_of(std::string_view text, const std::string& name) {
+    const YamlValue whole = whole_of(text, name);
+    auto header = nlohmann::ordered_json::object();
+    for (const char* member : header_members)
+        if (whole[member].exists()) header[member] = json_from_yaml(whole[member]);
+    return header;
 }
 
 }  // namespace runcert

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "schemas/difference/declared.h"
+
 namespace runcert {
 
 class DocumentSchema;
@@ -22,18 +24,6 @@ struct ComparisonRules {
     /// Whether these figures decide: then a millionth of the standard uncertainty, or 1e-9 of the
     /// value, is all that is tolerated.
     bool deciding = false;
-};
-
-/// A value that two documents do not have in common.
-struct ValueDifference {
-    std::string path;  ///< "profiles.0.best.speed_m_s"
-    std::string a;     ///< as JSON; "absent" where it is not there
-    std::string b;
-    std::optional<double> difference = {};  ///< b less a, of numbers
-    /// Its size as a part of the standard uncertainty that the document states for it.
-    std::optional<double> ratio = {};
-    /// Within what another processor may make of it, see below.
-    bool tolerated = false;
 };
 
 /// Every value of two documents that differs, in the order of the first; what only the second has

@@ -9,4 +9,13 @@ const DayResult* result_by(const AttemptResult& attempt, std::string_view profil
     return found == attempt.results.end() ? nullptr : &*found;
 }
 
+AttemptsById attempts_by_id(const DayResults& results) {
+    AttemptsById attempts;
+    for (const AttemptResult& attempt : results.attempts)
+        if (const auto [found, added] = attempts.try_emplace(attempt.id, &attempt);
+            !added && attempt.state == "done")
+            found->second = &attempt;
+    return attempts;
+}
+
 }  // namespace runcert

@@ -95,6 +95,8 @@ std::string struct_of(const Declaration& declaration, const DeclaredStruct& made
     if (!made.placed.empty())
         out += "    std::string place = {};  ///< \"file:line:column\", for messages\n";
     out += after;
+    for (const std::string& function : made.functions)
+        out += "    " + function + ";\n";
     if (made.comparable)
         out += fmt::format("    bool operator==(const {}&) const = default;\n", made.name);
     return out + "};\n";

@@ -45,6 +45,9 @@ DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
                         .or_text = is_set(entry, "or_text"),
                         .placed = entry["placed"].text_or(""),
                         .compact = is_set(entry, "compact")};
+    if (entry["functions"].exists())
+        for (const YamlValue& function : entry["functions"].list())
+            made.functions.push_back(function.text());
     if (const YamlValue fields = entry["fields"]; fields.exists())
         for (const std::string& key : fields.keys()) {
             made.names.push_back(key);

@@ -20,7 +20,7 @@
 //                     is said of ("3 epochs without a position"), with `phrase`; what else a word
 //                     has is a list of texts. With `each: MACRO` a macro goes through all of them
 //   maps              maps, each a struct: about, fields; `by_hand` where C++ code has the struct
-//                     and its codec
+//                     and its codec; `functions` of the struct that C++ code defines
 //   groups            columns that several tables have, or that are a struct in the row
 //   input             name and about of what holds the whole of an input, which people write and no
 //                     program: it has a reader and no writer
@@ -71,6 +71,7 @@ struct DeclaredStruct {
     bool or_text = false;  ///< a text may stand in its place
     std::string placed;    ///< the field whose place it keeps, "true" for its own; empty for none
     bool compact = false;  ///< a group whose empty cells take no room of their own
+    std::vector<std::string> functions = {};  ///< declarations of those that C++ code defines
 };
 
 /// A column of a product's table, in the order of the file.

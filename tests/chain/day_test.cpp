@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "reports/diff/day_difference.h"
+#include "reports/diff/run_difference.h"
 #include "reports/document/document_text.h"
 #include "schemas/common/header.h"
 #include "store/sha256.h"

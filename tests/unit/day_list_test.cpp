@@ -52,7 +52,7 @@ TEST(DayList, IsReadAsItWasWritten) {
     ASSERT_EQ(list.attempts.size(), 3U);
     EXPECT_EQ(list.attempts[0].verdict->file, "run-1/6-verdict.yaml");
     EXPECT_EQ(list.attempts[0].verdict->sha256, hash);
-    EXPECT_EQ(list.attempts[0].report->bytes, 12U);
+    EXPECT_EQ(list.attempts[0].report->bytes, 12);
     EXPECT_EQ(list.attempts[0].pages, std::vector<std::string>{"run-1/report.html"});
     EXPECT_EQ(list.attempts[0].notes, std::vector<std::string>{"a note"});
     EXPECT_EQ(list.attempts[1].step, "import");
@@ -81,26 +81,26 @@ TEST(DayList, WhatIsWrongIsNamedByItsPlace) {
         list[Json::json_pointer(pointer)] = value;
         return list.dump();
     };
-    expect_refused(changed("/days", 1), "unknown key \"days\"");
-    expect_refused(changed("/day", ""), "day is not a text");
-    expect_refused(changed("/attempts", 1), "attempts is not a list");
-    expect_refused(changed("/attempts/0/state", "well"), "attempts[0].state is none of");
-    expect_refused(changed("/attempts/0/id", "../x"), "attempts[0].id has other characters");
+    expect_refused(changed("/days", 1), "days");
+    expect_refused(changed("/day", ""), "day: is empty");
+    expect_refused(changed("/attempts", 1), "attempts: is a single value, not a list");
+    expect_refused(changed("/attempts/0/state", "well"), "attempts[0].state: \"well\" is not one of");
+    expect_refused(changed("/attempts/0/id", "../x"), "attempts[0].id: has other characters");
     expect_refused(changed("/attempts/0/verdict/sha256", "AA"), "attempts[0].verdict.sha256");
     expect_refused(changed("/attempts/0/report/bytes", -1), "attempts[0].report.bytes");
-    expect_refused(changed("/attempts/0/notes", "x"), "attempts[0].notes is not a list");
+    expect_refused(changed("/attempts/0/notes", "x"), "attempts[0].notes: is a single value");
     for (const char* outside : {"../6-verdict.yaml", "/etc/passwd", "run-1/../../x", ".."})
         expect_refused(changed("/attempts/0/verdict/file", outside), "not within the day's folder");
     expect_refused(changed("/attempts/0/pages", {"/a.html"}), "attempts[0].pages[0]");
     Json incomplete = good_list();
     incomplete["attempts"][0].erase("report");
-    expect_refused(incomplete.dump(), "attempts[0] has no \"report\"");
+    expect_refused(incomplete.dump(), "attempts[0]: has no \"report\"");
     Json without_step = good_list();
     without_step["attempts"][1].erase("step");
-    expect_refused(without_step.dump(), "attempts[1] has no \"step\"");
+    expect_refused(without_step.dump(), "attempts[1]: has no \"step\"");
     Json twice = good_list();
     twice["attempts"].push_back(done("run-1"));
-    expect_refused(twice.dump(), "attempts[3].id is that of another attempt");
+    expect_refused(twice.dump(), "attempts[3].id: is that of another attempt");
 }
 
 Json good_report() {

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "reports/diff/joined_tables.h"
 #include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
 #include "reports/document/document_text.h"
@@ -59,7 +60,7 @@ TEST(TableComparison, TheLargestChangeIsThatAgainstItsOwnUncertainty) {
     EXPECT_EQ(east.column, "east");
     EXPECT_EQ(east.cells, 2);
     EXPECT_EQ(east.largest.row.epoch_a, 1);
-    EXPECT_EQ(east.largest.row.line_a, 14U);
+    EXPECT_EQ(east.largest.row.line_a, 14);
     EXPECT_EQ(east.largest.a, "10.000000");
     EXPECT_EQ(east.largest.b, "10.005000");
     EXPECT_NEAR(east.largest.difference.value(), 0.005, 1e-12);
@@ -92,7 +93,7 @@ TEST(TableComparison, RowsAreJoinedByTime) {
     EXPECT_EQ(found.joined, 2);
     EXPECT_EQ(found.rows_a, 3);
     EXPECT_EQ(found.rows_b, 2);
-    EXPECT_EQ(found.only_a_line.value(), 15U);
+    EXPECT_EQ(found.only_a_line.value(), 15);
     EXPECT_FALSE(found.only_b_line.has_value());
     ASSERT_EQ(found.columns.size(), 2U);  // the epoch's number, and its position
     EXPECT_EQ(found.columns.back().largest.row.epoch_a, 3);
@@ -185,7 +186,7 @@ TEST(RunDifference, OutcomesAndRequirements) {
 TEST(RunDifference, HostileNamesDoNotSteerTheTerminalAndListsAreCut) {
     RunDifference difference;
     EXPECT_TRUE(difference.equal());
-    difference.attempt.push_back({"place", "\x1b[31mred", "\xE2\x80\xAEgnp"});
+    difference.causes.attempt.push_back({"place", "\x1b[31mred", "\xE2\x80\xAEgnp"});
     EpochDifference& epochs = difference.epochs.emplace_back();
     epochs.receiver = "primary";
     epochs.rows_a = epochs.rows_b = epochs.joined = 25;

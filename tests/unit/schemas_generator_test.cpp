@@ -97,6 +97,7 @@ TEST_F(Generator, AStructHasAMemberForEachField) {
   Inner:
     about: "A map"
     comparable: true
+    functions: [bool fast() const]
     fields:
       rate_m_s: {type: real, required: true, initially: 2.5, description: "a rate"}
       late_s: {type: real, description: "may be absent"}
@@ -109,7 +110,7 @@ fields:
     for (const char* member :
          {"struct Inner {", "    double rate_m_s = 2.5;",
           "    std::optional<double> late_s = std::nullopt;", "    Kind kind = Kind::floating;",
-          "    std::vector<Parameter> list = {};",
+          "    std::vector<Parameter> list = {};", "    bool fast() const;",
           "    bool operator==(const Inner&) const = default;"})
         EXPECT_NE(header.find(member), std::string::npos) << member << "\n" << header;
     EXPECT_EQ(header.find("empty"), std::string::npos);

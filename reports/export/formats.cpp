@@ -46,8 +46,7 @@ Json fact_value(const MapFact& fact) {
     return plain_text(fact.value);
 }
 
-void add_feature(Json& features, const MapFeature& feature, const std::vector<TrackPoint>& points) {
-    if (points.empty()) return;
+void add_feature(Json& features, const MapFeature& feature) {
     Json properties{{"name", plain_text(feature.name)}};
     for (const MapFact& fact : feature.facts)
         properties[fact.name] = fact_value(fact);
@@ -55,7 +54,7 @@ void add_feature(Json& features, const MapFeature& feature, const std::vector<Tr
     properties["stroke-width"] = feature.style.width;
     features.push_back({{"type", "Feature"},
                         {"properties", std::move(properties)},
-                        {"geometry", geometry(points)}});
+                        {"geometry", geometry(feature.points)}});
 }
 
 /// Milliseconds, or all nine decimals where they do not hold the time.
@@ -118,9 +117,7 @@ std::string coordinates(const std::vector<TrackPoint>& points) {
     return text;
 }
 
-void add_placemark(pugi::xml_node folder, const MapFeature& feature,
-                   const std::vector<TrackPoint>& points) {
-    if (points.empty()) return;
+void add_placemark(pugi::xml_node folder, const MapFeature& feature) {
     pugi::xml_node placemark = folder.append_child("Placemark");
     add_text(placemark, "name", feature.name);
     std::string description;  // programs take it for HTML
@@ -131,17 +128,11 @@ void add_placemark(pugi::xml_node folder, const MapFeature& feature,
     pugi::xml_node line = placemark.append_child("Style").append_child("LineStyle");
     add_text(line, "color", kml_colour(feature.style.rgb));
     add_text(line, "width", std::to_string(feature.style.width));
-    const bool single = points.size() == 1;
+    const bool single = feature.points.size() == 1;
     pugi::xml_node geometry = placemark.append_child(single ? "Point" : "LineString");
     if (!single) add_text(geometry, "tessellate", "1");
     add_text(geometry, "altitudeMode", "clampToGround");
-    geometry.append_child("coordinates").text().set(coordinates(points).c_str());
-}
-
-pugi::xml_node add_folder(pugi::xml_node document, const char* name) {
-    pugi::xml_node folder = document.append_child("Folder");
-    add_text(folder, "name", name);
-    return folder;
+    geometry.append_child("coordinates").text().set(coordinates(feature.points).c_str());
 }
 
 }  // namespace
@@ -169,13 +160,10 @@ std::string csv_text(std::string_view table, const std::string& where) {
 
 std::string geojson_text(const Track& track) {
     Json features = Json::array();
-    for (const TrackArc& arc : track.arcs)
-        add_feature(features, {name_of(arc), track_style, facts_of(arc)}, arc.points);
-    for (const TrackGate& gate : track.gates)
-        add_feature(features, {name_of(gate), gate_style, {{"kind", "", "gate"}}},
-                    {gate.left, gate.right});
-    for (const TrackWindow& window : track.windows)
-        add_feature(features, {name_of(window), style_of(window), facts_of(window)}, window.points);
+    for (const MapFeature::Kind kind :
+         {MapFeature::Kind::track, MapFeature::Kind::course, MapFeature::Kind::windows})
+        for (const MapFeature& feature : features_of(track, kind))
+            add_feature(features, feature);
     Json lines = Json::array();
     for (const std::string& line : about(track))
         lines.push_back(plain_text(line));
@@ -213,20 +201,16 @@ std::string kml_text(const Track& track) {
     for (const std::string& line : about(track))
         description += html_text(line) + "<br/>\n";
     document.append_child("description").text().set(description.c_str());
-    if (!track.windows.empty()) {
-        pugi::xml_node windows = add_folder(document, "windows");
-        for (const TrackWindow& window : track.windows)
-            add_placemark(windows, {name_of(window), style_of(window), facts_of(window)},
-                          window.points);
+    for (const auto& [kind, name] : {std::pair{MapFeature::Kind::windows, "windows"},
+                                     std::pair{MapFeature::Kind::course, "course"},
+                                     std::pair{MapFeature::Kind::track, "track"}}) {
+        const std::vector<MapFeature> features = features_of(track, kind);
+        if (features.empty() && kind != MapFeature::Kind::track) continue;
+        pugi::xml_node folder = document.append_child("Folder");
+        add_text(folder, "name", name);
+        for (const MapFeature& feature : features)
+            add_placemark(folder, feature);
     }
-    if (!track.gates.empty()) {
-        pugi::xml_node gates = add_folder(document, "course");
-        for (const TrackGate& gate : track.gates)
-            add_placemark(gates, {name_of(gate), gate_style, {}}, {gate.left, gate.right});
-    }
-    pugi::xml_node arcs = add_folder(document, "track");
-    for (const TrackArc& arc : track.arcs)
-        add_placemark(arcs, {name_of(arc), track_style, facts_of(arc)}, arc.points);
     return text_of(xml);
 }
 

@@ -33,8 +33,6 @@ void add_time(std::vector<MapFact>& facts, const std::string& name, const std::s
     if (instant) facts.push_back({name, label, to_utc_iso(*instant)});
 }
 
-}  // namespace
-
 std::string name_of(const TrackWindow& window) {
     const std::string name = fmt::format("{}: {}", window.verdict->profile, speed_words(window));
     switch (window.kind) {
@@ -46,14 +44,6 @@ std::string name_of(const TrackWindow& window) {
             break;
     }
     return name;
-}
-
-std::string name_of(const TrackArc& arc) {
-    return fmt::format("track, arc {}", arc.number);
-}
-
-std::string name_of(const TrackGate& gate) {
-    return fmt::format("{} line", gate.name);
 }
 
 std::vector<MapFact> facts_of(const TrackWindow& window) {
@@ -108,6 +98,30 @@ LineStyle style_of(const TrackWindow& window) {
     if (window.kind == TrackWindowKind::refused)
         return {std::string(refused_rgb), width + narrower};
     return {std::string(rule_rgb[window.rule % rule_rgb.size()]), width};
+}
+
+}  // namespace
+
+std::vector<MapFeature> features_of(const Track& track, MapFeature::Kind kind) {
+    std::vector<MapFeature> features;
+    if (kind == MapFeature::Kind::track)
+        for (const TrackArc& arc : track.arcs)
+            features.push_back({fmt::format("track, arc {}", arc.number),
+                                {"333333", 2},
+                                facts_of(arc),
+                                arc.points});
+    if (kind == MapFeature::Kind::course)
+        for (const TrackGate& gate : track.gates)
+            features.push_back({fmt::format("{} line", gate.name),
+                                {"000000", 4},
+                                {{"kind", "", "gate"}},
+                                {gate.left, gate.right}});
+    if (kind == MapFeature::Kind::windows)
+        for (const TrackWindow& window : track.windows)
+            features.push_back(
+                {name_of(window), style_of(window), facts_of(window), window.points});
+    std::erase_if(features, [](const MapFeature& feature) { return feature.points.empty(); });
+    return features;
 }
 
 std::vector<std::string> about(const Track& track) {

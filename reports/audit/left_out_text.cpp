@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -14,13 +15,36 @@ std::optional<double> statistic_of(const ScreenedEpoch& row) {
     return row.statistic;
 }
 
-std::optional<double> size_of_statistic(const ScreenedEpoch& row) {
-    return row.statistic ? std::optional(std::abs(*row.statistic)) : std::nullopt;
-}
+/// Reasons that are a figure against its limit.
+struct CheckedFigure {
+    Reason reason;
+    int decimals;
+    std::string_view unit;   ///< begins with its blank
+    std::string_view limit;  ///< what the limit is; empty where it goes without saying
+};
 
-std::string out_of_order(RowSpan rows) {
-    const std::string by = range_text(rows, 3, " s", size_of_statistic);
-    return fmt::format("{}{}", words_of(rows.front().reason), by.empty() ? "" : ": by " + by);
+constexpr CheckedFigure checked_figures[] = {
+    {Reason::backward_time, 3, " s", ""},          {Reason::accuracy_absurd, 4, " m", "limit"},
+    {Reason::few_satellites, 0, "", "required"},   {Reason::low_ratio, 2, "", "required"},
+    {Reason::old_corrections, 2, " s", "at most"}, {Reason::short_arc, 0, " epochs", "required"}};
+
+/// "corrections too old: 35.00 s, at most 30.00 s".
+std::string checked_text(const CheckedFigure& figure, RowSpan rows) {
+    const ScreenedEpoch& row = rows.front();
+    std::string text(words_of(row.reason));
+    constexpr double least = 1e-6;  // a limit below it is of the determinant of correlations
+    if (row.reason == Reason::accuracy_absurd && row.threshold && *row.threshold < least)
+        return text + ", or the correlations are those of no error";
+    const std::string found =
+        range_text(rows, figure.decimals, figure.unit, [](const ScreenedEpoch& each) {
+            return each.statistic ? std::optional(std::abs(*each.statistic)) : std::nullopt;
+        });
+    if (found.empty()) return text;
+    text += ": " + found;
+    if (!figure.limit.empty() && row.threshold)
+        text += fmt::format(", {} {}{}", figure.limit,
+                            format_fixed(*row.threshold, figure.decimals), figure.unit);
+    return text;
 }
 
 /// By how much, and where to, positions and a witness part.
@@ -30,42 +54,6 @@ std::string contradicted(std::string_view witness, RowSpan rows) {
                                    rows.size() == 1 ? "its position" : "their positions");
     if (apart.east_m && apart.north_m) text += ": by " + components(apart);
     return text;
-}
-
-/// What the solution says of itself, against what is needed.
-std::string witness(RowSpan rows) {
-    const ScreenedEpoch& row = rows.front();
-    if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
-    if (row.reason == Reason::few_satellites)
-        return fmt::format(
-            "only {} satellites, where {} are required so that they check one another",
-            range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
-    if (row.reason == Reason::low_ratio)
-        return fmt::format(
-            "a ratio of {}, where {} is needed: another set of ambiguities fits almost as well",
-            range_text(rows, 2, "", statistic_of), format_fixed(*row.threshold, 2));
-    return fmt::format("corrections {} old, where at most {} s are allowed",
-                       range_text(rows, 2, " s", size_of_statistic),
-                       format_fixed(*row.threshold, 2));
-}
-
-std::string accuracy(RowSpan rows) {
-    const ScreenedEpoch& row = rows.front();
-    if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
-    constexpr double least_m = 1e-6;  // what is below it bounds the determinant of correlations
-    if (*row.threshold < least_m)
-        return "the stated standard deviations and correlations are not those of any error";
-    return fmt::format("the stated standard deviation of {} is not believable: {} than {} m",
-                       range_text(rows, 4, " m", statistic_of),
-                       *row.statistic > *row.threshold ? "larger" : "smaller",
-                       format_fixed(*row.threshold, 4));
-}
-
-std::string short_arc(const ScreenedEpoch& row) {
-    if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
-    return fmt::format("in an arc of only {}, where {} are required",
-                       counted(std::llround(*row.statistic), "usable epoch"),
-                       counted(std::llround(*row.threshold)));
 }
 
 std::string wrong_positions(RowSpan rows) {
@@ -135,6 +123,9 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
     const RowSpan rows = RowSpan(table.rows).subspan(entry.first, entry.last - entry.first + 1);
     const ScreenedEpoch& row = rows.front();
     const bool one = rows.size() == 1;
+    const auto* const checked =
+        std::ranges::find(checked_figures, row.reason, &CheckedFigure::reason);
+    if (checked != std::end(checked_figures)) return checked_text(*checked, rows);
     switch (row.reason) {
         case Reason::other_fix:
             return fmt::format("{}: {}", words_of(row.reason), words_of(row.fix));
@@ -143,16 +134,6 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
         case Reason::duplicate_time:
             return one ? "its time is that of another epoch at another place"
                        : "their times are those of other epochs at other places";
-        case Reason::backward_time:
-            return out_of_order(rows);
-        case Reason::accuracy_absurd:
-            return accuracy(rows);
-        case Reason::few_satellites:
-        case Reason::low_ratio:
-        case Reason::old_corrections:
-            return witness(rows);
-        case Reason::short_arc:
-            return short_arc(row);
         case Reason::innovation:
             return one ? "its position does not follow from those before it"
                        : "their positions do not follow from those before them";

@@ -159,6 +159,9 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
                      .verdict_file = std::string(products::verdict_file),
                      .signatures = signatures_in(run_dir)};
     witnesses.note("attempt", std::string(attempt_copy_name));
+    for (const std::string& claimed : record.attempt.profiles)
+        if (witnesses.exists(profile_copy_name(claimed)))
+            record.profiles.push_back(read_claimed_profile(run_dir, claimed, record.attempt));
     for (const Receiver& receiver : record.attempt.receivers)
         record.receivers.push_back(read_receiver(witnesses, receiver));
     record.verdict = witnesses.read("verdict", record.verdict_file, read_verdict);

@@ -13,6 +13,7 @@
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/declared.h"
+#include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
 #include "schemas/trajectory/trajectory.h"
@@ -48,6 +49,7 @@ struct ReceiverRecord {
 /// A run folder as an audit finds it; all hashes that its files name of one another hold.
 struct RunRecord {
     Attempt attempt;
+    std::vector<Profile> profiles = {};  ///< those whose text is there
     std::vector<ReceiverRecord> receivers = {};
     std::string verdict_file;
     std::optional<Verdict> verdict = {};

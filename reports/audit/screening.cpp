@@ -7,6 +7,7 @@
 
 #include "core/statistics.h"
 #include "core/text.h"
+#include "reports/results/results.h"
 
 namespace runcert {
 namespace {
@@ -104,6 +105,17 @@ std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubjec
     if (const auto step = detectable_sizes(table.rows, &MinimalDetectableBias::step_m))
         blocks.push_back(paragraph(consequence(*step, subject.windows)));
     return blocks;
+}
+
+std::string tests_text(const ScreeningBasis& basis) {
+    std::string text = fmt::format("{} planned, the recording gone through {}.",
+                                   counted(basis.tests, "test"), counted(basis.passes, "time"));
+    if (basis.test_size > 0.0)
+        text += fmt::format(" One test rejects by chance {}.", once_in(basis.test_size));
+    return text + fmt::format(
+                      " An error of the minimal detectable size (see the end) is found with a "
+                      "probability of {} %.",
+                      format_fixed(100.0 * basis.power, 1));
 }
 
 }  // namespace
@@ -209,11 +221,24 @@ std::optional<DetectableSizes> detectable_sizes(
 
 std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
                                     bool all) {
-    std::vector<Block> blocks{heading("Basis of the tests"), basis_block(table, subject),
-                              heading("Decisions")};
-    std::ranges::move(decision_blocks(table, subject, all), std::back_inserter(blocks));
+    std::vector<Block> blocks{heading("Basis of the tests")};
+    add(blocks, screening_results(table, table.basis.time.faults.size()));
+    Block told = facts({{.name = "Tests", .value = tests_text(table.basis)}});
+    if (!subject.checked.empty())
+        add_fact(
+            told, "Files",
+            fmt::format("The hashes (SHA-256) of {} are those that the files made from them name.",
+                        listed(subject.checked)));
+    if (!subject.unchecked.empty())
+        add_fact(told, "Files",
+                 fmt::format("Not checked, because the folder lacks the file or the one that names "
+                             "its hash: {}.",
+                             listed(subject.unchecked)));
+    blocks.push_back(std::move(told));
+    blocks.push_back(heading("Decisions"));
+    add(blocks, decision_blocks(table, subject, all));
     blocks.push_back(heading("Minimal detectable biases"));
-    std::ranges::move(smallest_blocks(table, subject), std::back_inserter(blocks));
+    add(blocks, smallest_blocks(table, subject));
     return blocks;
 }
 

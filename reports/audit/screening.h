@@ -69,9 +69,6 @@ struct AuditSubject {
 std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
                                     bool all);
 
-/// What the tests rested on, and what they found over the whole recording.
-Block basis_block(const ScreenedTable& table, const AuditSubject& subject);
-
 /// Every decision with its rows in the recording.
 std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubject& subject,
                                    bool all);

@@ -36,9 +36,9 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverRecord
     if (!one.screened_phase) return {};
     const ScreenedPhaseTable& phases = *one.screened_phase;
     std::vector<Block> blocks{heading("Carrier phases")};
-    append(blocks,
-           product_blocks(record, phases.header, one.screened_phase_file,
-                          fmt::format("{} with phases", counted(phases.epochs, "epoch")), all));
+    add(blocks,
+        product_blocks(record, phases.header, one.screened_phase_file,
+                       fmt::format("{} with phases", counted(phases.epochs, "epoch")), all));
     blocks.push_back(list_of(phase_sentences(phases)));
     const std::size_t count = all ? one.slips.size() : std::min(one.slips.size(), slips_shown);
     if (count > 0) blocks.push_back(slip_table(one, count));
@@ -68,10 +68,10 @@ AuditSubject subject_of(const RunRecord& record, const ReceiverRecord& one) {
     }
     if (!one.windows) return subject;
     for (const ProfileWindows& windows : one.windows->profiles)
-        if (windows.best)
+        if (const auto rule = rule_view(record, windows.profile, &windows); rule && rule->best())
             subject.windows.push_back({.profile = windows.profile,
                                        .duration_s = windows.best->span.duration.seconds(),
-                                       .unit = RuleSpeeds(record, windows.profile).unit()});
+                                       .unit = rule->unit()});
     return subject;
 }
 
@@ -84,9 +84,9 @@ std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& 
         fmt::format("{}, {} of them used", counted(std::ssize(one.screened->rows), "epoch"),
                     counted(summary.usable)),
         all);
-    append(blocks, parameter_blocks(record.attempt, one.screened->header, all));
-    append(blocks, screening_blocks(*one.screened, subject_of(record, one), all));
-    append(blocks, screened_phases(record, one, all));
+    add(blocks, parameter_blocks(record.attempt, one.screened->header, all));
+    add(blocks, screening_blocks(*one.screened, subject_of(record, one), all));
+    add(blocks, screened_phases(record, one, all));
     return blocks;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/prose.h"
 #include "core/text.h"
+#include "reports/words/attempt.h"
 
 namespace runcert {
 
@@ -99,7 +100,7 @@ std::vector<Product> products_of(const RunRecord& record) {
         products.push_back(
             {"smooth", id, one.trajectory_file, header_of(one.trajectory), &one, smooth_blocks});
         products.push_back(
-            {"window", id, one.windows_file, header_of(one.windows), &one, window_blocks});
+            {"window", id, one.windows_file, header_of(one.windows), &one, window_stage_blocks});
     }
     products.push_back({"check", {}, record.verdict_file, header_of(record.verdict)});
     products.push_back({"report", {}, "report.json", record.report ? &*record.report : nullptr});
@@ -107,15 +108,7 @@ std::vector<Product> products_of(const RunRecord& record) {
 }
 
 std::string record_text(const Record& record) {
-    return fmt::format("{} {}, by: {}", quantity_text(record.speed), record.unit, record.source);
-}
-
-std::string officials_text(const std::vector<Official>& officials) {
-    std::vector<std::string> people;
-    for (const Official& official : officials)
-        people.push_back(official.name.empty() ? official.role
-                                               : official.role + " " + official.name);
-    return people.empty() ? "none named" : listed(people);
+    return fmt::format("{}, by: {}", number_text(record.speed, record.unit), record.source);
 }
 
 std::string signatures_text(const RunRecord& record) {
@@ -131,7 +124,8 @@ Block facts_of(const RunRecord& record) {
                {"Craft", fmt::format("{}, class {}", attempt.craft.name, attempt.craft.kind)},
                {"Place", attempt.place.empty() ? "not given" : attempt.place},
                {"Date", attempt.date.empty() ? "not given" : attempt.date},
-               {"Officials", officials_text(attempt.officials)}});
+               {"Officials",
+                attempt.officials.empty() ? "none named" : officials_text(attempt.officials)}});
     for (const ReceiverRecord& one : record.receivers)
         add_fact(told, "Receiver " + one.receiver.id, one.recording);
     add_fact(told, "Rules claimed under", listed(attempt.profiles));
@@ -222,16 +216,6 @@ Section stage_section(const Product& product) {
 
 }  // namespace
 
-void append(std::vector<Block>& blocks, std::vector<Block> more) {
-    std::ranges::move(more, std::back_inserter(blocks));
-}
-
-Block titled_list(std::string title, std::vector<std::string> items) {
-    Block list = list_of(std::move(items));
-    list.text = std::move(title);
-    return list;
-}
-
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                                   const std::string& file, const std::string& contents, bool all) {
     const InputFile& own = record.files.at(file);
@@ -245,73 +229,16 @@ std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                    {"Schema", header.schema_name + " " + header.schema_version}})};
 }
 
-RuleSpeeds::RuleSpeeds(const RunRecord& record, const std::string& profile,
-                       const std::optional<SpeedsToShow>& measured) {
-    const ProfileVerdict* verdict = verdict_of(record, profile);
-    const Record* beaten = record.attempt.record_for(profile);
-    unit_ = speed_unit(verdict && verdict->shown ? verdict->shown->unit
-                       : beaten                  ? beaten->unit
-                                                 : "");
-    if (!measured) return;
-    std::optional<int> decimals;
-    if (verdict && verdict->shown) decimals = decimals_in(verdict->shown->speed);
-    shown_ = shown_in(*measured, unit_, decimals);
-    in_file_ = shown_in(*measured, speed_unit("m/s"));
-}
-
-namespace {
-
-std::string with_unit(const std::optional<ShownFigures>& shown, const SpeedUnit& unit,
-                      double speed_m_s, SafeSide side) {
-    return fmt::format(
-        "{} {}",
-        shown ? beside(*shown, speed_m_s, side) : speed_text(speed_m_s, std::nullopt, unit),
-        unit.name);
-}
-
-}  // namespace
-
-std::string RuleSpeeds::speed(double speed_m_s, SafeSide side) const {
-    return with_unit(shown_, unit_, speed_m_s, side);
-}
-
-std::string RuleSpeeds::speed_in_file(double speed_m_s, SafeSide side) const {
-    const SpeedUnit& si = speed_unit("m/s");
-    if (unit_.name == si.name) return speed(speed_m_s, side);
-    return fmt::format("{} ({})", speed(speed_m_s, side), with_unit(in_file_, si, speed_m_s, side));
-}
-
-std::string RuleSpeeds::measured_in_file() const {
-    return in_file_ && unit_.name != in_file_->unit ? measured_speed_text(*in_file_) : "";
-}
-
-std::string RuleSpeeds::uncertainty(double uncertainty_m_s) const {
-    return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit_.per_m_s),
-                       unit_.name);
-}
-
-std::string RuleSpeeds::uncertainty_in_file(double uncertainty_m_s) const {
-    return unit_.name == "m/s" ? uncertainty(uncertainty_m_s)
-                               : fmt::format("{} ({} m/s)", uncertainty(uncertainty_m_s),
-                                             uncertainty_rounded_up(uncertainty_m_s));
-}
-
-std::string RuleSpeeds::difference(double difference_m_s) const {
-    return fmt::format("{} {}", significant_text(difference_m_s * unit_.per_m_s, 2), unit_.name);
-}
-
-const ProfileVerdict* verdict_of(const RunRecord& record, const std::string& profile) {
-    if (!record.verdict) return nullptr;
-    const auto found =
-        std::ranges::find(record.verdict->profiles, profile, &ProfileVerdict::profile);
-    return found == record.verdict->profiles.end() ? nullptr : &*found;
-}
-
-std::string span_text(const WindowSpan& span) {
-    return fmt::format("{} s from {} s on (epochs {} to {}{})",
-                       format_fixed(span.duration.seconds(), 3),
-                       format_fixed(span.start.seconds(), 3), span.first_epoch, span.last_epoch,
-                       span.start_gps ? "; " + to_utc_iso(*span.start_gps, 3) : "");
+std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,
+                                  const ProfileWindows* windows) {
+    static const ProfileVerdict none;
+    const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
+    if (rule == record.profiles.end()) return std::nullopt;
+    const ProfileVerdict* verdict = &none;
+    if (record.verdict)
+        for (const ProfileVerdict& one : record.verdict->profiles)
+            if (one.profile == profile) verdict = &one;
+    return RuleView{record.attempt, *verdict, *rule, windows};
 }
 
 std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all) {

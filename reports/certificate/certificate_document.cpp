@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "core/rounding.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -12,50 +11,18 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// km/h, m/s, kn, mph, the rule's own in front.
-std::vector<const SpeedUnit*> units_in_order(const SpeedUnit& own) {
-    std::vector<const SpeedUnit*> units{&own};
-    for (const SpeedUnit& unit : speed_units())
-        if (unit.name != own.name) units.push_back(&unit);
-    return units;
-}
-
 void add_if_any(Document& document, Section section) {
     if (!section.blocks.empty()) document.sections.push_back(std::move(section));
 }
 
 }  // namespace
 
-const CertifiableWindow* RuleView::best() const {
-    return windows != nullptr && windows->best ? &*windows->best : nullptr;
-}
-
-std::string RuleView::titled(const std::string& title) const {
-    return inputs.profiles.size() < 2 ? title
-                                      : fmt::format("{}: rule “{}”", title, verdict.profile);
-}
-
-ShownFigures RuleView::shown() const {
-    if (verdict.speed_m_s) return shown_of(verdict, unit().name);
-    if (best() != nullptr)
-        return shown_in({.speed_m_s = best()->speed_m_s,
-                         .expanded_uncertainty_m_s =
-                             expanded_uncertainty_m_s(*best(), verdict.coverage_factor)},
-                        unit());
-    ShownFigures figures{.unit = std::string(unit().name)};
-    const auto& rounding = profile.result ? profile.result : profile.rounding;
-    if (verdict.required_speed_m_s)
-        figures.required_speed =
-            shown_speed(SpeedKind::required, *verdict.required_speed_m_s,
-                        rounding ? static_cast<int>(rounding->decimals) : unit().decimals, unit());
-    return figures;
-}
-
 std::vector<RuleView> rule_views(const ReportInputs& inputs) {
     std::vector<RuleView> views;
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
-        views.push_back({inputs, inputs.verdict.profiles[i], inputs.profiles[i],
-                         windows_of(inputs.receivers.front().windows, inputs.profiles[i].id)});
+        views.push_back({inputs.attempt, inputs.verdict.profiles[i], inputs.profiles[i],
+                         windows_of(inputs.receivers.front().windows, inputs.profiles[i].id),
+                         inputs.profiles.size() > 1});
     return views;
 }
 
@@ -74,24 +41,6 @@ std::vector<Block> plots_of(const Json& figures, std::string_view kind) {
         if (figures[i]["figure"] == kind)
             blocks.push_back(plot(i, figures[i]["figure_title"], figures[i]["caption"]));
     return blocks;
-}
-
-Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
-                  const RuleView& rule) {
-    const auto units = units_in_order(rule.unit());
-    const ShownFigures shown = rule.shown();
-    std::vector<std::string> heads{""};
-    for (const SpeedUnit* unit : units)
-        heads.push_back(fmt::format(">{}|14", unit->name));
-    Block block = table(heads, title);
-    for (const SpeedRow& row : rows) {
-        if (!row.speed_m_s) continue;
-        std::vector<std::string> cells{row.label};
-        for (const SpeedUnit* unit : units)
-            cells.push_back(shown_speed(row.kind, *row.speed_m_s, shown, *unit));
-        add_row(block, std::move(cells), row.counts ? "chosen" : "");
-    }
-    return block;
 }
 
 Document certificate_document(const ReportInputs& inputs, const std::string& report_id,

@@ -96,20 +96,9 @@ void add_result(Section& page, const RuleView& rule) {
     };
     if (verdict.speed_m_s) add_fact(list, "Required speed", with_unit(shown.required_speed));
     if (verdict.speed_m_s) add_fact(list, "Acceptance limit", with_unit(shown.acceptance_limit));
-    if (const auto& record = verdict.record)
-        add_fact(
-            list, "Record to beat",
-            fmt::format("{}{}: {}", number_text(record->speed, record->unit),
-                        record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
-                            ? fmt::format(" ± {} (k = 2)",
-                                          number_text(*record->expanded_uncertainty, record->unit))
-                            : "",
-                        record->source));
+    if (verdict.record) add_fact(list, "Record to beat", record_text(*verdict.record));
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        add_fact(list, "Conformance probability",
-                 fmt::format("{} (at least {} required)",
-                             probability_text(verdict.decision->probability),
-                             level_text(verdict.decision->level)));
+        add_fact(list, "Conformance probability", conformance_text(*verdict.decision));
     if (verdict.own_arithmetic)
         add_fact(
             list, "By the body's arithmetic",
@@ -117,8 +106,7 @@ void add_result(Section& page, const RuleView& rule) {
     if (verdict.window) {
         add_fact(list, "Window", window_line(rule));
         if (verdict.window->start_gps)
-            add_fact(list, "Local time",
-                     local_time(*verdict.window->start_gps, rule.inputs.attempt));
+            add_fact(list, "Local time", local_time(*verdict.window->start_gps, rule.attempt));
         if (rule.profile.margin_kind == MarginKind::elapsed_time)
             add_fact(list, "Elapsed time", seconds_text(verdict.window->duration));
     }
@@ -197,18 +185,13 @@ void add_identity(Section& page, const ReportInputs& inputs) {
                      ? "Instrument"
                      : fmt::format("Instrument “{}”", attempt.receivers[i].id),
                  instrument_text(attempt.receivers[i], inputs.receivers[i].observations));
-    std::vector<std::string> officials;
-    for (const Official& official : attempt.officials)
-        officials.push_back(official.name.empty()
-                                ? official.role
-                                : fmt::format("{}: {}", official.role, official.name));
-    add_fact(list, "Officials", or_not_stated(fmt::format("{}", fmt::join(officials, ", "))));
+    add_fact(list, "Officials", or_not_stated(officials_text(attempt.officials)));
     set_columns(list, "two_columns");
     add(page, std::move(list));
 }
 
 /// "✓ by the data", "☐ open: judge".
-std::string state_text(const Requirement& requirement) {
+std::string state_line(const Requirement& requirement) {
     if (requirement.status == RequirementStatus::attest)
         return "☐ open: " + answerer_text(requirement);
     return requirement.status == RequirementStatus::met ? "✓ by the data" : "✗ NOT MET by the data";
@@ -220,7 +203,7 @@ void add_requirements(Section& page, const RuleView& rule) {
     list.slot = "requirements/" + rule.verdict.profile;
     for (const Requirement& requirement : rule.verdict.requirements)
         list.facts.push_back({.name = clause_name(requirement.clause),
-                              .value = state_text(requirement),
+                              .value = state_line(requirement),
                               .mark = std::string(to_text(requirement.status)),
                               .clause = requirement.clause});
     set_columns(list, "requirements");

@@ -58,9 +58,7 @@ Json software_json(const ReportInputs& inputs) {
         return Json{{"name", name}, {"release", release}, {"source_revision", revision}};
     };
     for (const ReceiverResults& results : inputs.receivers)
-        for (const Header* header :
-             {&results.observations.header, &results.enu_header, &results.screened.header,
-              &results.trajectory.header, &results.windows.header, &inputs.verdict.header}) {
+        for (const Header* header : headers_of(results, inputs.verdict)) {
             add(ours(header->stage, header->program_version, header->source_revision));
             for (const CalledProgram& program : header->programs)
                 add(called_json(program));
@@ -72,11 +70,9 @@ Json software_json(const ReportInputs& inputs) {
 void set_times(Json& json, const ReceiverResults& judged) {
     const auto& first = judged.observations.facts.first_epoch;
     if (!first || judged.screened.rows.empty()) return;
-    ElapsedTime last;
-    for (const ScreenedEpoch& row : judged.screened.rows)
-        last = std::max(last, row.time);
     json["begin_performance"] = to_utc_iso(*first, 3);
-    json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
+    json["end_performance"] =
+        to_utc_iso(first->plus_nanoseconds(last_time(judged.screened.rows).nanoseconds), 3);
 }
 
 }  // namespace

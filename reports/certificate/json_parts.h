@@ -33,9 +33,4 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id);
 /// The report that this one replaces; null where there is none.
 Json amends_json(const Attempt& attempt);
 
-/// Counts hold every fault of the time stamps, the table a thousand of them at most.
-std::int64_t time_stamp_faults(const TimeStampSummary& time);
-/// Length of the longest arc; 0 where there is none.
-double longest_arc_s(const std::vector<ScreenedEpoch>& rows);
-
 }  // namespace runcert

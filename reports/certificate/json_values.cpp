@@ -1,8 +1,8 @@
 #include <algorithm>
-#include <map>
 
 #include "core/rounding.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/results/results.h"
 #include "reports/words/attempt.h"
 #include "reports/words/figures.h"
 
@@ -52,13 +52,6 @@ Json stated_json(const Receiver& receiver) {
     return json;
 }
 
-ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
-    ElapsedTime last;
-    for (const ScreenedEpoch& row : rows)
-        last = std::max(last, row.time);
-    return last;
-}
-
 Json screening_json(const ScreenedTable& table) {
     const ScreeningSummary summary = summarise(table.rows);
     Json json{{"epochs", table.rows.size()},
@@ -81,20 +74,6 @@ Json screening_json(const ScreenedTable& table) {
 }
 
 }  // namespace
-
-std::int64_t time_stamp_faults(const TimeStampSummary& time) {
-    return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
-}
-
-double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
-    std::map<std::int64_t, std::pair<ElapsedTime, ElapsedTime>> ends;
-    for (const ScreenedEpoch& row : rows)
-        if (row.arc) ends.try_emplace(*row.arc, row.time, row.time).first->second.second = row.time;
-    double longest = 0.0;
-    for (const auto& [arc, times] : ends)
-        longest = std::max(longest, times.second.seconds() - times.first.seconds());
-    return longest;
-}
 
 Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     Json json{{"id", attempt.id},
@@ -172,10 +151,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
 
 Json method_json(const ReportInputs& inputs) {
     Json json{{"stages", Json::array()}};
-    const ReceiverResults& judged = inputs.receivers.front();
-    for (const Header* header :
-         {&judged.observations.header, &judged.enu_header, &judged.screened.header,
-          &judged.trajectory.header, &judged.windows.header, &inputs.verdict.header})
+    for (const Header* header : headers_of(inputs.receivers.front(), inputs.verdict))
         json["stages"].push_back({{"stage", header->stage},
                                   {"stage_version", header->program_version},
                                   {"stage_revision", header->source_revision},

@@ -91,14 +91,6 @@ ReportInputs gather(StageRun& run) {
     return inputs;
 }
 
-/// The signatures that go with the report. Whether they hold is for `runcert verify` to say.
-std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
-    std::vector<SignatureText> signatures;
-    for (const SignatureFile& file : signature_files(run_dir))
-        signatures.push_back({.file = file.name, .text = file.text});
-    return signatures;
-}
-
 /// Where the run stands by its attestations, for the pages.
 std::string standing_of(const std::filesystem::path& run_dir, const std::string& roster) {
     std::optional<Roster> keys;
@@ -137,8 +129,9 @@ int main(int argc, char** argv) {
                 run.say("report.json");
                 return;
             }
+            // Whether the signatures hold is for `runcert verify` to say.
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
-                          {.signatures = signatures_of(run.run_dir()),
+                          {.signatures = signature_files(run.run_dir()),
                            .standing = standing_of(run.run_dir(), roster),
                            .pdf = !no_pdf,
                            .brief = brief});

@@ -75,6 +75,13 @@ struct ReceiverResults {
     Windows windows;
 };
 
+/// The headers of what the stages made of a receiver, and of the verdict, in the chain's order.
+inline std::vector<const Header*> headers_of(const ReceiverResults& results,
+                                             const Verdict& verdict) {
+    return {&results.observations.header, &results.enu_header,     &results.screened.header,
+            &results.trajectory.header,   &results.windows.header, &verdict.header};
+}
+
 /// A whole run folder, as the report needs it.
 struct ReportInputs {
     Attempt attempt;

@@ -34,9 +34,9 @@ constexpr std::string_view page_scripts[] = {"mustache.min.js",   "noble-hashes.
                                              "chart_parts.js",    "chart_drawing.js",
                                              "charts.js",         "page.js"};
 
-Json signers_json(const std::vector<SignatureText>& signatures) {
+Json signers_json(const std::vector<SignatureFile>& signatures) {
     Json list = Json::array();
-    for (const SignatureText& signature : signatures) {
+    for (const SignatureFile& signature : signatures) {
         const ReportSigner signer = read_signer(signature);
         list.push_back({{"file", signer.file},
                         {"key_id", signer.key_id},
@@ -114,7 +114,7 @@ Json shown_document(Json document, const std::vector<std::string>& drawings, con
 /// The inside of the page's <main>: what stands in the report, and its drawings.
 std::string content_of(const std::string& report_text_bytes, const Json& report,
                        const std::vector<std::string>& drawings,
-                       const std::vector<SignatureText>& signatures, const std::string& standing,
+                       const std::vector<SignatureFile>& signatures, const std::string& standing,
                        Medium medium, bool first_page_alone = false) {
     const Json& predicate = report["predicate"];
     Json document = shown_document(predicate["document"], drawings, Json::parse(standing));
@@ -129,7 +129,7 @@ std::string content_of(const std::string& report_text_bytes, const Json& report,
 }
 
 /// What the head of every page holds.
-TemplateData page_data(const Json& report, const std::vector<SignatureText>& signatures) {
+TemplateData page_data(const Json& report, const std::vector<SignatureFile>& signatures) {
     const Json& predicate = report["predicate"];
     const std::string id = predicate["report_id"].get<std::string>();
     TemplateData data{TemplateData::type::object};
@@ -140,7 +140,7 @@ TemplateData page_data(const Json& report, const std::vector<SignatureText>& sig
     data.set("subtitle", plain_text(predicate["document"].value("subtitle", "")));
     data.set("signed", TemplateData(!signatures.empty()));
     std::string issued;  // no clock enters: the earliest time that a signer states
-    for (const SignatureText& signature : signatures) {
+    for (const SignatureFile& signature : signatures) {
         const std::string time = read_signer(signature).time;
         if (!time.empty() && (issued.empty() || time < issued)) issued = time;
     }
@@ -167,19 +167,19 @@ std::string page_script() {
 
 }  // namespace
 
-ReportSigner read_signer(const SignatureText& signature) {
+ReportSigner read_signer(const SignatureFile& signature) {
     if (signature.text.starts_with("-----BEGIN SSH SIGNATURE-----")) {
-        const SshSignature ssh = parse_ssh_signature(signature.text, signature.file);
+        const SshSignature ssh = parse_ssh_signature(signature.text, signature.name);
         constexpr std::string_view of_runcert = "@runcert";
         const bool ours = ssh.name_space.ends_with(of_runcert);
         return {
-            .file = signature.file,
+            .file = signature.name,
             .key_id = ssh_fingerprint(ssh.key),
             .role = ours ? ssh.name_space.substr(0, ssh.name_space.size() - of_runcert.size()) : "",
             .time = ""};
     }
-    const SignatureClaims claims = read_signature_claims(signature.text, signature.file);
-    return {.file = signature.file,
+    const SignatureClaims claims = read_signature_claims(signature.text, signature.name);
+    return {.file = signature.name,
             .key_id = key_id_text({.key_id = claims.key_id}),
             .role = parse_trusted_comment(claims.trusted_comment).role,
             .time = parse_trusted_comment(claims.trusted_comment).signed_at};
@@ -194,10 +194,10 @@ Json page_parts_json() {
 
 std::string report_page(const std::string& report_text_bytes, const Json& report,
                         const std::vector<std::string>& drawings,
-                        const std::vector<SignatureText>& signatures, const std::string& standing) {
+                        const std::vector<SignatureFile>& signatures, const std::string& standing) {
     Json files = Json::array();
-    for (const SignatureText& signature : signatures)
-        files.push_back({{"file", signature.file}, {"text", signature.text}});
+    for (const SignatureFile& signature : signatures)
+        files.push_back({{"file", signature.name}, {"text", signature.text}});
     const std::string script = page_script();
     TemplateData data = page_data(report, signatures);
     data.set("style", page_style());
@@ -213,7 +213,7 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
 
 std::string report_print_page(const std::string& report_text_bytes, const Json& report,
                               const std::vector<std::string>& drawings,
-                              const std::vector<SignatureText>& signatures,
+                              const std::vector<SignatureFile>& signatures,
                               const std::string& standing, bool first_page_alone) {
     TemplateData data = page_data(report, signatures);
     data.set("style", std::string(document_style()));

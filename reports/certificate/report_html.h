@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "trust/run_standing.h"
+#include "trust/signature_files.h"
 
 namespace runcert {
-
-/// A signature of report.json, as its file holds it.
-struct SignatureText {
-    std::string file;  ///< "report.json.minisig"
-    std::string text;
-};
 
 /// A signature that the page names, as a claim: it is not checked here.
 struct ReportSigner {
@@ -25,7 +20,7 @@ struct ReportSigner {
 };
 
 /// What the text of a signature file says of its signer. Failure where it is not a signature file.
-ReportSigner read_signer(const SignatureText& signature);
+ReportSigner read_signer(const SignatureFile& signature);
 
 /// The member `page` of a report: SHA-256 of the templates, the style and the script that every
 /// page of this program is made of. The script holds the other two, and its own hash is the one
@@ -39,13 +34,13 @@ nlohmann::ordered_json page_parts_json();
 /// of a standing_json, which it carries too, and which is not signed.
 std::string report_page(const std::string& report_text, const nlohmann::ordered_json& report,
                         const std::vector<std::string>& drawings,
-                        const std::vector<SignatureText>& signatures,
+                        const std::vector<SignatureFile>& signatures,
                         const std::string& standing = "{}\n");
 
 /// The same content for A4 paper, without what only a browser uses; the first page alone if so.
 std::string report_print_page(const std::string& report_text, const nlohmann::ordered_json& report,
                               const std::vector<std::string>& drawings,
-                              const std::vector<SignatureText>& signatures,
+                              const std::vector<SignatureFile>& signatures,
                               const std::string& standing = "{}\n", bool first_page_alone = false);
 
 /// What a page shows of a standing in place of what report.json says, which was written before the

@@ -14,7 +14,7 @@ namespace runcert {
 std::string write_report_json(const ReportInputs& inputs);
 
 struct RenderOptions {
-    std::vector<SignatureText> signatures;  ///< none: every page says UNSIGNED
+    std::vector<SignatureFile> signatures;  ///< none: every page says UNSIGNED
     std::string standing = "{}\n";          ///< the text of a standing_json
     bool pdf = true;
     bool brief = false;  ///< of the PDF the first page alone

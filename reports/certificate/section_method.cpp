@@ -43,10 +43,7 @@ void add_parameter(Block& block, const std::string& stage, const std::string& na
 Block parameters_table(const ReportInputs& inputs) {
     Block block =
         table({"Parameter|34", "Value|24", "Meaning|42"}, "Every figure that the stages used");
-    const ReceiverResults& judged = inputs.receivers.front();
-    for (const Header* header :
-         {&judged.observations.header, &judged.enu_header, &judged.screened.header,
-          &judged.trajectory.header, &judged.windows.header, &inputs.verdict.header}) {
+    for (const Header* header : headers_of(inputs.receivers.front(), inputs.verdict)) {
         std::string stage = header->stage;
         if (stage.starts_with("runcert-")) stage.erase(0, 8);
         if (header->parameters->is_object())
@@ -138,9 +135,7 @@ Block software_table(const ReportInputs& inputs) {
             add_row(block, cells);
     };
     for (const ReceiverResults& results : inputs.receivers)
-        for (const Header* header :
-             {&results.observations.header, &results.enu_header, &results.screened.header,
-              &results.trajectory.header, &results.windows.header, &inputs.verdict.header}) {
+        for (const Header* header : headers_of(results, inputs.verdict)) {
             add_one({header->stage, header->program_version, header->source_revision});
             for (const CalledProgram& program : header->programs)
                 add_one({program.name + (program.isolation.empty() ? "" : " (without a sandbox)"),
@@ -204,11 +199,8 @@ Section method_section(const ReportInputs& inputs) {
     Section section{.anchor = "method", .title = "Method"};
     for (std::string& words : description(inputs))
         add(section, paragraph(std::move(words)));
-    if (std::vector<std::string> items = deviations(inputs); !items.empty()) {
-        Block block = list_of(std::move(items));
-        block.text = "Deviations from method and rules";
-        add(section, std::move(block));
-    }
+    if (std::vector<std::string> items = deviations(inputs); !items.empty())
+        add(section, titled_list("Deviations from method and rules", std::move(items)));
     add(section, parameters_table(inputs));
     return section;
 }

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
@@ -160,15 +163,8 @@ Section clause_section(const ClauseView& view) {
 }
 
 TableRow clause_row(const ClauseView& view) {
-    const Requirement& requirement = view.requirement;
-    const std::string doubt = requirement.certainty == Certainty::unconfirmed
-                                  ? " (Not confirmed that the rule says so.)"
-                                  : "";
-    TableRow row{.cells = {upper_case(words_of(requirement.status)), requirement.clause},
-                 .mark = std::string(to_text(requirement.status)),
-                 .further = {requirement.text + doubt, sentence(requirement.evidence)}};
-    for (std::string& answer : view.answers())
-        row.further.push_back(std::move(answer));
+    TableRow row = requirement_row(view.requirement);
+    std::ranges::move(view.answers(), std::back_inserter(row.further));
     return row;
 }
 

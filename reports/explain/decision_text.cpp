@@ -55,16 +55,13 @@ std::string window_text(const ProfileView& view) {
                        span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
 
-std::string record_text(const ProfileView& view) {
+std::string record_words(const ProfileView& view) {
     const auto& record = view.verdict.record;
     if (!record) return "The attempt names none.";
-    const std::string own =
-        record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
-            ? fmt::format("Its own expanded uncertainty is {} (k = 2).",
-                          number_text(*record->expanded_uncertainty, record->unit))
-            : "No uncertainty of its own is stated, so that it is taken as exact.";
-    return fmt::format("{}, by: {} {}", number_text(record->speed, record->unit),
-                       sentence(record->source), own);
+    return sentence(record_text(*record)) +
+           (record->expanded_uncertainty.value_or(0.0) > 0.0
+                ? ""
+                : " No uncertainty of its own is stated, so that it is taken as exact.");
 }
 
 std::string speed_text(const ProfileView& view) {
@@ -108,49 +105,11 @@ std::string uncertainty_text(const ProfileView& view) {
     return text;
 }
 
-std::string why_text(const ProfileView& view) {
-    const ProfileVerdict& verdict = view.verdict;
-    if (verdict.outcome == Outcome::not_certifiable)
-        return "The speed cannot be certified, so that no comparison with a record counts: " +
-               sentence(verdict.reason);
-    if (!verdict.decision) return sentence(verdict.reason);
-    const Decision& decision = *verdict.decision;
-    const std::string probability = probability_text(decision.probability);
-    const std::string level = level_text(decision.level);
-    const std::string refusal = level_text(1.0 - decision.level);
-    if (verdict.outcome == Outcome::beaten)
-        return fmt::format(
-            "Beaten, because the conformance probability is {}, at least the {} required.",
-            probability, level);
-    if (verdict.outcome == Outcome::not_beaten)
-        return fmt::format(
-            "Not beaten, because the conformance probability is {}, at most {}: the required speed "
-            "was missed as surely as the rule wants it reached.",
-            probability, refusal);
-    return fmt::format(
-        "Not proven, because the conformance probability of {} is below the {} required and above "
-        "{}: the uncertainty leaves both open. A more accurate measurement of the same run could "
-        "decide it.",
-        probability, level, refusal);
-}
-
-std::string level_sentence(const Decision& decision) {
-    const std::string why =
-        decision.attempts_made > 1
-            ? fmt::format("As the best of {} attempts it may take one share of the risk. So ",
-                          decision.attempts_made)
-            : std::string();
-    return why + fmt::format(
-                     "{} or more counts as beaten, {} or less as not beaten, and anything between "
-                     "as not proven (guarded acceptance and rejection, JCGM 106).",
-                     level_text(decision.level), level_text(1.0 - decision.level));
-}
-
 /// What compares the speed with a record.
 void add_comparison(Block& told, const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     const std::string unit = unit_of(view);
-    add_fact(told, "Record", record_text(view));
+    add_fact(told, "Record", record_words(view));
     if (verdict.required_speed_m_s) {
         add_fact(told, "Margin",
                  fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
@@ -166,9 +125,12 @@ void add_comparison(Block& told, const ProfileView& view) {
     add_fact(told, "Conformance",
              fmt::format("Probability {} that the true speed reaches the required speed.",
                          probability_text(verdict.decision->probability)));
-    const std::string silent = silent_rule_text(view.profile);
+    const std::int64_t made = verdict.decision->attempts_made;
     add_fact(told, "Decision rule",
-             level_sentence(*verdict.decision) + (silent.empty() ? "" : " " + silent));
+             (made > 1 ? fmt::format(
+                             "As the best of {} attempts it may take one share of the risk. ", made)
+                       : "") +
+                 decision_rule_text(view.profile, verdict));
     add_fact(told, "Agreement", agreement_text(view.options.rule_agreed, verdict.window));
     add_fact(told, "Acceptance limit",
              fmt::format("{}: the lowest measured speed that would count as beaten with this "
@@ -206,19 +168,6 @@ std::string rounding_words(const Profile& profile) {
                        counted(profile.rounding->decimals, "decimal"), profile.rounding->unit);
 }
 
-std::vector<std::string> override_words(const ProfileVerdict& verdict,
-                                        const std::vector<std::string>& names) {
-    std::vector<std::string> words;
-    for (const Override& figure : verdict.overrides)
-        if (names.empty() || std::ranges::find(names, figure.figure) != names.end())
-            words.push_back(fmt::format(
-                "{} is {} in place of the rule's {}. {}", figure.figure,
-                number_text(figure.used, figure.unit), number_text(figure.rule, figure.unit),
-                figure.reason.empty() ? "The attempt gives no reason."
-                                      : sentence("Reason: " + figure.reason)));
-    return words;
-}
-
 std::vector<std::string> notes_of(const ProfileVerdict& verdict) {
     std::vector<std::string> notes = verdict.notes;
     std::erase_if(notes, [&](const std::string& note) {
@@ -234,8 +183,15 @@ Section decision_section(const ProfileView& view) {
     Block told = outcome_facts(view);
     add_fact(told, "Window", window_text(view));
     add_comparison(told, view);
-    add_fact(told, "Why", why_text(view));
-    for (std::string& words : override_words(verdict, {}))
+    add_fact(told, "Why",
+             (verdict.outcome == Outcome::not_certifiable
+                  ? "The speed cannot be certified, so that no comparison with a record counts: "
+                  : "") +
+                 sentence(verdict.reason) +
+                 (verdict.outcome == Outcome::not_proven && verdict.decision
+                      ? " A more accurate measurement of the same run could decide it."
+                      : ""));
+    for (std::string& words : override_words(verdict))
         add_fact(told, "Replaced", std::move(words));
     for (std::string& note : notes_of(verdict))
         add_fact(told, "Note", std::move(note));
@@ -263,10 +219,7 @@ Section decision_in_short(const ProfileView& view) {
         add_fact(told, "Speed", speed + required_speed);
     }
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        add_fact(told, "Conformance",
-                 fmt::format("probability {} (at least {} required)",
-                             probability_text(verdict.decision->probability),
-                             level_text(verdict.decision->level)));
+        add_fact(told, "Conformance", "probability " + conformance_text(*verdict.decision));
     if (verdict.decision)
         add_fact(told, "Decision rule", agreement_text(view.options.rule_agreed, verdict.window));
     add_fact(told, "Why", sentence(verdict.reason));

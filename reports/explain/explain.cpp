@@ -119,7 +119,7 @@ Section in_short(const ProfileView& view) {
     add_fact(told, "Clauses",
              fmt::format("{}: {}", counted(std::ssize(view.verdict.requirements), "clause"),
                          requirement_counts(view.verdict)));
-    for (std::string& words : override_words(view.verdict, {}))
+    for (std::string& words : override_words(view.verdict))
         add_fact(told, "Replaced", std::move(words));
     for (std::string& note : notes_of(view.verdict))
         add_fact(told, "Note", std::move(note));

@@ -6,7 +6,7 @@
 
 #include "core/prose.h"
 #include "reports/explain/explain.h"
-#include "reports/words/figures.h"
+#include "reports/results/results.h"
 
 // The parts of an explanation, which `explained` puts together, and the words that they share.
 
@@ -45,10 +45,6 @@ Section decision_in_short(const ProfileView& view);
 std::string margin_words(const Profile& profile);
 /// How the body rounds the required speed.
 std::string rounding_words(const Profile& profile);
-/// The replaced figures whose names are among these, or all: "margin.value is 2 mph in place of the
-/// rule's 1 mph. Reason: agreed".
-std::vector<std::string> override_words(const ProfileVerdict& verdict,
-                                        const std::vector<std::string>& names);
 /// The notes without those on a replaced figure, which `override_words` tells.
 std::vector<std::string> notes_of(const ProfileVerdict& verdict);
 

@@ -32,4 +32,12 @@ std::string calibration_text(const Calibration& calibration) {
     return text;
 }
 
+std::string officials_text(const std::vector<Official>& officials) {
+    std::string text;
+    for (const Official& official : officials)
+        text += fmt::format("{}{}{}{}", text.empty() ? "" : ", ", official.role,
+                            official.name.empty() ? "" : ": ", official.name);
+    return text;
+}
+
 }  // namespace runcert

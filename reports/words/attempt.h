@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/gps_time.h"
 #include "schemas/attempt/declared.h"
@@ -21,5 +22,8 @@ std::string agreement_text(const std::optional<DecisionRuleAgreement>& agreed,
 
 /// "certificate 4711 of 2026-02-03 by Laboratory; expanded uncertainty of speed 0.05 km/h (k = 2)".
 std::string calibration_text(const Calibration& calibration);
+
+/// "measurer: Ann, judge".
+std::string officials_text(const std::vector<Official>& officials);
 
 }  // namespace runcert

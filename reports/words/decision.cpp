@@ -55,12 +55,36 @@ std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const
     return sentences;
 }
 
+std::string record_text(const RecordToBeat& record) {
+    return fmt::format(
+        "{}{}: {}", number_text(record.speed, record.unit),
+        record.expanded_uncertainty.value_or(0.0) > 0.0
+            ? fmt::format(" ± {} (k = 2)", number_text(*record.expanded_uncertainty, record.unit))
+            : "",
+        record.source);
+}
+
+std::string conformance_text(const Decision& decision) {
+    return fmt::format("{} (at least {} required)", probability_text(decision.probability),
+                       level_text(decision.level));
+}
+
 std::string requirement_counts(const ProfileVerdict& verdict) {
     const auto count = [&](RequirementStatus status) {
         return std::ranges::count(verdict.requirements, status, &Requirement::status);
     };
     return fmt::format("{} met, {} not met, {} to be attested", count(RequirementStatus::met),
                        count(RequirementStatus::not_met), count(RequirementStatus::attest));
+}
+
+std::string decision_rule_text(const Profile& profile, const ProfileVerdict& verdict) {
+    const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
+    const std::string silent = silent_rule_text(profile);
+    return fmt::format(
+        "At least {} counts as beaten, at most {} as not beaten, and anything between as not "
+        "proven "
+        "(guarded acceptance and rejection, JCGM 106).{}{}",
+        level_text(level), level_text(1.0 - level), silent.empty() ? "" : " ", silent);
 }
 
 std::string silent_rule_text(const Profile& profile) {

@@ -30,8 +30,18 @@ std::string risk_text(const ProfileVerdict& verdict);
 /// Both as sentences, as far as there are any: "Guard band w = 0.17 km/h (...). Risk of ...".
 std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit);
 
+/// "202.9 km/h ± 0.1 km/h (k = 2): its source".
+std::string record_text(const RecordToBeat& record);
+
+/// "99.7 % (at least 97.5 % required)".
+std::string conformance_text(const Decision& decision);
+
 /// "6 met, 0 not met, 5 to be attested": a verdict's requirements by their state.
 std::string requirement_counts(const ProfileVerdict& verdict);
+
+/// From which probability on the speed counts as beaten, and as not beaten; and what it means that
+/// a rule does not say so.
+std::string decision_rule_text(const Profile& profile, const ProfileVerdict& verdict);
 
 /// What it means that a rule does not say how uncertainty counts in the decision; empty for a rule
 /// that does.

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <iterator>
+
 #include "core/text.h"
 #include "schemas/document/document.h"
 
@@ -13,6 +16,12 @@ Block heading(std::string text) {
 
 Block list_of(std::vector<std::string> items, std::string look) {
     return {.kind = BlockKind::items, .look = std::move(look), .items = std::move(items)};
+}
+
+Block titled_list(std::string title, std::vector<std::string> items) {
+    Block list = list_of(std::move(items));
+    list.text = std::move(title);
+    return list;
 }
 
 Block facts(std::vector<Fact> facts, std::string title, std::string look) {
@@ -51,8 +60,11 @@ void add(Section& section, Block block) {
 }
 
 void add(Section& section, std::vector<Block> blocks) {
-    for (Block& block : blocks)
-        add(section, std::move(block));
+    add(section.blocks, std::move(blocks));
+}
+
+void add(std::vector<Block>& blocks, std::vector<Block> further) {
+    std::ranges::move(further, std::back_inserter(blocks));
 }
 
 void add_fact(Block& facts, std::string name, std::string value, std::string link) {

@@ -15,6 +15,7 @@ namespace runcert {
 Block paragraph(std::string text, std::string look = {});
 Block heading(std::string text);
 Block list_of(std::vector<std::string> items, std::string look = {});
+Block titled_list(std::string title, std::vector<std::string> items);
 Block facts(std::vector<Fact> facts, std::string title = {}, std::string look = {});
 /// What a person types, line by line.
 Block code(const std::string& text);
@@ -27,6 +28,7 @@ Block table(const std::vector<std::string>& heads, std::string title = {}, std::
 /// Appends a block, and further ones.
 void add(Section& section, Block block);
 void add(Section& section, std::vector<Block> blocks);
+void add(std::vector<Block>& blocks, std::vector<Block> further);
 /// Appends a name and what it is, unless that is empty.
 void add_fact(Block& facts, std::string name, std::string value, std::string link = {});
 /// Appends a row, and returns it.

@@ -67,7 +67,7 @@ TEST(WalkThrough, WhatIsThereIsShownAndWhatIsNotIsNamed) {
     expect_in(text,
               {"Audit of the attempt small", "yacht, class land-yacht",
                "recording  recording.primary.pos  1,234  aaaaaaaaaaaa  yes handed in as a.pos",
-               "1-observations.ecsv: 2 epochs, 99 bytes",
+               "1-observations.ecsv: 2 epochs, 0 with a position, 99 bytes",
                "by no file of the folder: nothing shows that it was not changed",
                "line 7 (at epoch 2): cut", "1 of 3 could not be read",
                "rtklib-pos, recognised by the recording's content",
@@ -168,53 +168,34 @@ ProfileVerdict verdict_in(const std::string& unit) {
 
 RunRecord record_with(const ProfileVerdict& verdict) {
     RunRecord record = record_of("record: {speed: 216, unit: kn, source: board}\n");
+    record.profiles = {read_profile(builtin_profile("nalsa"), "nalsa.yaml")};
     record.verdict.emplace().profiles = {verdict};
     record.verdict->header.parameters = nlohmann::ordered_json::object();
     record.files["6-verdict.yaml"] = {"verdict", "6-verdict.yaml", hash_b, 1, ""};
     return record;
 }
 
-TEST(RuleSpeedsShown, AreInTheVerdictsUnitWithThatOfTheFileBeside) {
-    const SpeedsToShow measured{.speed_m_s = 60.00562, .expanded_uncertainty_m_s = 0.0972};
-    const RuleSpeeds speeds(record_with(verdict_in("km/h")), "nalsa", measured);
-    // The verdict has one decimal, and 0.0972 m/s three.
-    EXPECT_EQ(speeds.speed(60.00562), "216.0 km/h");
-    EXPECT_EQ(speeds.speed_in_file(60.00562), "216.0 km/h (60.005 m/s)");
-    EXPECT_EQ(speeds.speed_in_file(60.01, SafeSide::up), "216.1 km/h (60.010 m/s)");
-    EXPECT_EQ(speeds.uncertainty(0.0972), "0.35 km/h");
-    EXPECT_EQ(speeds.uncertainty_in_file(0.0972), "0.35 km/h (0.098 m/s)");
-    EXPECT_EQ(speeds.difference(-0.000126), "-0.00045 km/h");
-    EXPECT_EQ(speeds.measured_in_file(), "60.005 m/s ± 0.098 m/s");
-}
-
-TEST(RuleSpeedsShown, OfARecordInMetresPerSecondAreWrittenOnce) {
-    const SpeedsToShow measured{.speed_m_s = 60.00562, .expanded_uncertainty_m_s = 0.0972};
-    const RuleSpeeds speeds(record_with(verdict_in("m/s")), "nalsa", measured);
-    EXPECT_EQ(speeds.speed_in_file(60.00562), "60.005 m/s");
-    EXPECT_EQ(speeds.uncertainty_in_file(0.0972), "0.098 m/s");
-    EXPECT_EQ(speeds.measured_in_file(), "");
-}
-
-TEST(RuleSpeedsShown, WithoutAVerdictAreInTheRecordsUnit) {
-    const RunRecord record = record_of("record: {speed: 216, unit: kn, source: board}\n");
-    EXPECT_EQ(RuleSpeeds(record, "nalsa").speed_in_file(60.0), "116.63 kn (60.000 m/s)");
-    EXPECT_EQ(RuleSpeeds(record_of(), "nalsa").unit().name, "km/h");
-    // No more digits than a tenth of the uncertainty.
-    const RuleSpeeds rough(record, "nalsa",
-                           SpeedsToShow{.speed_m_s = 60.0, .expanded_uncertainty_m_s = 0.9});
-    EXPECT_EQ(rough.speed_in_file(60.0), "116.6 kn (60.00 m/s)");
-}
-
-TEST(WalkThrough, AVerdictHasItsSpeedsInBothUnitsAndNoSentenceTwoStops) {
+TEST(WalkThrough, AVerdictHasItsSpeedsInEveryUnitAndNoSentenceTwoStops) {
     const Document walk = walk_through(record_with(verdict_in("km/h")), {.stages = {"check"}});
     const std::string text = document_text(walk, 1000);
-    expect_in(text,
-              {"216.0 km/h ± 0.4 km/h (k = 2); in the file 60.005 m/s ± 0.098 m/s\n",
-               "Required speed  216.1 km/h (60.010 m/s)\n", "shows as 220.5 km/h (61.250 m/s) over",
-               "NOT MET  flat ",
-               "\n    The course rises by 3 m.\n    Figure: rise: 3 m; up.\n    The clause: The "
-               "course is flat. Source (quoted): Rules of the body.\n"});
+    expect_in(
+        text,
+        {"\n                               km/h    m/s      kn     mph\n"
+         "Measured speed                216.0  60.00  116.64  134.22\n",
+         "\nRequired speed                216.1  60.01  116.66  134.24\n",
+         "The raw positions show 220.5 km/h in this window. It is not certified:\n- it holds a "
+         "step.",
+         "\nNOT MET  flat    window_complete\n    The course is flat.\n    The course rises by "
+         "3 m.\n    rise: 3 m; up.\n    Quoted from the rule: rules of the body.\n"});
     EXPECT_EQ(text.find(".."), std::string::npos) << text;
+}
+
+TEST(WalkThrough, WithoutTheTextOfItsRuleAVerdictIsNotShown) {
+    RunRecord record = record_with(verdict_in("km/h"));
+    record.profiles.clear();
+    const std::string text = text_of(record, {.stages = {"check"}});
+    expect_in(text, {"The text of the rule nalsa is MISSING from the folder"});
+    EXPECT_EQ(text.find("Measured speed"), std::string::npos) << text;
 }
 
 TEST(ReportRecord, IsReadOrRefused) {

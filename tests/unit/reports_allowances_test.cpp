@@ -202,14 +202,15 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
     EXPECT_EQ(receiver["time_source"], "satellites");
     EXPECT_EQ(receiver["solution_source"], "attempt");
     EXPECT_EQ(fact_at(report_json(run.inputs), {"recording"}, "Time stamps"),
-              "UTC of the receiver's position sentences");
+              "UTC of the receiver's position sentences: the satellites' time, as the format says");
     expect_in(page_of(run), "as the attempt states it; the recording states none");
 
     observations.time_origin.clear();
     observations.facts.time_source = "unknown";
     EXPECT_FALSE(receiver_of(run).contains("time_origin"));
     EXPECT_EQ(receiver_of(run)["time_source"], "unknown");
-    EXPECT_FALSE(has_fact(report_json(run.inputs), {"recording"}, "Time stamps"));
+    EXPECT_EQ(fact_at(report_json(run.inputs), {"recording"}, "Time stamps"),
+              "whose clock made them is not known");
 }
 
 TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {

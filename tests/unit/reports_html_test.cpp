@@ -20,17 +20,17 @@ using Json = nlohmann::ordered_json;
 
 const KeyPair a_pair = generate_key_pair();
 
-std::vector<SignatureText> signed_with(const std::string& comment) {
-    return {{"report.json.minisig", sign("report", a_pair.secret_key, comment)}};
+std::vector<SignatureFile> signed_with(const std::string& comment) {
+    return {{.name = "report.json.minisig", .text = sign("report", a_pair.secret_key, comment)}};
 }
 
-const std::vector<SignatureText> a_signature = signed_with("runcert role=measurer");
+const std::vector<SignatureFile> a_signature = signed_with("runcert role=measurer");
 
-std::string page(const sample::Options& options, const std::vector<SignatureText>& signatures) {
+std::string page(const sample::Options& options, const std::vector<SignatureFile>& signatures) {
     return print_page(report_json(sample::make_run(options).inputs), signatures);
 }
 
-std::string screen_page(const Json& report, const std::vector<SignatureText>& signatures = {}) {
+std::string screen_page(const Json& report, const std::vector<SignatureFile>& signatures = {}) {
     return report_page(report_text_of(report), report, drawings_of(report), signatures);
 }
 
@@ -248,14 +248,14 @@ TEST(ReportText, LooksTheSameToAJsonReaderAndHoldsNothingThatEndsAScript) {
 
 TEST(ReportSigner, IsReadFromASignatureFile) {
     const KeyPair pair = generate_key_pair();
-    const ReportSigner signer =
-        read_signer({"r.minisig", sign("text", pair.secret_key, "runcert role=measurer a=b")});
+    const ReportSigner signer = read_signer(
+        {.name = "r.minisig", .text = sign("text", pair.secret_key, "runcert role=measurer a=b")});
     EXPECT_EQ(signer.key_id, key_id_text(pair.public_key));
     EXPECT_EQ(signer.role, "measurer");
     EXPECT_EQ(signer.file, "r.minisig");
     for (const char* text :
          {"", "a\nb\nc\nd\n", "untrusted comment: a\nAAAA\ntrusted comment: b\nc"})
-        EXPECT_THROW(read_signer({"r.minisig", text}), Failure);
+        EXPECT_THROW(read_signer({.name = "r.minisig", .text = text}), Failure);
 }
 
 }  // namespace

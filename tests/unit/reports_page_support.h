@@ -21,7 +21,7 @@ inline std::vector<std::string> drawings_of(const nlohmann::ordered_json& report
 
 /// The page for paper, with nothing to be seen in its figures.
 inline std::string print_page(const nlohmann::ordered_json& report,
-                              const std::vector<SignatureText>& signatures = {}) {
+                              const std::vector<SignatureFile>& signatures = {}) {
     return report_print_page(report_text_of(report), report, drawings_of(report), signatures);
 }
 

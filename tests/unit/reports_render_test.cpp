@@ -166,8 +166,9 @@ class Pdf : public Rendering {
 
 TEST_F(Pdf, HoldsVerdictSpeedAndEveryHash) {
     const std::string text = text_of_pdf(
-        {}, {.signatures = {{"report.json.minisig",
-                             sign("report", generate_key_pair().secret_key, "role=measurer")}}});
+        {}, {.signatures = {
+                 {.name = "report.json.minisig",
+                  .text = sign("report", generate_key_pair().secret_key, "role=measurer")}}});
     EXPECT_NE(text.find("Measured speed exceeds the record"), std::string::npos);
     EXPECT_NE(text.find("216.00 km/h ± 0.019 km/h"), std::string::npos);
     EXPECT_NE(text.find("Uncertainty: rule “fisly”"), std::string::npos);

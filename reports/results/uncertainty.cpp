@@ -4,7 +4,7 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/certificate_document.h"
+#include "reports/results/results.h"
 #include "reports/words/screening.h"
 
 namespace runcert {
@@ -109,25 +109,23 @@ std::string treatment_words(const SelectionBias& selection, const Scale& scale) 
                : "the larger is added to the expanded uncertainty";
 }
 
-void add_selection(Section& section, const RuleView& rule, const Scale& scale) {
+void add_selection(std::vector<Block>& blocks, const RuleView& rule, const Scale& scale) {
     const SelectionBias& selection = *rule.best()->selection;
     const auto distribution = [&](double mean_m_s, double sd_m_s) {
         return fmt::format("{} {}, standard deviation {}", scale.speed(mean_m_s, sd_m_s),
                            scale.unit().name, scale.uncertainty(sd_m_s));
     };
-    add(section, heading("Choice of the fastest window"));
-    add(section,
-        paragraph(fmt::format(
-            "The fastest of {} was chosen; {} could have been it. That makes its speed look higher "
-            "by {} with the errors as fitted, by {} with time-correlated errors as large as "
-            "allowed for; {}. True speed over {} (seed {}): of the window chosen {}; of the window "
-            "truly fastest {}.",
-            counted(rule.windows->candidates, "window"), selection.candidates,
-            scale.uncertainty(selection.fitted_bias_m_s),
-            scale.uncertainty(selection.bounded_bias_m_s), treatment_words(selection, scale),
-            counted(selection.samples, "sample"), selection.seed,
-            distribution(selection.chosen_mean_m_s, selection.chosen_sd_m_s),
-            distribution(selection.best_mean_m_s, selection.best_sd_m_s))));
+    blocks.push_back(heading("Choice of the fastest window"));
+    blocks.push_back(paragraph(fmt::format(
+        "The fastest of {} was chosen; {} could have been it. That makes its speed look higher "
+        "by {} with the errors as fitted, by {} with time-correlated errors as large as "
+        "allowed for; {}. True speed over {} (seed {}): of the window chosen {}; of the window "
+        "truly fastest {}.",
+        counted(rule.windows->candidates, "window"), selection.candidates,
+        scale.uncertainty(selection.fitted_bias_m_s), scale.uncertainty(selection.bounded_bias_m_s),
+        treatment_words(selection, scale), counted(selection.samples, "sample"), selection.seed,
+        distribution(selection.chosen_mean_m_s, selection.chosen_sd_m_s),
+        distribution(selection.best_mean_m_s, selection.best_sd_m_s))));
 }
 
 /// What the budget is of, where that is not the whole of the measured speed.
@@ -177,15 +175,16 @@ std::string drift_words(const CertifiableWindow& window, const WitnessedSpeed* h
         unit.name);
 }
 
-void add_undetected(Section& section, const CertifiableWindow& window, const Scale& scale) {
+void add_undetected(std::vector<Block>& blocks, const CertifiableWindow& window,
+                    const Scale& scale) {
     if (!window.detection_power || window.reliability.empty()) return;
-    add(section, heading("Undetected errors"));
+    blocks.push_back(heading("Undetected errors"));
     const auto& errors = window.reliability;
     const auto worst = std::ranges::find_if(
         errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
     if (worst != errors.end())
-        add(section, paragraph(sentence(capitalised(
-                         undetected_error_text(*worst, *window.detection_power, scale.unit())))));
+        blocks.push_back(paragraph(sentence(
+            capitalised(undetected_error_text(*worst, *window.detection_power, scale.unit())))));
     Block block = table({"Error|38", "Where it matters most|26", ">Size that could be missed|18",
                          fmt::format(">Change of the speed, {}|18", scale.unit().name)});
     for (const UndetectedError& error : errors) {
@@ -199,23 +198,21 @@ void add_undetected(Section& section, const CertifiableWindow& window, const Sca
                         : unlimited ? "no limit"
                                     : significant_text(error.speed_m_s * scale.unit().per_m_s, 3)});
     }
-    add(section, std::move(block));
+    blocks.push_back(std::move(block));
     const auto heard = std::ranges::max_element(window.witnesses, {}, &WitnessedSpeed::share);
     const bool shared = heard != window.witnesses.end() && heard->share > 0.0;
     if (std::string words = drift_words(window, shared ? &*heard : nullptr, scale); !words.empty())
-        add(section, paragraph(std::move(words), "note"));
+        blocks.push_back(paragraph(std::move(words), "note"));
 }
 
-void add_uncertainty(Section& section, const RuleView& rule) {
+}  // namespace
+
+std::vector<Block> uncertainty_blocks(const RuleView& rule) {
     const CertifiableWindow& best = *rule.best();
     const Scale scale(rule);
-    if (rule.inputs.profiles.size() > 1) add(section, heading(rule.titled("Uncertainty")));
-    add(section,
-        paragraph(fmt::format("Measured speed: {}",
-                              measured_speed_text(rule.shown(), rule.verdict.coverage_factor)),
-                  "strong"));
+    std::vector<Block> blocks;
     if (std::string words = budget_subject(rule, scale); !words.empty())
-        add(section, paragraph(std::move(words)));
+        blocks.push_back(paragraph(std::move(words)));
     Block beside = facts({});
     if (best.fitted)
         add_fact(beside, "With the fitted noise alone", fitted_text(*best.fitted, scale));
@@ -224,22 +221,11 @@ void add_uncertainty(Section& section, const RuleView& rule) {
         add_fact(beside, "Other models of the motion", estimates_text(*best.estimates, scale));
     if (best.bound)
         add_fact(beside, "Time-correlated position errors", bound_text(*best.bound, scale));
-    if (!beside.facts.empty()) add(section, std::move(beside));
-    add(section, budget_blocks(rule));
-    if (best.selection && rule.windows->candidates > 1) add_selection(section, rule, scale);
-    add_undetected(section, best, scale);
-}
-
-}  // namespace
-
-Section uncertainty_section(const ReportInputs& inputs) {
-    Section section{.anchor = "uncertainty", .title = "Uncertainty"};
-    for (const RuleView& rule : rule_views(inputs))
-        if (rule.best() != nullptr) add_uncertainty(section, rule);
-    Block statements = list_of(inputs.verdict.statements);
-    statements.text = "What the uncertainty covers, and what it does not";
-    add(section, std::move(statements));
-    return section;
+    if (!beside.facts.empty()) blocks.push_back(std::move(beside));
+    add(blocks, budget_blocks(rule));
+    if (best.selection && rule.windows->candidates > 1) add_selection(blocks, rule, scale);
+    add_undetected(blocks, best, scale);
+    return blocks;
 }
 
 }  // namespace runcert

@@ -6,7 +6,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "core/uncertainty.h"
-#include "reports/certificate/certificate_document.h"
+#include "reports/results/results.h"
 
 namespace runcert {
 namespace {

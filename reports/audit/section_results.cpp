@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/prose.h"
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/audit/sections.h"
+#include "reports/run_speeds/run_speeds.h"
+#include "reports/words/decision.h"
+#include "reports/words/outcome.h"
+
+namespace runcert {
+namespace {
+
+/// The speeds by each method at the window's epochs, as [DHD22] prints them; no block where none of
+/// them has all.
+std::vector<Block> method_blocks(const TrajectoryTable& trajectory, const WindowSpan& span,
+                                 const SpeedUnit& unit) {
+    const auto methods = method_speeds(trajectory, span.first_epoch, span.last_epoch);
+    if (methods.empty()) return {};
+    Block speeds = table({"method", fmt::format(">mean, {}", unit.name), ">s", ">95 % interval"},
+                         fmt::format("Horizontal speeds at the {} epochs of the window, by method: "
+                                     "mean, standard deviation s of one speed, and the interval of "
+                                     "1.96 s, as [DHD22] prints them. The interval is not the "
+                                     "uncertainty of the mean, which the budget has",
+                                     methods.front().epochs));
+    for (const MethodSpeeds& one : methods) {
+        const int decimals = uncertainty_decimals(one.standard_deviation_m_s * unit.per_m_s);
+        const auto shown = [&](double speed_m_s) {
+            return format_fixed(speed_m_s * unit.per_m_s, decimals);
+        };
+        add_row(speeds,
+                {std::string(one.method), shown(one.mean_m_s), shown(one.standard_deviation_m_s),
+                 fmt::format("{} to {}", shown(one.mean_m_s - one.half_width_m_s()),
+                             shown(one.mean_m_s + one.half_width_m_s()))});
+    }
+    return {std::move(speeds)};
+}
+
+Block rule_is_missing(const std::string& profile) {
+    return paragraph(fmt::format(
+        "The text of the rule {} is MISSING from the folder: what was found by it is not shown.",
+        profile));
+}
+
+std::string indicated_text(const IndicatedWindow& indicated, const RuleView& rule) {
+    return fmt::format("{} from {} on: {}",
+                       speed_beside(rule.verdict, indicated.speed_m_s, rule.unit().name),
+                       seconds_text(indicated.span.start),
+                       indicated.refusals.empty()
+                           ? "certifiable"
+                           : fmt::format("REFUSED: {}", fmt::join(indicated.refusals, "; ")));
+}
+
+std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& one,
+                                const ProfileWindows& windows) {
+    std::vector<Block> blocks{heading("Rule " + windows.profile)};
+    const auto rule = rule_view(record, windows.profile, &windows);
+    if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
+    Block told =
+        facts({{.name = "Looked for", .value = rule_words(rule->profile)},
+               {.name = "Compared", .value = counted(windows.candidates, "certifiable window")}});
+    if (windows.indicated)
+        add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
+    if (!rule->best())
+        add_fact(told, "Certified",
+                 windows.missing.empty()
+                     ? "none: breaks and epochs left out leave no stretch long enough"
+                     : "none: " + windows.missing);
+    blocks.push_back(std::move(told));
+    if (!rule->best()) return blocks;
+    add(blocks, window_blocks(*rule, rule->best()->span));
+    add(blocks, witness_blocks(*rule));
+    add(blocks, uncertainty_blocks(*rule));
+    if (one.trajectory)
+        add(blocks, method_blocks(*one.trajectory, rule->best()->span, rule->unit()));
+    return blocks;
+}
+
+/// Rows that can be read on a terminal.
+Block requirement_rows(const ProfileVerdict& verdict) {
+    Block rows = table({"state", "clause", "decided by"}, "Requirements");
+    for (const Requirement& requirement : verdict.requirements) {
+        TableRow& row = rows.rows.emplace_back(requirement_row(requirement));
+        row.cells.emplace_back(to_text(requirement.decided_by));
+        std::ranges::move(requirement_lines(requirement), std::back_inserter(row.further));
+    }
+    return rows;
+}
+
+std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& verdict) {
+    std::vector<Block> blocks{
+        heading(fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body))};
+    const auto rule = rule_view(record, verdict.profile, nullptr);
+    if (!rule) return {blocks.front(), rule_is_missing(verdict.profile)};
+    Block told = facts({{.name = "Outcome", .value = outcome_words(state_of(verdict)).title},
+                        {.name = "Rule",
+                         .value = fmt::format("{}; SHA-256 of its text {}",
+                                              rule_identity_text(verdict), verdict.rule.sha256)}});
+    if (verdict.record) add_fact(told, "Record", record_text(*verdict.record));
+    blocks.push_back(std::move(told));
+    if (verdict.window) blocks.push_back(span_facts(*verdict.window));
+    if (verdict.speed_m_s) blocks.push_back(result_table(*rule));
+    add(blocks, verdict_blocks(*rule, requirement_rows(verdict)));
+    add(blocks, refused_blocks(*rule));
+    add(blocks, course_blocks(*rule));
+    return blocks;
+}
+
+}  // namespace
+
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    const TrajectoryTable& table = *one.trajectory;
+    const auto smoothed = std::ranges::count_if(
+        table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
+    std::vector<Block> blocks =
+        product_blocks(record, table.header, one.trajectory_file,
+                       fmt::format("{}, {} with a smoothed speed",
+                                   counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
+                       all);
+    add(blocks, parameter_blocks(record.attempt, table.header, all));
+    add(blocks, estimation_blocks(table.estimation));
+    return blocks;
+}
+
+std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRecord& one,
+                                       bool all) {
+    const Windows& windows = *one.windows;
+    std::vector<Block> blocks = product_blocks(record, windows.header, one.windows_file,
+                                               counted(std::ssize(windows.profiles), "rule"), all);
+    add(blocks, parameter_blocks(record.attempt, windows.header, all));
+    if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
+    for (const ProfileWindows& each : windows.profiles)
+        add(blocks, rule_windows(record, one, each));
+    return blocks;
+}
+
+std::vector<Block> check_blocks(const RunRecord& record, bool all) {
+    const Verdict& verdict = *record.verdict;
+    std::vector<Block> blocks = product_blocks(
+        record, verdict.header, record.verdict_file,
+        counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
+        all);
+    add(blocks, parameter_blocks(record.attempt, verdict.header, all));
+    for (const ProfileVerdict& each : verdict.profiles)
+        add(blocks, rule_verdict(record, each));
+    if (!verdict.statements.empty())
+        blocks.push_back(titled_list("What holds for the whole measurement", verdict.statements));
+    return blocks;
+}
+
+}  // namespace runcert

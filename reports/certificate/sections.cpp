@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "reports/certificate/certificate_document.h"
+#include "reports/words/outcome.h"
+#include "reports/words/recording.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The same rule by each receiver, where there are several.
+void add_receivers(Section& section, const ReportInputs& inputs, const RuleView& rule) {
+    if (inputs.receivers.size() < 2) return;
+    Block list = facts({}, "By each receiver");
+    for (const ReceiverResults& results : inputs.receivers) {
+        const ProfileWindows* windows = windows_of(results.windows, rule.profile.id);
+        const auto figure = windows == nullptr ? std::nullopt : figure_of(*windows);
+        add_fact(list, results.windows.receiver,
+                 figure ? fmt::format("{}, {} after its first epoch",
+                                      speed_with_uncertainty_text(
+                                          figure->speed_m_s,
+                                          expanded_uncertainty_by_rule_m_s(
+                                              *figure, rule.profile.coverage_factor),
+                                          rule.unit()),
+                                      seconds_text(windows->best->span.start))
+                        : "no certifiable window");
+    }
+    add(section, std::move(list));
+}
+
+void add_window(Section& section, const RuleView& rule, const Json& figures) {
+    if (!rule.verdict.window) return;
+    if (rule.several) add(section, heading(rule.titled("Window")));
+    if (rule.verdict.speed_m_s) add(section, result_table(rule));
+    if (rule.verdict.own_arithmetic)
+        add(section, paragraph(own_arithmetic_text(*rule.verdict.own_arithmetic), "note"));
+    for (std::size_t i = 0; i < figures.size(); ++i)
+        if (figures[i].value("figure_profile", "") == rule.profile.id &&
+            figures[i]["figure"] == "window")
+            add(section, plot(i, figures[i]["figure_title"], figures[i]["caption"]));
+    add(section, window_blocks(rule, *rule.verdict.window));
+}
+
+/// Names the receiver of what follows, where there are several.
+void add_receiver_heading(Section& section, const ReportInputs& inputs,
+                          const ReceiverResults& results) {
+    if (inputs.receivers.size() > 1)
+        add(section, heading(fmt::format("Receiver “{}”", results.windows.receiver)));
+}
+
+/// Who says what the recordings do not.
+void add_sources(Section& section, const Attempt& attempt) {
+    Block list = facts({}, "Handed in beside the recordings");
+    if (attempt.wind) add_fact(list, "Wind, by", attempt.wind->source);
+    if (attempt.current) add_fact(list, "Current, by", attempt.current->source);
+    if (attempt.secondary_method)
+        add_fact(list, "Second method",
+                 fmt::format("{} ({})", attempt.secondary_method->method,
+                             attempt.secondary_method->source));
+    if (!list.facts.empty()) add(section, std::move(list));
+}
+
+/// What the raw signals say, under each rule and over the whole; empty where none were looked at.
+std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
+    std::vector<std::string> sentences;
+    if (!results.phase_view || results.phase_view->satellites.empty() || !results.phases)
+        return sentences;
+    for (const ProfileWindows& entry : results.windows.profiles)
+        if (entry.best)
+            for (const WitnessedSpeed& one : entry.best->witnesses)
+                if (one.kind == WitnessKind::phases)
+                    sentences.push_back(fmt::format("Under the rule {}: {}", entry.profile,
+                                                    phase_window_sentence(one)));
+    for (const std::string& sentence : phase_sentences(*results.phases))
+        sentences.push_back(sentence);
+    return sentences;
+}
+
+}  // namespace
+
+Section requirements_section(const ReportInputs& inputs) {
+    Section section{.anchor = "requirements", .title = "Requirements of the rules"};
+    for (const RuleView& rule : rule_views(inputs)) {
+        if (rule.several)
+            add(section, heading(fmt::format("Rule “{}”: {}, {}", rule.verdict.profile,
+                                             rule.verdict.title, rule.verdict.body)));
+        add(section, verdict_blocks(rule, requirements_table(rule)));
+    }
+    Block said = facts({}, "Who says what the figures rest on");
+    for (const InputsOfOrigin& one : inputs_by_origin(inputs.verdict.origins))
+        add_fact(said, one.label, one.text);
+    if (!said.facts.empty()) add(section, std::move(said));
+    Block answers = facts({}, "Answers");
+    answers.slot = "answers";
+    add_fact(answers, "Given", "none when this report was made");
+    add(section, std::move(answers));
+    return section;
+}
+
+Section window_section(const ReportInputs& inputs, const Json& figures) {
+    Section section{.anchor = "window", .title = "Window"};
+    for (const RuleView& rule : rule_views(inputs)) {
+        add_window(section, rule, figures);
+        add_receivers(section, inputs, rule);
+        add(section, refused_blocks(rule));
+    }
+    add(section, plots_of(figures, "average"));
+    return section;
+}
+
+Section uncertainty_section(const ReportInputs& inputs) {
+    Section section{.anchor = "uncertainty", .title = "Uncertainty"};
+    for (const RuleView& rule : rule_views(inputs)) {
+        if (rule.best() == nullptr) continue;
+        if (rule.several) add(section, heading(rule.titled("Uncertainty")));
+        add(section,
+            paragraph(fmt::format("Measured speed: {}",
+                                  measured_speed_text(rule.shown(), rule.verdict.coverage_factor)),
+                      "strong"));
+        add(section, uncertainty_blocks(rule));
+    }
+    add(section, titled_list("What the uncertainty covers, and what it does not",
+                             inputs.verdict.statements));
+    return section;
+}
+
+Section screening_section(const ReportInputs& inputs, const Json& figures) {
+    Section section{.anchor = "screening", .title = "Screening"};
+    for (const ReceiverResults& results : inputs.receivers) {
+        add_receiver_heading(section, inputs, results);
+        add(section, screening_results(results.screened));
+        add(section, paragraph("runcert audit RUN_FOLDER lists every decision with its row of the "
+                               "recording.",
+                               "note"));
+    }
+    add(section, plots_of(figures, "innovations"));
+    add(section, plots_of(figures, "residuals"));
+    return section;
+}
+
+Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
+    Section section{.anchor = "witnesses", .title = "Witnesses"};
+    for (const RuleView& rule : rule_views(inputs))
+        add(section, witness_blocks(rule));
+    if (const auto& notes = inputs.receivers.front().windows.witness_notes; !notes.empty())
+        add(section, list_of(notes));
+    const auto sentences = raw_signal_sentences(inputs.receivers.front());
+    if (sentences.empty()) return section;
+    add(section, heading("The receiver's raw signals"));
+    for (const std::string& sentence : sentences)
+        add(section, paragraph(sentence));
+    for (const char* kind : {"sky", "satellites", "phase_residuals", "phase_displacement"})
+        add(section, plots_of(figures, kind));
+    return section;
+}
+
+Section run_section(const ReportInputs& inputs, const Json& figures) {
+    Section section{.anchor = "run", .title = "Run and course"};
+    add(section, plots_of(figures, "speed"));
+    add(section, plots_of(figures, "track"));
+    if (figures.empty())
+        add(section, paragraph("There is nothing to draw: no stretch of the recording could be "
+                               "estimated."));
+    for (const RuleView& rule : rule_views(inputs)) {
+        add(section, course_blocks(rule));
+        add(section, run_blocks(rule));
+    }
+    add_sources(section, inputs.attempt);
+    return section;
+}
+
+Section recording_section(const ReportInputs& inputs) {
+    Section section{.anchor = "recording", .title = "Recording and estimate"};
+    for (std::size_t i = 0; i < inputs.receivers.size(); ++i) {
+        const ReceiverResults& results = inputs.receivers[i];
+        const auto& rows = results.screened.rows;
+        add_receiver_heading(section, inputs, results);
+        Block recorded = recording_facts(results.observations, inputs.attempt.receivers[i],
+                                         std::ssize(rows), last_time(rows));
+        if (results.phases)
+            for (const std::string& sentence : phase_sentences(*results.phases))
+                add_fact(recorded, "Noticed", sentence);
+        add(section, std::move(recorded));
+        add(section, estimation_blocks(results.trajectory.estimation));
+    }
+    add(section, frame_facts(inputs.receivers.front().screened.origin));
+    return section;
+}
+
+}  // namespace runcert

@@ -1,0 +1,245 @@
+#include "reports/words/recording.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/results/results.h"
+#include "reports/words/attempt.h"
+
+namespace runcert {
+namespace {
+
+std::string innovations_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{}: mean square {} of {}, limits {} to {}; {} of {} outside, {} allowed",
+                       health.consistent ? "passed" : "not passed",
+                       format_fixed(health.mean_statistic, 3),
+                       counted(health.innovations, "innovation"), format_fixed(health.lower, 3),
+                       format_fixed(health.upper, 3), health.spans_outside,
+                       counted(health.spans, "span"), health.spans_allowed);
+}
+
+std::string autocorrelation_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{} with noise as stated, {} with the noise used: {}",
+                       format_fixed(health.autocorrelation_stated, 3),
+                       format_fixed(health.autocorrelation, 3),
+                       health.white ? "white" : "not white");
+}
+
+/// The lines of the table of noise, with their cells for one set of axes.
+std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimation& axes) {
+    const NoiseSummary& noise = axes.noise;
+    const FilterHealth& health = axes.health;
+    const bool fitted = noise.status == NoiseBasis::fitted;
+    const auto parameter = [&](const NoiseParameter& value, const char* unit) {
+        return noise_parameter_text(value, noise, unit);
+    };
+    const auto of_error = [&](const std::optional<NoiseParameter>& value, const char* unit) {
+        if (noise.correlated_error_detected && value) return parameter(*value, unit);
+        return std::string(fitted ? "not determined by the data" : "not looked for");
+    };
+    return {
+        {"Noise", noise_status_text(noise)},
+        {"Jerk density of the motion", parameter(noise.jerk_density, "m s^-2.5")},
+        {"Correlation time of the acceleration", noise.acceleration_time_s
+                                                     ? parameter(*noise.acceleration_time_s, "s")
+                                                     : "acceleration persists"},
+        {"Log-likelihood, gained where the acceleration decays",
+         fitted ? format_fixed(noise.singer_gain, 2) : "not looked for"},
+        {"Scale of the stated standard deviations",
+         fmt::format("{}; stated {} m, {}", parameter(noise.measurement_scale, ""),
+                     significant_text(noise.stated_sigma_m, 2),
+                     noise.stated_all_equal ? "equal at all epochs" : "root mean square")},
+        {"Time-correlated position error, standard deviation", of_error(noise.error_sigma_m, "m")},
+        {"its correlation time", of_error(noise.error_tau_s, "s")},
+        {"its diffusion over short times", of_error(noise.error_diffusion, "m s^-0.5")},
+        {"Search", fitted
+                       ? fmt::format("{} after {} of the likelihood",
+                                     noise.converged ? "converged" : "stopped before it converged",
+                                     counted(noise.evaluations, "evaluation"))
+                       : "none"},
+        {"Autocorrelation of the innovations, lag 1", autocorrelation_text(health)},
+        {"Innovation test", innovations_text(health)},
+        {"Covariances", fmt::format("condition at most {}, asymmetry at most {}, {} repaired",
+                                    significant_text(health.largest_condition, 3),
+                                    scientific_text(health.largest_asymmetry), health.repaired)}};
+}
+
+/// The estimated noise, and whether filter and smoother behaved by it: a column for the horizontal
+/// axes, and one for the vertical one where heights were measured.
+Block noise_table(const EstimationSummary& estimation) {
+    const bool heights = estimation.vertical.has_value();
+    Block block = table(heights ? std::vector<std::string>{"|30", "Horizontal|35", "Vertical|35"}
+                                : std::vector<std::string>{"|40", "Horizontal|60"},
+                        "Noise estimated from the recording");
+    for (const auto& [label, text] : noise_lines(estimation.horizontal))
+        add_row(block, {label, text});
+    if (!heights) return block;
+    auto row = block.rows.begin();
+    for (const auto& line : noise_lines(*estimation.vertical))
+        (row++)->cells.push_back(line.second);
+    return block;
+}
+
+/// How the format was known, and what exactly it is.
+std::string format_words(const Receiver& receiver, const Observations& observations) {
+    return fmt::format("{}{}{}", observations.format,
+                       observations.variant.empty() ? "" : " (" + observations.variant + ")",
+                       receiver.format == "auto" ? ", recognised by the recording's content"
+                                                 : ", because the attempt says so");
+}
+
+std::string frame_words(const std::string& frame) {
+    return frame == "geodetic"      ? "latitude, longitude and height on WGS 84"
+           : frame == "ecef"        ? "Earth-centred coordinates on WGS 84"
+           : frame == "utm"         ? "UTM coordinates"
+           : frame == "local_plane" ? "engineering coordinates of the recording"
+                                    : frame;
+}
+
+std::string scale_words(const std::string& scale) {
+    return scale == "gps"        ? "GPS time"
+           : scale == "utc"      ? "UTC, taken to GPS time by the leap seconds of the day"
+           : scale == "relative" ? "relative to a beginning that the recording does not state"
+                                 : scale;
+}
+
+std::string accuracy_words(const std::string& source) {
+    return source == "recording" ? "as the recording states it, epoch by epoch"
+           : source == "attempt" ? "as the attempt states it: the recording states none"
+                                 : "not stated";
+}
+
+std::string clock_words(const Observations& observations) {
+    const std::string& source = observations.facts.time_source;
+    const std::string& origin = observations.time_origin;
+    const std::string whose = source == "satellites" ? "the satellites' time, as the format says"
+                              : source == "attempt"  ? "the satellites' time, as the attempt states"
+                                                     : "";
+    if (whose.empty()) return origin.empty() ? "whose clock made them is not known" : origin;
+    return origin.empty() ? whose : origin + ": " + whose;
+}
+
+std::string resolution_words(const RecordingFacts& facts) {
+    const auto part = [](const std::optional<double>& step, const char* unit) {
+        return step ? fmt::format("{:.2g} {}", *step, unit) : std::string("unknown");
+    };
+    return fmt::format("{} in position, {} in time", part(facts.position_resolution_m, "m"),
+                       part(facts.time_resolution_s, "s"));
+}
+
+/// What the attempt states of the receiver.
+void add_stated(Block& list, const Receiver& receiver, bool heights_measured) {
+    const auto add_one = [&](const char* name, const std::optional<double>& value,
+                             const char* unit = "m") {
+        if (value) add_fact(list, name, number_text(*value, unit));
+    };
+    if (!heights_measured) add_one("Height of the course stated by the attempt", receiver.height_m);
+    const AttemptAccuracy accuracy = receiver.accuracy.value_or(AttemptAccuracy{});
+    add_one("Horizontal accuracy stated, each coordinate", accuracy.horizontal_m);
+    add_one("Vertical accuracy stated", accuracy.vertical_m);
+    add_one("Accuracy of velocities stated by the attempt", accuracy.velocity_m_s, "m/s");
+    add_one("Antenna above the ground", receiver.antenna_height_m);
+    if (const auto& arm = receiver.lever_arm)
+        add_fact(list, "Lever arm stated",
+                 fmt::format("{} forward, {} right, {} down", number_text((*arm)[0], "m"),
+                             number_text((*arm)[1], "m"), number_text((*arm)[2], "m")));
+    add_fact(list, "Date of the beginning, stated", receiver.start_date);
+    if (receiver.start_gps) add_fact(list, "Beginning stated, UTC", utc_text(*receiver.start_gps));
+    add_one("Offset to UTC stated", receiver.utc_offset_h, "h");
+    add_fact(list, "Calibration",
+             receiver.calibration ? calibration_text(*receiver.calibration) : "none is stated");
+}
+
+Block estimation_facts(const EstimationSummary& estimation) {
+    Block list = facts({}, "Estimate");
+    add_fact(list, "Arcs", counted(estimation.arcs));
+    add_fact(list, "Degrees of freedom", counted(estimation.degrees_of_freedom));
+    add_fact(list, "Variance of unit weight, a posteriori",
+             format_fixed(estimation.variance_factor, 2));
+    add_fact(list, "Factor on the stated covariances, horizontal",
+             format_fixed(estimation.variance_factor_applied, 2));
+    add_fact(list, "Stretches solved by batch least squares", counted(estimation.batch_stretches));
+    add_fact(list, "Epochs at less than half weight in the robust estimate",
+             counted(estimation.robust_downweighted));
+    if (estimation.robust_unsolved > 0)
+        add_fact(list, "Arcs without a robust estimate", counted(estimation.robust_unsolved));
+    add_fact(list, "Smoother and batch least squares, largest difference of position",
+             scientific_text(estimation.largest_position_difference_m) + " m");
+    add_fact(list, "and of velocity",
+             scientific_text(estimation.largest_velocity_difference_m_s) + " m/s");
+    return list;
+}
+
+}  // namespace
+
+Block recording_facts(const Observations& observations, const Receiver& receiver,
+                      std::int64_t epochs, ElapsedTime last) {
+    const RecordingFacts& recorded = observations.facts;
+    Block list = facts({});
+    const auto add_one = [&](const char* name, std::string value) {
+        add_fact(list, name, std::move(value));
+    };
+    add_one("Recording", recording_names(receiver));
+    add_one("Format", format_words(receiver, observations));
+    add_one("Device", observations.device);
+    for (const std::string& said : observations.written_by)
+        add_one("The recording says", said);
+    if (const auto& processing = observations.processing; processing && !observations.simulated) {
+        add_one("Positions", processing_text(*processing));
+        if (!processing->begin.empty() && !processing->end.empty())
+            add_one("Solved from, to", fmt::format("{}, {}", processing->begin, processing->end));
+        if (!processing->options.empty())
+            add_one("Options of the solution",
+                    fmt::format("{}", fmt::join(processing->options, "; ")));
+    }
+    add_one("Coordinates", frame_words(observations.frame));
+    add_one("Time scale", scale_words(observations.time_scale));
+    add_one("Time stamps", clock_words(observations));
+    add_one("Fix type", std::string(words_of(observations.solution_source)));
+    if (const auto& first = recorded.first_epoch) {
+        add_one("First epoch, UTC", utc_text(*first));
+        add_one("First epoch, GPS time", gps_text(*first));
+    }
+    add_one("Epochs", counted(epochs, "epoch"));
+    if (const double interval = recorded.nominal_interval_s; interval > 0.0)
+        add_one("Rate", format_fixed(1.0 / interval, 2) + " Hz");
+    add_one("Length", format_fixed(last.seconds(), 3) + " s");
+    add_one("Smallest steps", resolution_words(recorded));
+    add_one("Heights",
+            recorded.vertical_measured ? "measured" : "not measured: the estimate is in the plane");
+    add_one("Accuracy", accuracy_words(observations.accuracy_source));
+    add_stated(list, receiver, recorded.vertical_measured);
+    for (const std::string& note : observations.notes)
+        add_one("Noticed", note);
+    return list;
+}
+
+Block frame_facts(const std::optional<FrameOrigin>& origin) {
+    Block list = facts({}, "Coordinates");
+    add_fact(list, "Frame",
+             origin ? "east, north and up at the origin, on WGS 84, without the scale of a map"
+                    : engineering_crs_text());
+    if (!origin) return list;
+    const Geodetic& at = origin->position;
+    add_fact(list, "Origin",
+             fmt::format("latitude {}°, longitude {}°, ellipsoidal height {} m",
+                         format_fixed(at.latitude.degrees(), 9),
+                         format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3)));
+    add_fact(list, "Chosen by",
+             origin->source == "attempt" ? "the attempt" : "the first usable position");
+    for (const FramePlace& place : origin->places)
+        add_fact(list, "Another place, from", place_text(place));
+    return list;
+}
+
+std::vector<Block> estimation_blocks(const EstimationSummary& estimation) {
+    return {estimation_facts(estimation), noise_table(estimation)};
+}
+
+}  // namespace runcert

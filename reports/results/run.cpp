@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/results/results.h"
+
+namespace runcert {
+namespace {
+
+/// Where the witness's own words end.
+std::string witness_text(const WitnessedSpeed& one, const RuleView& rule) {
+    const SpeedUnit& unit = rule.unit();
+    const auto uncertainty = [&](double uncertainty_m_s) {
+        return fmt::format("{} {}", uncertainty_text(uncertainty_m_s * unit.per_m_s), unit.name);
+    };
+    return fmt::format(
+        "{}, {} {} than by positions; the two {} (normalised error {:.2f}, at most 1). Beside it "
+        "errors of the positions of any kind change the speed by {} at most (k = 2)",
+        speed_with_uncertainty_text(
+            one.speed_m_s, rule.verdict.coverage_factor * one.standard_uncertainty_m_s, unit),
+        uncertainty(std::abs(one.difference_m_s)), one.difference_m_s < 0.0 ? "more" : "less",
+        contradicts(one) ? "contradict one another" : "agree", one.normalised_error,
+        uncertainty(largest_error_beside(one)));
+}
+
+std::string began_words(RunEdge began) {
+    const char* preposition = began == RunEdge::recording  ? "with"
+                              : began == RunEdge::standing ? "from"
+                                                           : "after";
+    return fmt::format("{} {}", preposition, words_of(began));
+}
+
+std::string ended_words(RunEdge ended) {
+    return fmt::format("{} {}", ended == RunEdge::recording ? "with" : "at", words_of(ended));
+}
+
+bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {
+    const auto end_ns = [](const WindowSpan& span) {
+        return span.start.nanoseconds + span.duration.nanoseconds;
+    };
+    return window && run.start.nanoseconds <= window->start.nanoseconds &&
+           end_ns(*window) <= end_ns(run);
+}
+
+}  // namespace
+
+std::vector<Block> witness_blocks(const RuleView& rule) {
+    const CertifiableWindow* best = rule.best();
+    if (best == nullptr || best->witnesses.empty()) return {};
+    Block list = facts({}, rule.titled("What witnesses say of the speed"));
+    for (const WitnessedSpeed& one : best->witnesses)
+        add_fact(list,
+                 capitalised(one.receiver.empty()
+                                 ? std::string(words_of(one.kind))
+                                 : fmt::format("positions of receiver “{}”", one.receiver)),
+                 witness_text(one, rule));
+    return {std::move(list)};
+}
+
+std::vector<Block> run_blocks(const RuleView& rule) {
+    if (rule.verdict.runs.empty()) return {};
+    const SpeedUnit& unit = rule.unit();
+    Block block = table({">Run|7", ">Begins at|12", ">Time|12", ">Path|12", ">Largest speed|16",
+                         ">Direction|12", "How it begins and ends|29"},
+                        rule.titled("Runs of the craft"));
+    std::int64_t number = 0;
+    for (const RunSummary& run : rule.verdict.runs) {
+        const bool holds_window = holds(run.span, rule.verdict.window);
+        add_row(block,
+                {counted(++number), seconds_text(run.span.start), seconds_text(run.span.duration),
+                 format_fixed(run.length_m, 1) + " m",
+                 fmt::format("{} {}", speed_text(run.top_speed_m_s, std::nullopt, unit), unit.name),
+                 format_fixed(run.heading_deg, 1) + "°",
+                 fmt::format("begins {}, ends {}{}", began_words(run.began), ended_words(run.ended),
+                             holds_window ? "; holds the window" : "")},
+                holds_window ? "chosen" : "");
+    }
+    return {std::move(block)};
+}
+
+std::vector<Block> course_blocks(const RuleView& rule) {
+    if (rule.verdict.course.empty()) return {};
+    Block block = table(
+        {"From the data|38", "Figure ± expanded uncertainty (k = 2)|26", "Where it comes from|36"},
+        rule.titled("Course and craft"));
+    for (const Figure& figure : rule.verdict.course)
+        add_row(block, {figure.name, figure_value_text(figure), figure.note});
+    return {std::move(block)};
+}
+
+}  // namespace runcert

@@ -17,5 +17,6 @@ file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
 namespace runcert {
 const char* program_version() { return \"@VERSION@\"; }
 const char* source_revision() { return \"@revision@\"; }
+const char* program_home() { return \"@HOME_URL@\"; }
 }  // namespace runcert
 ")

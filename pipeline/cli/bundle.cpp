@@ -21,6 +21,7 @@ struct BundleOptions {
     std::string roster;
     std::string tsa_ca;
     bool force = false;
+    bool zip = false;
 };
 
 int bundle(const BundleOptions& options) {
@@ -28,12 +29,14 @@ int bundle(const BundleOptions& options) {
     input.public_keys.assign(options.public_keys.begin(), options.public_keys.end());
     if (!options.roster.empty()) input.roster = options.roster;
     if (!options.tsa_ca.empty()) input.tsa_ca = options.tsa_ca;
+    if (options.zip) input.form = ArchiveForm::zip;
     const Bundle made = [&input] {
         const RunLock lock(input.run_dir,
                            RunUse::reads);  // else its files could be those of two runs
         return make_bundle(input);
     }();
-    const std::filesystem::path out = options.out.empty() ? made.attempt + ".tar.zst" : options.out;
+    const std::filesystem::path out =
+        options.out.empty() ? made.attempt + std::string(ending_of(input.form)) : options.out;
     if (std::filesystem::exists(std::filesystem::symlink_status(out)) && !options.force)
         throw Failure(out.string(), "the file exists already",
                       "Choose another name with --out, or replace it with --force");
@@ -50,18 +53,22 @@ int bundle(const BundleOptions& options) {
 void add_bundle(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<BundleOptions>();
     CLI::App* command = app.add_subcommand(
-        "bundle", "Pack a run folder, keys and how to verify it into one .tar.zst");
+        "bundle", "Pack a run folder, keys and how to verify it into one .tar.zst, or a ZIP");
     command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
     command->add_option("--out", options->out,
-                        "file to write (default: the attempt's id with .tar.zst, here)");
+                        "file to write (default: the attempt's id with .tar.zst or .zip, here)");
     command
         ->add_option("--pubkey", options->public_keys,
                      "public key of a signer, to go along (several: repeat it)")
         ->allow_extra_args(false);
     command->add_option("--roster", options->roster,
-                        "roster of the signers' keys, OpenSSH's allowed-signers form");
+                        "roster of the signers' keys, OpenSSH's allowed-signers form; each key "
+                        "in it goes along as a file too");
     command->add_option("--tsa-ca", options->tsa_ca,
                         "root certificate of the time stamps' authority, PEM");
+    command->add_flag("--zip", options->zip,
+                      "a ZIP, which every system opens; its files are not compressed, so that the "
+                      "same files give the same bytes everywhere");
     command->add_flag("--force", options->force, "replace the file if it exists");
     command->footer(
         std::string(

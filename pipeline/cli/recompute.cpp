@@ -10,8 +10,10 @@
 #include "run/chain.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
+#include "store/external_program.h"
 #include "store/process.h"
 #include "store/program.h"
+#include "trust/signing.h"
 
 namespace runcert {
 namespace {
@@ -31,35 +33,62 @@ std::vector<std::string> products_of(const fs::path& a, const fs::path& b) {
     return names;
 }
 
-/// All stages' files again. Nothing where it is done; else what the stage said.
-std::optional<std::string> recompute(const fs::path& run_dir, const fs::path& folder) {
+/// What came of running the stages again.
+struct Recomputation {
+    std::string failed{};        ///< what a stage said that could not be run; empty where all ran
+    std::string not_imported{};  ///< why import was left out, and its files taken as they are
+};
+
+/// All stages' files again. Where import needs a program that is not here, the later stages' from
+/// what the folder's import made.
+Recomputation recompute(const fs::path& run_dir, const fs::path& folder) {
     const fs::path file = run_dir / attempt_copy_name;
     const std::string text = read_handwritten(file);
     const Attempt attempt = read_attempt(text, file.string());
-    const auto is_no_file_of_a_stage = [](const Step& step) {
-        return step.products.empty() && step.name != "claim";
+    const RunInMaking run{.attempt = attempt,
+                          .text = text,
+                          .source = {.file = file, .earlier_run = run_dir},
+                          .folder = folder,
+                          .known_as = run_dir};
+    Recomputation result;
+    const auto make = [&](const std::vector<std::string>& left_out) {
+        const auto stays = [&](const Step& step) {
+            return (step.products.empty() && step.name != "claim") ||
+                   std::ranges::find(left_out, step.name) != left_out.end();
+        };
+        make_run(run, stays, [](const StageDone&) {});
     };
     try {
-        make_run({.attempt = attempt,
-                  .text = text,
-                  .source = {.file = file, .earlier_run = run_dir},
-                  .folder = folder,
-                  .known_as = run_dir},
-                 is_no_file_of_a_stage, [](const StageDone&) {});
+        try {
+            make({});
+        } catch (const StageFailed& failed) {
+            const auto program = failed_call(failed);
+            if (failed.name != "import" || !program) throw;
+            result.not_imported = missing_program_words(*program);
+            if (result.not_imported.empty()) throw;
+            for (const std::string& name : outputs_of(step_named("import"), attempt, {}))
+                if (fs::is_regular_file(fs::symlink_status(run_dir / name)))
+                    fs::copy_file(run_dir / name, folder / name,
+                                  fs::copy_options::overwrite_existing);
+            make({"claim", "import"});
+        }
     } catch (const StageFailed& failed) {
-        return failed.name + ": " + message_of(failed);
+        result.failed = failed.name + ": " + message_of(failed);
     }
-    return std::nullopt;
+    return result;
 }
 
 /// report.json again, from the stage files of the run folder itself: where those are as good as
-/// the recomputed ones, it must follow from them to the letter, on any processor.
+/// the recomputed ones, it must follow from them to the letter, on any processor. Drawings are not
+/// drawn: their hashes are a layer of their own.
 std::optional<std::string> recompute_report(const fs::path& run_dir, const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(run_dir))
         if (entry.is_regular_file() && !entry.path().filename().string().starts_with("report."))
             fs::copy_file(entry.path(), folder / entry.path().filename());
     try {
-        run_step("report", {.attempt = folder / "attempt.yaml", .run_dir = folder});
+        run_step(
+            "report",
+            {.attempt = folder / "attempt.yaml", .run_dir = folder, .as = run_dir / report_file});
     } catch (const StageFailed& failed) {
         return message_of(failed);
     }
@@ -121,21 +150,34 @@ std::string finding_of(const Comparisons& all) {
 
 }  // namespace
 
+void require_own_contents(const fs::path& run_dir, const ReportFacts& report,
+                          const std::string& remedy) {
+    require_passed(run_dir, verify_report_text(run_dir, report), remedy);
+    const VerificationStep drawings = verify_drawings(run_dir, report);
+    if (drawings.is(LayerAnswer::not_verified)) require_passed(run_dir, drawings, remedy);
+}
+
 VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "recompute"};
+    VerificationStep step{.what = "recompute"};
     const TemporaryFolder folder;
-    if (const auto failed = recompute(run_dir, folder.path())) {
+    const Recomputation done = recompute(run_dir, folder.path());
+    if (!done.failed.empty()) {
         step.finding = "the stages cannot be run on the folder's files";
-        step.fail(*failed);
+        step.fail(done.failed);
         return step;
     }
     const bool same_arithmetic = report.arithmetic == arithmetic_fingerprint();
     const Comparisons all = compare_all(run_dir, folder.path(), same_arithmetic);
-    step.passed = all.different.empty();
+    step.answer = !all.different.empty()       ? LayerAnswer::not_verified
+                  : !done.not_imported.empty() ? LayerAnswer::not_checkable
+                                               : LayerAnswer::verified;
     step.finding = plain_text(finding_of(all));
+    if (step.is(LayerAnswer::not_checkable))
+        step.finding = fmt::format("import not checked here: {}. From its files on: {}",
+                                   done.not_imported, step.finding);
     for (std::size_t i = 1; i < all.different.size(); ++i)
         step.details.push_back(plain_text("also " + all.different[i].sentence()));
-    if (!step.passed)
+    if (step.is(LayerAnswer::not_verified))
         step.details.push_back(fmt::format("{} of {} files are identical, {} within the tolerance",
                                            all.identical, all.files,
                                            all.files - all.identical - all.different.size()));
@@ -154,7 +196,7 @@ VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts
 }
 
 VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "contents"};
+    VerificationStep step{.what = "contents"};
     const TemporaryFolder folder;
     if (const auto failed = recompute_report(run_dir, folder.path())) {
         step.finding = "report.json cannot be made from the folder's files";
@@ -163,10 +205,10 @@ VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& 
     }
     const FileComparison compared = compare_file(run_dir, folder.path(), report_file,
                                                  report.arithmetic == arithmetic_fingerprint());
-    step.passed = !compared.first;
+    step.answer = compared.first ? LayerAnswer::not_verified : LayerAnswer::verified;
     step.finding = compared.identical ? "report.json is what its files make, byte for byte"
-                   : step.passed      ? "report.json says what its files make"
-                                      : "report.json is not what its files make";
+                   : compared.first   ? "report.json is not what its files make"
+                                      : "report.json says what its files make";
     if (compared.first) step.details.push_back(plain_text(compared.sentence()));
     if (compared.reworded > 0)
         step.details.push_back(reworded_text(compared.reworded, compared.first_reworded));

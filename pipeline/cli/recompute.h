@@ -46,8 +46,14 @@ FileComparison compare_file(const std::filesystem::path& run_dir,
 
 /// Makes report.json again from the folder's stage files: it must be the same, byte for byte; of
 /// another program, or with another mathematical library, in all that it says of the measurement.
+/// Nothing is drawn: `verify_drawings` does that.
 VerificationStep verify_report_text(const std::filesystem::path& run_dir,
                                     const ReportFacts& report);
+
+/// Failure, saying that nothing was signed, where report.json is not what its files make, or a
+/// drawing not the one that it names. One that cannot be drawn here does not hinder.
+void require_own_contents(const std::filesystem::path& run_dir, const ReportFacts& report,
+                          const std::string& remedy);
 
 /// Runs all stages again, from the run folder's own copies of attempt, profiles and recordings, and
 /// compares every stage file with the folder's.
@@ -56,7 +62,8 @@ VerificationStep verify_report_text(const std::filesystem::path& run_dir,
 /// unless the library or the processor is another than the report states, which is then said;
 /// different, with the first stage in the order of the chain, the file, line and column, and both
 /// values. The details say what else differs, and who made the folder's files if it was another
-/// program.
+/// program. Not checkable where import needs a program that is not here: the later stages are then
+/// run on what it made, and must agree.
 VerificationStep verify_recomputation(const std::filesystem::path& run_dir,
                                       const ReportFacts& report);
 

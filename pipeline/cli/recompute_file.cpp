@@ -11,7 +11,6 @@
 #include "reports/diff/table_comparison.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
-#include "store/external_program.h"
 #include "store/program.h"
 
 namespace runcert {
@@ -212,20 +211,15 @@ Json predicate_of(const std::string& text, const std::string& where) {
     return std::move(report["predicate"]);
 }
 
-/// What the report says of the measurement, without what names programs and bytes; of the page and
-/// its drawings only where the report that is judged has them from this very program and gnuplot.
-Json measurement_of(Json predicate, bool made_here, bool drawn_here) {
+/// What the report says of the measurement, without what names programs and bytes; of the page only
+/// where the report that is judged has it from this very program. The recomputed report has the
+/// hashes of drawings from the other.
+Json measurement_of(Json predicate, bool made_here) {
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);
     if (!made_here)
         for (const char* member : {"page", "schema"})
             predicate.erase(member);
-    if (predicate.contains("page") && predicate["page"].is_object())
-        predicate["page"].erase("drawn_by_sha256");
-    if (predicate.contains("figures"))
-        for (Json& figure : predicate["figures"]) {
-            if (!drawn_here || !made_here) figure.erase("drawing_sha256");
-        }
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
             predicate["certificate"].erase(member);
@@ -276,12 +270,10 @@ void judge_report(FileComparison& file, const std::string& old_text, const std::
                   const std::string& where) {
     const Json old_report = predicate_of(old_text, where);
     const bool made_here = is_of_this_program(old_report);
-    const bool drawn_here = old_report.value("page", Json::object()).value("drawn_by_sha256", "") ==
-                            external_program_sha256("gnuplot");
-    if (!made_here || !drawn_here) file.maker = "another program";
+    if (!made_here) file.maker = "another program";
     file.other_program = !made_here;
-    const Json recomputed = measurement_of(predicate_of(new_text, where), made_here, drawn_here);
-    Json in_folder = measurement_of(old_report, made_here, drawn_here);
+    const Json recomputed = measurement_of(predicate_of(new_text, where), made_here);
+    Json in_folder = measurement_of(old_report, made_here);
     // What an earlier revision said beside its figures stands in the document of later ones.
     if (is_of_earlier_revision(old_report))
         in_folder = with_headlines(as_far_as_said(in_folder, recomputed), old_report);

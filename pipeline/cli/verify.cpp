@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "core/failure.h"
+#include "core/prose.h"
 #include "core/text.h"
 #include "recompute.h"
 #include "store/atomic_file.h"
@@ -67,6 +69,11 @@ SignatureRules read_rules(const VerifyOptions& options) {
     return rules;
 }
 
+/// Layers beside the decision: where one of these cannot be checked here, the others stand, and the
+/// last line names it.
+constexpr std::array<std::string_view, 4> beside_the_decision{"bundle", "time stamps", "drawings",
+                                                              "pages"};
+
 /// All that `runcert verify` found.
 struct VerificationResult {
     std::vector<VerificationStep> layers{};
@@ -74,27 +81,62 @@ struct VerificationResult {
     std::optional<RunStanding> standing{};
     std::string missing_sandbox{};  ///< here, of programs of others that read the folder
 
-    /// Every layer that was checked holds, and the signatures were checked.
+    /// No layer says no.
     bool passed() const {
-        return std::ranges::all_of(
-            layers, [](const VerificationStep& step) { return step.passed || !step.checked; });
+        return std::ranges::none_of(layers, [](const VerificationStep& step) {
+            return step.is(LayerAnswer::not_verified);
+        });
     }
     /// The figures were computed again. What a key signs may have been written by hand.
     bool recomputed() const {
         return std::ranges::any_of(layers, [](const VerificationStep& step) {
-            return step.what == "recompute" && step.checked && step.passed;
+            return step.what == "recompute" && step.is(LayerAnswer::verified);
         });
     }
-    /// "VERIFIED", "SIGNED, NOT RECOMPUTED" or "NOT VERIFIED".
+    /// The layers that could not be checked here.
+    std::vector<std::string> unchecked() const {
+        std::vector<std::string> names;
+        for (const VerificationStep& step : layers)
+            if (step.is(LayerAnswer::not_checkable)) names.push_back(step.what);
+        return names;
+    }
+    /// Where a layer that decides says no, 1; where one could not be checked, 2. Without the others
+    /// the rest stands: `verdict` names them.
+    int exit_status() const {
+        if (!passed()) return 1;
+        const auto decides = [](const std::string& name) {
+            return std::ranges::find(beside_the_decision, name) == beside_the_decision.end();
+        };
+        return std::ranges::any_of(unchecked(), decides) ? 2 : 0;
+    }
+    /// "VERIFIED", "SIGNED, NOT RECOMPUTED" or "NOT VERIFIED"; of the first two, what was not
+    /// checked: "VERIFIED; pages not checked here".
     std::string verdict() const {
         if (!passed()) return "NOT VERIFIED";
-        return recomputed() ? "VERIFIED" : "SIGNED, NOT RECOMPUTED";
+        std::string words = recomputed() ? "VERIFIED" : "SIGNED, NOT RECOMPUTED";
+        if (const auto names = unchecked(); !names.empty())
+            words += fmt::format("; {} not checked here", listed(names));
+        return words;
     }
 };
 
-const char* mark_of(const VerificationStep& step) {
-    if (!step.checked) return "-";
-    return step.passed ? "yes" : "NO";
+/// What stands in front of a layer, and its word for programs.
+struct AnswerWords {
+    const char* mark;
+    const char* word;
+};
+
+AnswerWords words_of(const VerificationStep& step) {
+    if (!step.answer) return {"-", "nothing to check"};
+    switch (*step.answer) {
+        case LayerAnswer::verified:
+            return {"yes", "verified"};
+        case LayerAnswer::not_verified:
+            return {"NO", "not verified"};
+        case LayerAnswer::not_checkable:
+            return {"?", "not checkable here"};
+    }
+    return {};
 }
 
 Json text_or_null(const std::string& text) {
@@ -102,8 +144,10 @@ Json text_or_null(const std::string& text) {
 }
 
 Json layer_json(const VerificationStep& step) {
+    const bool decided = step.is(LayerAnswer::verified) || step.is(LayerAnswer::not_verified);
     return {{"layer", step.what},
-            {"passed", step.checked ? Json(step.passed) : Json(nullptr)},
+            {"answer", words_of(step).word},
+            {"passed", decided ? Json(step.is(LayerAnswer::verified)) : Json(nullptr)},
             {"finding", step.finding},
             {"details", step.details}};
 }
@@ -127,37 +171,55 @@ std::vector<std::string> standing_of(const VerificationResult& result) {
                            : std::vector<std::string>();
 }
 
+bool asked_to_recompute(const VerificationResult& result) {
+    return std::ranges::find(result.layers, "recompute", &VerificationStep::what) !=
+           result.layers.end();
+}
+
 /// For people: a line for each layer, its details below, the verdict at the end.
 std::string verification_text(const VerificationResult& result) {
     std::string text;
     for (const VerificationStep& step : result.layers) {
-        text +=
-            fmt::format("{:<4} {:<13} {}\n", mark_of(step), step.what, plain_text(step.finding));
+        text += fmt::format("{:<4} {:<13} {}\n", words_of(step).mark, step.what,
+                            plain_text(step.finding));
         for (const std::string& detail : step.details)
             text += fmt::format("     {:<13} {}\n", "", plain_text(detail));
     }
     text += "\n";
     for (const std::string& line : standing_of(result))
         text += plain_text(line) + "\n";
-    text += fmt::format("\n{}\n", result.verdict());
-    if (result.passed() && !result.recomputed())
-        text +=
-            "The signatures hold. Whether the figures follow from the recording was not checked: "
-            "add --recompute.\n";
+    text += "\n";
     if (!result.missing_sandbox.empty()) text += plain_text(result.missing_sandbox) + "\n";
-    return text;
+    if (result.passed() && !result.recomputed())
+        text += fmt::format(
+            "The signatures hold. Whether the figures follow from the recording was not checked{}",
+            asked_to_recompute(result) ? ".\n" : ": add --recompute.\n");
+    return text + result.verdict() + "\n";
 }
 
-/// For machines, one JSON document: verdict, exit_status and its meaning, layers (passed is null
-/// where nothing was checked), signers, standing.
+std::string exit_meaning(const VerificationResult& result) {
+    switch (result.exit_status()) {
+        case 1:
+            return "some of it does not hold";
+        case 2:
+            return "what decides could not be checked here";
+        default:
+            break;
+    }
+    if (!result.recomputed())
+        return "all that was checked holds; the figures were not computed again";
+    return result.unchecked().empty() ? "all of it holds"
+                                      : "all that decides holds; not all was checked";
+}
+
+/// For machines, one JSON document: verdict, exit_status and its meaning, the layers that could not
+/// be checked, each layer with its answer (passed is null where it is neither yes nor no), signers,
+/// standing.
 std::string verification_json(const VerificationResult& result) {
-    const bool passed = result.passed();
     Json json{{"verdict", result.verdict()},
-              {"exit_status", passed ? 0 : 1},
-              {"exit_meaning", !passed               ? "some of it does not hold"
-                               : result.recomputed() ? "all of it holds"
-                                                     : "all that was checked holds; the figures "
-                                                       "were not computed again"},
+              {"exit_status", result.exit_status()},
+              {"exit_meaning", exit_meaning(result)},
+              {"not_checked_here", result.unchecked()},
               {"missing_sandbox", text_or_null(result.missing_sandbox)},
               {"layers", Json::array()},
               {"signers", Json::array()}};
@@ -173,7 +235,8 @@ std::string verification_json(const VerificationResult& result) {
 bool found_a_fault(const VerificationResult& result) {
     return std::ranges::any_of(result.layers,
                                [](const VerificationStep& step) {
-                                   return step.checked && !step.passed && step.what != "signatures";
+                                   return step.is(LayerAnswer::not_verified) &&
+                                          step.what != "signatures";
                                }) ||
            std::ranges::any_of(result.signers, &Signer::broken);
 }
@@ -184,18 +247,21 @@ void add_long_layer(VerificationResult& result, bool keep_going, const char* wha
     if (keep_going || !found_a_fault(result))
         result.layers.push_back(layer());
     else
-        result.layers.push_back({.passed = false,
-                                 .what = what,
+        result.layers.push_back({.what = what,
+                                 .answer = LayerAnswer::not_checkable,
                                  .finding = "not done, because of what was found above "
-                                            "(--keep-going does it all the same)",
-                                 .checked = false});
+                                            "(--keep-going does it all the same)"});
 }
 
 /// A bundle of another form than this program gives it may hold what nobody looks at.
-void add_deviation(VerificationStep& step, const std::optional<std::string>& deviation) {
-    if (!deviation || !step.passed) return;
-    step.finding = "it is not as runcert writes a bundle";
-    step.fail(*deviation);
+void add_deviation(VerificationStep& step, const std::optional<std::string>& deviation,
+                   const ReportFacts& report) {
+    if (!deviation || !step.is(LayerAnswer::verified)) return;
+    step.finding = "it is not as this runcert writes a bundle";
+    if (is_made_here(report))
+        step.fail(*deviation);
+    else
+        step.leave(fmt::format("not checked here: {}; {}", made_by_another(report), *deviation));
 }
 
 int verify(const VerifyOptions& options) {
@@ -210,7 +276,7 @@ int verify(const VerifyOptions& options) {
     const ReportFacts report = read_report_facts(run_dir);
     VerificationResult result;
     if (auto sums = verify_bundle(run_dir)) {
-        if (bundle) add_deviation(*sums, deviation_of_bundle(options.run_dir, run_dir));
+        if (bundle) add_deviation(*sums, deviation_of_bundle(options.run_dir, run_dir), report);
         result.layers.push_back(std::move(*sums));
     }
     result.layers.push_back(verify_files(run_dir, report));
@@ -227,6 +293,8 @@ int verify(const VerifyOptions& options) {
     AttestationLayer attestations = verify_attestations(run_dir, report, result.signers, rules);
     result.layers.push_back(std::move(attestations.step));
     result.standing = std::move(attestations.standing);
+    add_long_layer(result, options.keep_going, "drawings",
+                   [&] { return verify_drawings(run_dir, report); });
     add_long_layer(result, options.keep_going, "pages",
                    [&] { return verify_pages(run_dir, report, rules); });
     if (options.recompute)
@@ -234,13 +302,13 @@ int verify(const VerifyOptions& options) {
                        [&] { return verify_recomputation(run_dir, report); });
     result.missing_sandbox = missing_sandbox();
     fmt::print("{}", options.json ? verification_json(result) : verification_text(result));
-    return result.passed() ? 0 : 1;
+    return result.exit_status();
 }
 
 void add_options(CLI::App& command, VerifyOptions& options) {
     command
         .add_option("RUN_DIR", options.run_dir,
-                    "the folder of a certified run, or a bundle of one (.tar.zst)")
+                    "the folder of a certified run, or a bundle of one (.tar.zst, .zip)")
         ->required();
     // One value each time, so that a folder may follow it.
     CLI::Option* keys =
@@ -293,18 +361,21 @@ void add_verify(CLI::App& app, Command& chosen) {
         "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
+        "Each layer says yes, NO, or \"?\": it cannot be checked here, and why (a program is "
+        "missing, "
+        "or\nis another than made it). The last line names these: \"VERIFIED; pages not checked "
+        "here\".\nVERIFIED alone means that all was checked.\n"
         "Without --recompute the verdict is at best \"signed, not recomputed\": whoever signs may "
-        "have\nwritten the figures by hand. Pages are rendered again each time, by this very "
-        "program "
-        "alone.\n" +
+        "have\nwritten the figures by hand. Pages are rendered again each time.\n" +
         bundle_limits_words() +
         "\nThe standing counts answers (runcert attest) and signatures by keys of the roster: it "
         "is "
         "complete where\neach requirement is met or attested and all signatures stand. A roster "
         "that lies in the run vouches\nfor nothing. What is open, or was answered no, does not "
         "change the exit status; an attestation that\nis not as it was signed does.\n"
-        "Exit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not "
-        "checkable.");
+        "Exit status: 0 verified, or signed and not recomputed, whether or not pages, drawings, "
+        "time stamps\nand the form of a bundle could be checked; 1 not verified; 2 not checkable, "
+        "also where --recompute\ncould not be done.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }
 

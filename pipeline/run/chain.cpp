@@ -80,6 +80,13 @@ std::string message_of(const StageFailed& failed) {
                   "This is a fault of the program; please report it with the attempt");
 }
 
+std::optional<std::string> failed_call(const StageFailed& failed) {
+    for (const std::string& name : step_named(failed.name).calls)
+        if (failed.result.errors.find(fmt::format("\n  where: {}\n", name)) != std::string::npos)
+            return name;
+    return std::nullopt;
+}
+
 StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options,
                    const fs::path& programs) {
     const auto begin = Clock::now();

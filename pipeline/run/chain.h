@@ -3,6 +3,7 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,10 @@ struct StageFailed {
 
 /// What the program told the user, if it ended with status 2. Failure if it ended in any other way.
 std::string message_of(const StageFailed& failed);
+
+/// Which of the programs of others that the step calls did not do its work: it is missing, or said
+/// so. Nothing where the step ended for something else, such as what it read.
+std::optional<std::string> failed_call(const StageFailed& failed);
 
 /// Runs the program of a step to its end. Throws StageFailed where it did not end well.
 StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {},

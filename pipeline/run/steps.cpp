@@ -229,6 +229,11 @@ Names command_of(const Step& step, const StepCall& call, const std::filesystem::
     if (step.name == "render" && call.brief) command.emplace_back("--brief");
     if (step.name == "render" && !call.roster.empty())
         command.insert(command.end(), {"--roster", call.roster.string()});
+    if (step.name == "render" && !call.drawings.empty())
+        command.insert(command.end(), {"--drawings", call.drawings.string()});
+    if (step.name == "render" && call.draw_only) command.emplace_back("--draw-only");
+    if (step.name == "report" && !call.as.empty())
+        command.insert(command.end(), {"--as", call.as.string()});
     return command;
 }
 

@@ -89,6 +89,12 @@ struct StepCall {
     bool pdf = true;
     bool brief = false;
     std::filesystem::path roster = {};  ///< for render: whose keys count; may be empty
+    /// For render: the folder of the figures' drawings, which are made where it is empty.
+    std::filesystem::path drawings = {};
+    bool draw_only = false;  ///< for render: the drawings, into run_dir, and no pages
+    /// For report: an earlier report.json of the same run, which gives what hangs on the computer
+    /// that made it: the hashes of drawings, and where the program is to be had.
+    std::filesystem::path as = {};
 };
 
 /// The command line of a step that a program in that folder does.

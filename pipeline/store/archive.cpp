@@ -99,12 +99,19 @@ class Unpacking {
     Unpacking(std::string_view bytes, std::string where, const fs::path& folder,
               const UnpackLimits& limits)
         : where_(std::move(where)), folder_(folder), limits_(limits), a_(archive_read_new()) {
-        archive_read_support_filter_zstd(a_.get());
-        archive_read_support_format_tar(a_.get());
+        const bool zip = form_of(bytes) == ArchiveForm::zip;
+        if (zip) {
+            archive_read_support_format_zip_seekable(a_.get());
+        } else {
+            archive_read_support_filter_zstd(a_.get());
+            archive_read_support_format_tar(a_.get());
+        }
         if (archive_read_open_memory(a_.get(), bytes.data(), bytes.size()) != ARCHIVE_OK)
-            throw Failure(where_, "this is not a .tar.zst archive: " + said_by(a_.get()),
+            throw Failure(where_,
+                          fmt::format("this is not a {} archive: {}", zip ? ".zip" : ".tar.zst",
+                                      said_by(a_.get())),
                           "Give the file that `runcert bundle` wrote");
-        if (archive_filter_code(a_.get(), 0) != ARCHIVE_FILTER_ZSTD)
+        if (!zip && archive_filter_code(a_.get(), 0) != ARCHIVE_FILTER_ZSTD)
             throw Failure(where_, "this is not compressed by zstd, as a .tar.zst is",
                           "Give the file that `runcert bundle` wrote");
     }
@@ -114,8 +121,7 @@ class Unpacking {
         for (;;) {
             const int status = archive_read_next_header(a_.get(), &entry);
             if (status == ARCHIVE_EOF) return names_;
-            if (status != ARCHIVE_OK)
-                refuse("it is damaged or no tar archive: " + said_by(a_.get()));
+            if (status != ARCHIVE_OK) refuse("it is damaged or no archive: " + said_by(a_.get()));
             take(entry);
         }
     }
@@ -143,6 +149,10 @@ class Unpacking {
                                shown));
         if (archive_entry_sparse_count(entry) > 0)
             refuse(fmt::format("\"{}\" is a sparse file, which hides its size", shown));
+        if (archive_entry_is_encrypted(entry) != 0)
+            refuse(fmt::format("\"{}\" is encrypted", shown));
+        if (!folder && archive_entry_size_is_set(entry) == 0)
+            refuse(fmt::format("\"{}\" does not say how long it is", shown));
         // Folders too: they compress to nothing, and reading them takes time.
         if (++entries_ > limits_.files)
             refuse(fmt::format("it holds more than {} files", limits_.files));
@@ -209,13 +219,26 @@ bool is_plain_name(std::string_view name) {
     }
 }
 
-std::string pack_tar_zst(const std::vector<PackedFile>& files) {
+std::string_view ending_of(ArchiveForm form) {
+    return form == ArchiveForm::zip ? ".zip" : ".tar.zst";
+}
+
+ArchiveForm form_of(std::string_view bytes) {
+    return bytes.starts_with("PK") ? ArchiveForm::zip : ArchiveForm::tar_zst;
+}
+
+std::string pack_archive(const std::vector<PackedFile>& files, ArchiveForm form) {
     std::string bytes;
     const Writer writer(archive_write_new());
     archive* a = writer.get();
-    require_packed(a, archive_write_set_format_ustar(a));
-    require_packed(a, archive_write_add_filter_zstd(a));
-    require_packed(a, archive_write_set_filter_option(a, "zstd", "compression-level", "10"));
+    if (form == ArchiveForm::zip) {
+        require_packed(a, archive_write_set_format_zip(a));
+        require_packed(a, archive_write_set_format_option(a, "zip", "compression", "store"));
+    } else {
+        require_packed(a, archive_write_set_format_ustar(a));
+        require_packed(a, archive_write_add_filter_zstd(a));
+        require_packed(a, archive_write_set_filter_option(a, "zstd", "compression-level", "10"));
+    }
     require_packed(a, archive_write_set_bytes_in_last_block(a, 1));  // nothing after the zstd frame
     require_packed(a, archive_write_open(a, &bytes, nullptr, append, nullptr));
     for (const PackedFile& file : files) {
@@ -227,7 +250,7 @@ std::string pack_tar_zst(const std::vector<PackedFile>& files) {
         pack_one(a, file);
     }
     require_packed(a, archive_write_close(a));
-    return bytes + hash_frame(bytes);
+    return form == ArchiveForm::zip ? bytes : bytes + hash_frame(bytes);
 }
 
 bool ends_with_its_hash(std::string_view bytes) {
@@ -264,7 +287,7 @@ std::string unpacked_sha256(std::string_view bytes, const std::string& where, st
     return digest.sha256;
 }
 
-std::vector<std::string> unpack_tar_zst(std::string_view bytes, const std::string& where,
+std::vector<std::string> unpack_archive(std::string_view bytes, const std::string& where,
                                         const std::filesystem::path& folder,
                                         const UnpackLimits& limits) {
     return Unpacking(bytes, where, folder, limits).run();

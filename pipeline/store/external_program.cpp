@@ -188,18 +188,24 @@ std::string_view words_of(Isolation isolation) {
 
 const std::vector<ExternalProgram>& external_programs() {
     static const std::vector<ExternalProgram> all{
-        {"gpsbabel", "gpsbabel"},       {"rnx2rtkp", "rtklib"},
-        {"gnuplot", "gnuplot-nox"},     {"weasyprint", "weasyprint"},
-        {"pdfdetach", "poppler-utils"}, {"pdfsig", "poppler-utils"},
-        {"pdfinfo", "poppler-utils"},   {"pdftotext", "poppler-utils"},
-        {"pdftoppm", "poppler-utils"},  {"podofosign", "libpodofo-utils"},
-        {"openssl", "openssl"},         {"ssh-keygen", "openssh-client"}};
+        {"gpsbabel", "gpsbabel"},          {"rnx2rtkp", "rtklib"},
+        {"gnuplot", "gnuplot-nox"},        {"weasyprint", "weasyprint"},
+        {"pdfdetach", "poppler-utils"},    {"pdfsig", "poppler-utils"},
+        {"pdfinfo", "poppler-utils"},      {"pdffonts", "poppler-utils"},
+        {"pdftotext", "poppler-utils"},    {"pdftoppm", "poppler-utils"},
+        {"podofosign", "libpodofo-utils"}, {"openssl", "openssl"},
+        {"ssh-keygen", "openssh-client"}};
     return all;
 }
 
 std::filesystem::path external_program_file(std::string_view name) {
     const char* other = std::getenv(other_path);
     return find_in(other ? other : system_path, name);
+}
+
+std::string missing_program_words(std::string_view name) {
+    if (!external_program_file(name).empty()) return {};
+    return fmt::format("{} is not installed here (package {})", name, known_program(name).package);
 }
 
 std::string external_program_sha256(std::string_view name) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -40,11 +41,7 @@ ReportFacts bundled_report(const fs::path& run_dir) {
 bool is_written_beside_the_report(const std::string& name) {
     static const std::set<std::string> plain{"report.json", "report.html",    "report.pdf",
                                              timing_file,   bundle_sums_file, bundle_text_file};
-    if (plain.contains(name)) return true;
-    if (!name.starts_with("report.json.")) return false;
-    for (const char* ending : {".minisig", ".sig", ".tsq", ".tsr"})
-        if (name.ends_with(ending)) return true;
-    return false;
+    return plain.contains(name) || belongs_to_signatures(name);
 }
 
 bool is_bundled_key(const std::string& name) {
@@ -163,6 +160,43 @@ std::map<std::string, std::string> given_keys(const BundleInput& input) {
     return keys;
 }
 
+/// The keys that made the run's signatures in minisign's form, as these themselves say: a roster in
+/// OpenSSH's form does not tell the ids that minisign knows keys by.
+std::vector<PublicKey> keys_signed_with(const fs::path& run_dir) {
+    std::vector<PublicKey> keys;
+    for (const SignatureFile& file : signature_files(run_dir)) {
+        if (file.kind != SignatureKind::minisign) continue;
+        try {
+            const SignatureClaims claims = read_signature_claims(file.text, file.name);
+            const PublicKey key =
+                parse_public_key(parse_trusted_comment(claims.trusted_comment).key, file.name);
+            if (key.key_id == claims.key_id) keys.push_back(key);
+        } catch (const Failure&) {
+            // Whether it is a signature is for verification to say.
+        }
+    }
+    return keys;
+}
+
+/// Adds a file for each key of a roster: whoever has another program than ssh-keygen needs one.
+void add_keys_of(const Roster& roster, const fs::path& run_dir,
+                 std::map<std::string, std::string>& keys) {
+    constexpr std::size_t digits = 16;
+    const std::vector<PublicKey> signed_with = keys_signed_with(run_dir);
+    for (const RosterEntry& entry : roster.entries) {
+        const std::string text = ssh_key_text(entry.key);
+        const auto known = std::ranges::find_if(signed_with, [&](const PublicKey& key) {
+            return ssh_key_text(ssh_key_of(key.key)) == text;
+        });
+        if (known != signed_with.end())
+            keys[fmt::format("{}/{}.pub", bundle_keys_folder, key_id_text(*known))] =
+                public_key_file(*known);
+        else
+            keys[fmt::format("{}/{}{}.pub", bundle_keys_folder, ssh_key_begin,
+                             sha256_hex(text).substr(0, digits))] = text + "\n";
+    }
+}
+
 /// What goes into a bundle, by name, without SHA256SUMS.
 std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const ReportFacts& report,
                                                const FolderContents& contents) {
@@ -170,7 +204,12 @@ std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const R
     std::map<std::string, PackedFile> files;
     for (const std::string& name : contents.known)
         if (!made_anew.contains(name)) files[name] = {.name = name, .source = input.run_dir / name};
-    for (const auto& [name, text] : given_keys(input))
+    std::map<std::string, std::string> keys = given_keys(input);
+    if (!keys.contains(bundle_roster_file) && files.contains(bundle_roster_file))
+        keys[bundle_roster_file] = read_handwritten(input.run_dir / bundle_roster_file);
+    if (const auto roster = keys.find(bundle_roster_file); roster != keys.end())
+        add_keys_of(parse_roster(roster->second, bundle_roster_file), input.run_dir, keys);
+    for (const auto& [name, text] : keys)
         files[name] = {.name = name, .text = text};
     std::vector<std::string> names;
     for (const auto& [name, file] : files)
@@ -178,6 +217,10 @@ std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const R
     files[bundle_text_file] = {.name = bundle_text_file,
                                .text = bundle_text({.attempt = report.attempt_id,
                                                     .report_id = report.report_id,
+                                                    .program_version = report.program_version,
+                                                    .source_revision = report.source_revision,
+                                                    .program_home = report.program_home,
+                                                    .form = input.form,
                                                     .files = std::move(names)})};
     return files;
 }
@@ -186,7 +229,7 @@ UnpackedBundle unpack_bytes(std::string_view bytes, const std::string& where) {
     UnpackedBundle bundle{.folder = std::make_unique<TemporaryFolder>(), .run_dir = {}};
     std::set<std::string> tops;
     for (const std::string& name :
-         unpack_tar_zst(bytes, where, bundle.folder->path(), bundle_limits(bytes.size())))
+         unpack_archive(bytes, where, bundle.folder->path(), bundle_limits(bytes.size())))
         tops.insert(name.substr(0, name.find('/')));
     if (tops.size() != 1 ||
         !fs::is_regular_file(bundle.folder->path() / *tops.begin() / "report.json"))
@@ -224,7 +267,7 @@ Bundle make_bundle(const BundleInput& input) {
     packed.push_back(
         {.name = fmt::format("{}/{}", report.attempt_id, bundle_sums_file), .text = sums});
     Bundle bundle{.attempt = report.attempt_id,
-                  .bytes = pack_tar_zst(packed),
+                  .bytes = pack_archive(packed, input.form),
                   .files = packed.size(),
                   .left_out = contents.leftovers};
     if (fs::exists(input.run_dir / timing_file)) bundle.left_out.emplace_back(timing_file);
@@ -252,12 +295,14 @@ std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file
     const FileView view(file);
     const std::string_view bytes = view.bytes();
     try {
-        if (!ends_with_its_hash(bytes)) return "it does not end with the hash of its bytes";
-        const Bundle again = make_bundle({.run_dir = unpacked_run_dir});
+        const ArchiveForm form = form_of(bytes);
+        const bool tar = form == ArchiveForm::tar_zst;
+        if (tar && !ends_with_its_hash(bytes)) return "it does not end with the hash of its bytes";
+        const Bundle again = make_bundle({.run_dir = unpacked_run_dir, .form = form});
         if (again.bytes == bytes) return std::nullopt;
         const std::uint64_t most = bundle_limits(bytes.size()).bytes;
-        if (unpacked_sha256(again.bytes, "the bundle made again", most) !=
-            unpacked_sha256(bytes, file.string(), most))
+        if (!tar || unpacked_sha256(again.bytes, "the bundle made again", most) !=
+                        unpacked_sha256(bytes, file.string(), most))
             return "it is not the bundle that is made of what it holds: names, order, owners, "
                    "times, VERIFY.txt";
         return std::nullopt;

@@ -18,6 +18,8 @@ inline constexpr const char* bundle_sums_file = "SHA256SUMS";
 inline constexpr const char* bundle_keys_folder = "keys";
 inline constexpr const char* bundle_roster_file = "keys/roster";
 inline constexpr const char* bundle_tsa_file = "keys/tsa-ca.pem";
+/// What the names of keys in OpenSSH's form begin with, in keys/.
+inline constexpr std::string_view ssh_key_begin = "ssh-";
 
 /// What the names of temporary files and folders of programs begin with. None belongs in a run.
 inline constexpr std::string_view program_leftover = ".runcert-";
@@ -28,25 +30,28 @@ struct BundleInput {
     std::vector<std::filesystem::path> public_keys = {};  ///< minisign's format
     std::optional<std::filesystem::path> roster = {};     ///< OpenSSH's allowed signers
     std::optional<std::filesystem::path> tsa_ca = {};     ///< root of the time stamps, PEM
+    ArchiveForm form = ArchiveForm::tar_zst;
 };
 
 /// A bundle, not yet written.
 struct Bundle {
     std::string attempt;                     ///< its id, the name of the one folder in the archive
-    std::string bytes;                       ///< the .tar.zst
+    std::string bytes;                       ///< of the archive
     std::size_t files = 0;                   ///< in it
     std::vector<std::string> left_out = {};  ///< names in the run folder that are not in it
 };
 
 /// How a bundle differs from the one that `make_bundle` makes of what it holds, in words; nothing
-/// where its bytes do not or, with another version of libzstd, those of the tar inside do not.
+/// where its bytes do not or, of a .tar.zst with another version of libzstd, those of the tar
+/// inside do not.
 std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file,
                                                const std::filesystem::path& unpacked_run_dir);
 
-/// The run folder, the keys, VERIFY.txt and SHA256SUMS as a .tar.zst: the same bytes for the same
+/// The run folder, the keys, VERIFY.txt and SHA256SUMS in one archive: the same bytes for the same
 /// files, whatever their order, times and owners. run.yaml (clock and durations, on which nothing
 /// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out. The keys of
-/// an unpacked bundle are kept.
+/// an unpacked bundle are kept. Of a roster, each key has a file beside it: in minisign's form
+/// where a signature of the run tells the key's id there, else in OpenSSH's.
 ///
 /// Failure where the folder is over the limits (`require_within_limits`), is not whole
 /// (`verify_files`, `check_sums`), holds unknown files, or a key is no public key.
@@ -56,6 +61,9 @@ Bundle make_bundle(const BundleInput& input);
 struct BundleFacts {
     std::string attempt;
     std::string report_id;
+    std::string program_version, source_revision;  ///< of the program that made the report
+    std::string program_home;                      ///< where that is to be had; may be empty
+    ArchiveForm form = ArchiveForm::tar_zst;
     std::vector<std::string> files;  ///< in the bundle, sorted, without VERIFY.txt and SHA256SUMS
 };
 
@@ -85,7 +93,7 @@ struct UnpackedBundle {
     std::filesystem::path run_dir;
 };
 
-/// Unpacks a bundle as `unpack_tar_zst` does, within `bundle_limits`. Failure also where it does
+/// Unpacks a bundle as `unpack_archive` does, within `bundle_limits`. Failure also where it does
 /// not hold exactly one folder with a report.json in it.
 UnpackedBundle unpack_bundle(const std::filesystem::path& file);
 

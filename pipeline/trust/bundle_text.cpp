@@ -24,6 +24,7 @@ std::string opening(const BundleFacts& facts) {
     return fmt::format(
         "Bundle of the attempt \"{0}\"\n"
         "report {1}\n"
+        "made by runcert {3}, source {4}{5}\n"
         "\n"
         "This is a complete measurement report with everything it was made from: the recordings "
         "as\n"
@@ -41,14 +42,16 @@ std::string opening(const BundleFacts& facts) {
         "depends.\n"
         "The bundle's files carry no times or owners of their own.\n"
         "\n",
-        facts.attempt, facts.report_id, bundle_keys_folder);
+        facts.attempt, facts.report_id, bundle_keys_folder, facts.program_version,
+        facts.source_revision,
+        facts.program_home.empty() ? "" : ",\nto be had at " + facts.program_home);
 }
 
 std::string unpacking(const BundleFacts& facts) {
     return fmt::format(
-        "1. Unpack (needs zstd) and see that nothing was damaged on the way\n"
+        "1. Unpack{1} and see that nothing was damaged on the way\n"
         "\n"
-        "    tar --zstd -xf {0}.tar.zst\n"
+        "    {2} {0}{3}\n"
         "    cd {0}\n"
         "    sha256sum -c SHA256SUMS\n"
         "\n"
@@ -56,11 +59,15 @@ std::string unpacking(const BundleFacts& facts) {
         "that\n"
         "   the report is genuine, only its signatures show.\n"
         "\n",
-        facts.attempt);
+        facts.attempt, facts.form == ArchiveForm::zip ? "" : " (needs zstd)",
+        facts.form == ArchiveForm::zip ? "unzip -q" : "tar --zstd -xf", ending_of(facts.form));
 }
 
 std::string minisign_lines(const BundleFacts& facts) {
-    const std::vector<std::string> keys = with_ending(facts, "keys/", ".pub");
+    std::vector<std::string> keys = with_ending(facts, "keys/", ".pub");
+    std::erase_if(keys, [](const std::string& key) {
+        return key.starts_with(fmt::format("{}/{}", bundle_keys_folder, ssh_key_begin));
+    });
     std::string text;
     for (const std::string& signature : with_ending(facts, "report.json", ".minisig")) {
         text += fmt::format("   {} (minisign):\n\n", signature);

@@ -79,6 +79,19 @@ std::string read_id(const Json& value, const std::string& what, const std::strin
     return id;
 }
 
+/// Where a program is to be had goes into instructions: one word, which is read and not run.
+std::string read_home(const Json& program, const std::string& where) {
+    constexpr std::size_t longest = 200;
+    if (!program.contains("home")) return {};
+    const std::string home = program.at("home").get<std::string>();
+    if (!(home.starts_with("https://") || home.starts_with("http://")) || home.size() > longest ||
+        !is_printable_ascii(home) || home.find(' ') != std::string::npos)
+        throw Failure(
+            where, fmt::format("\"{}\" is no address of a program", escape_for_message(home, 100)),
+            take_original);
+    return home;
+}
+
 /// The model's own version has to be known before anything else of the report can be understood.
 void require_known_version(const Json& json, const std::string& where) {
     if (json.at("_type").get<std::string>() != statement_type)
@@ -185,7 +198,9 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.attempt_id = read_id(predicate.at("attempt").at("id"), "id of an attempt", where);
         facts.program_version = predicate.at("program").at("version").get<std::string>();
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
+        facts.program_home = read_home(predicate.at("program"), where);
         facts.arithmetic = predicate.at("program").at("arithmetic").get<std::string>();
+        facts.drawn_by = predicate.value("page", Json::object()).value("drawn_by_sha256", "");
         Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);

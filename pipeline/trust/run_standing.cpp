@@ -124,7 +124,10 @@ std::ptrdiff_t superseded_answers(const fs::path& run_dir) {
 }
 
 VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
-    VerificationStep step{.passed = standing.faults.empty(), .what = "attestations"};
+    VerificationStep step{.what = "attestations"};
+    if (standing.envelopes > 0) step.answer = LayerAnswer::verified;
+    for (const std::string& fault : standing.faults)
+        step.fail(fault);
     std::int64_t due = 0, open = 0;
     for (const RuleStanding& rule : standing.rules)
         for (const ClauseStanding& clause : rule.clauses) {
@@ -140,19 +143,15 @@ VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
         step.details.push_back(
             fmt::format("superseded/: {} to an earlier report, which count for nothing here",
                         counted(count, "attestation")));
-    step.details.insert(step.details.begin(), standing.faults.begin(), standing.faults.end());
-    if (!step.passed) {
-        step.finding = "not all are there as they were signed";
-    } else {
-        step.checked = standing.envelopes > 0;
-        step.passed = step.checked;
-        step.finding = fmt::format(
-            "{}; {} of {} open",
-            step.checked ? counted(static_cast<std::int64_t>(standing.envelopes), "attestation") +
-                               ", as signed"
-                         : "there are none",
-            counted(open), counted(due, "requirement") + " to be attested");
-    }
+    step.finding =
+        step.is(LayerAnswer::not_verified)
+            ? "not all are there as they were signed"
+            : fmt::format("{}; {} of {} open",
+                          step.answer ? counted(static_cast<std::int64_t>(standing.envelopes),
+                                                "attestation") +
+                                            ", as signed"
+                                      : "there are none",
+                          counted(open), counted(due, "requirement") + " to be attested");
     return step;
 }
 

@@ -163,11 +163,12 @@ std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts&
 
 void require_passed(const std::filesystem::path& run_dir, const VerificationStep& step,
                     const std::string& remedy) {
-    if (step.passed) return;
+    if (step.is(LayerAnswer::verified)) return;
     throw Failure(run_dir.string(),
                   fmt::format("{}{}{}", step.finding, step.details.empty() ? "" : ": ",
                               fmt::join(step.details, "; ")),
-                  "Nothing was signed. " + remedy);
+                  "Nothing was signed. " +
+                      (step.is(LayerAnswer::not_checkable) ? "Install what is missing" : remedy));
 }
 
 void require_signable(const std::filesystem::path& run_dir, const ReportFacts& report,

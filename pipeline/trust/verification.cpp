@@ -14,6 +14,7 @@
 #include "run/steps.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
+#include "store/program.h"
 #include "store/sha256.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
@@ -144,8 +145,18 @@ std::vector<std::string> missing_inputs(
 }  // namespace
 
 void VerificationStep::fail(std::string detail) {
-    passed = false;
+    answer = LayerAnswer::not_verified;
     details.push_back(std::move(detail));
+}
+
+void VerificationStep::leave(std::string detail) {
+    if (!is(LayerAnswer::not_verified)) answer = LayerAnswer::not_checkable;
+    details.push_back(std::move(detail));
+}
+
+bool is_made_here(const ReportFacts& report) {
+    return report.program_version == program_version() &&
+           report.source_revision == source_revision();
 }
 
 void VerificationStep::fail(const Failure& failure) {
@@ -153,26 +164,31 @@ void VerificationStep::fail(const Failure& failure) {
                      failure.problem()));
 }
 
+std::string made_by_another(const ReportFacts& report) {
+    return fmt::format("made by runcert {}, source {}, and this is {}, {}",
+                       escape_for_message(report.program_version),
+                       escape_for_message(report.source_revision), program_version(),
+                       source_revision());
+}
+
 VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "files"};
-    std::size_t wrong = 0;
+    VerificationStep step{.what = "files", .answer = LayerAnswer::verified};
     for (const auto& [name, sha256] : report.subjects)
-        if (const auto fault = fault_of_subject(run_dir / name, sha256)) {
-            ++wrong;
-            step.details.push_back(shown(name) + ": " + *fault);
-        }
-    const std::vector<std::string> extras = extra_files(run_dir, report);
-    step.details.insert(step.details.end(), extras.begin(), extras.end());
-    step.passed = wrong == 0 && extras.empty();
+        if (const auto fault = fault_of_subject(run_dir / name, sha256))
+            step.fail(shown(name) + ": " + *fault);
+    const bool whole = step.is(LayerAnswer::verified);
+    for (std::string& extra : extra_files(run_dir, report))
+        step.fail(std::move(extra));
     step.finding =
-        step.passed ? fmt::format("all {} files are those the report names", report.subjects.size())
-        : wrong > 0 ? "not all files are those the report names"
-                    : "there are files that are not part of the report";
+        step.is(LayerAnswer::verified)
+            ? fmt::format("all {} files are those the report names", report.subjects.size())
+        : whole ? "there are files that are not part of the report"
+                : "not all files are those the report names";
     return step;
 }
 
 VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "chain"};
+    VerificationStep step{.what = "chain", .answer = LayerAnswer::verified};
     std::map<std::string, std::set<std::string>> inputs_of;
     std::map<std::string, nlohmann::ordered_json> parameters_of;
     for (const auto& [name, sha256] : report.subjects) {
@@ -212,9 +228,10 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
     } catch (const nlohmann::json::exception&) {
         step.fail("report.json: its list of files cannot be read");
     }
-    step.finding = step.passed ? fmt::format("each of {} stage files was made from the files named",
-                                             inputs_of.size())
-                               : "the stage files do not belong together";
+    step.finding =
+        step.is(LayerAnswer::verified)
+            ? fmt::format("each of {} stage files was made from the files named", inputs_of.size())
+            : "the stage files do not belong together";
     return step;
 }
 

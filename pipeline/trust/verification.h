@@ -15,8 +15,8 @@
 #include "trust/roster.h"
 #include "trust/signature_files.h"
 
-// What `runcert verify` looks at, in layers. Each says yes or no and why, and rests on nothing but
-// the run folder and what is given to it.
+// What `runcert verify` looks at, in layers. Each has one of three answers and says why; it rests
+// on nothing but the run folder, what is given to it, and what its answer says is missing here.
 
 namespace runcert {
 
@@ -34,7 +34,9 @@ struct ReportFacts {
     std::string attempt_id{};
     std::string program_version{};
     std::string source_revision{};
-    std::string arithmetic{};  ///< of the computer that made it, see store/program.h
+    std::string program_home{};  ///< where that is to be had, as it says; may be empty
+    std::string arithmetic{};    ///< of the computer that made it, see store/program.h
+    std::string drawn_by{};      ///< SHA-256 of the gnuplot that drew its figures
     std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
     std::vector<std::string> subject_names{};       ///< in the report's own order
     std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
@@ -47,19 +49,31 @@ struct ReportFacts {
 /// newer version of the report's schema than this program knows: what it asks for is unknown.
 ReportFacts read_report_facts(const std::filesystem::path& run_dir);
 
+enum class LayerAnswer {
+    verified,
+    not_verified,
+    not_checkable,  ///< here: a program is missing, or is another one than made it
+};
+
 /// One thing that verification looked at, and what it found.
 struct VerificationStep {
-    bool passed = false;
     std::string what = {};                  ///< "files", "chain", "signatures"
+    std::optional<LayerAnswer> answer{};    ///< none where there is nothing to check
     std::string finding = {};               ///< one sentence
     std::vector<std::string> details = {};  ///< one line for each file concerned
-    bool checked = true;  ///< false where there was nothing, or no means, to check: not `passed`
 
-    /// Adds what is wrong; the step has not passed.
+    bool is(LayerAnswer one) const { return answer == one; }
+    /// Adds what is wrong; the step is not verified, whatever else is found.
     void fail(std::string detail);
     /// The same of a file that cannot be read, in the words of the failure.
     void fail(const Failure& failure);
+    /// Adds what cannot be checked here, and why; what is wrong counts more.
+    void leave(std::string detail);
 };
+
+/// Whether this very program made the report, as that says; and which made it otherwise, in words.
+bool is_made_here(const ReportFacts& report);
+std::string made_by_another(const ReportFacts& report);
 
 /// Whether the SHA256SUMS that a bundle brings names every file in the folder, at any depth, with
 /// its hash. Nothing where there is no such file.
@@ -137,9 +151,20 @@ struct SignatureLayers {
 SignatureLayers verify_signatures(const std::filesystem::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules);
 
+/// The name of a figure's drawing in a folder of drawings.
+std::string drawing_file_name(std::size_t figure);
+
+/// Whether the drawings, whose hashes report.json names, are what gnuplot makes of its figures.
+/// They are drawn again. Not checkable where gnuplot is missing, and where the one that drew them
+/// was another than here, or another program wrote its script, and they come out otherwise.
+VerificationStep verify_drawings(const std::filesystem::path& run_dir, const ReportFacts& report);
+
 /// Whether report.html and report.pdf, if there, are what this report.json, the signatures that the
 /// page names and all attestations render to. They are rendered again, which takes a second or two.
-/// Not passed where that cannot be done, or they go by another program or another roster.
+/// Drawings are taken from report.html where they have the hashes that report.json names, and drawn
+/// again else. Not checkable: pages of another program, and what gnuplot, WeasyPrint or poppler are
+/// needed for where they are missing, or are others than made it. Of such a PDF, what it carries is
+/// checked, and what its first page says. Not verified where the pages go by an unknown roster.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules);
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -12,6 +13,7 @@
 #include "run/attempt_files.h"
 #include "run/chain.h"
 #include "store/atomic_file.h"
+#include "store/base64.h"
 #include "store/external_program.h"
 #include "store/process.h"
 #include "store/program.h"
@@ -27,9 +29,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* identical = "identical when rendered again";
-constexpr const char* differs =
-    "it is not what the report renders to: do not go by what it shows, render it again";
 constexpr const char* dots_per_inch = "100";
 
 /// What `pdfinfo` says of a file: "Pages" is "14".
@@ -60,37 +59,72 @@ std::vector<std::string> pictures_of(const fs::path& pdf) {
     return hashes;
 }
 
-/// In what a PDF shows otherwise than another, or nothing.
-std::optional<std::string> difference_shown(const fs::path& pdf, const fs::path& own) {
+/// The names of the fonts in a PDF, each once.
+std::set<std::string> fonts_of(const fs::path& pdf) {
+    std::set<std::string> names;
+    const std::vector<std::string> lines = lines_of(poppler({"pdffonts"}, pdf));
+    for (std::size_t i = 2; i < lines.size(); ++i)  // below the head of the table
+        names.insert(lines[i].substr(0, lines[i].find(' ')));
+    return names;
+}
+
+/// What the first page says, without its margin below and without blanks: breaks of lines are the
+/// renderer's.
+std::string first_page_of(const fs::path& pdf) {
+    std::string text = poppler(
+        {"pdftotext", "-raw", "-f", "1", "-l", "1", "-x", "0", "-y", "0", "-W", "600", "-H", "800"},
+        pdf, {"-"});
+    std::erase_if(text, [](char c) { return c == ' ' || c == '\n' || c == '\f'; });
+    return text;
+}
+
+/// Which renderer made a PDF, where it says that it was another than made the one here.
+std::optional<std::string> other_renderer(const fs::path& pdf, const fs::path& own) {
+    const std::string producer = facts_of(pdf)["Producer"];
+    const std::string own_producer = facts_of(own)["Producer"];
+    if (producer != own_producer)
+        return fmt::format("it was made by {}, here is {}", escape_for_message(producer, 100),
+                           own_producer);
+    const std::set<std::string> fonts = fonts_of(pdf);
+    if (const auto own_fonts = fonts_of(own); fonts != own_fonts)
+        return fmt::format("it was made with the fonts {}, here are {}",
+                           escape_for_message(fmt::format("{}", fmt::join(fonts, ", ")), 300),
+                           fmt::join(own_fonts, ", "));
+    return std::nullopt;
+}
+
+/// What a PDF has otherwise than another, in whatever fonts, or nothing.
+std::optional<std::string> difference_of_kind(const fs::path& pdf, const fs::path& own) {
     auto facts = facts_of(pdf);
     auto own_facts = facts_of(own);
-    if (facts["JavaScript"] != "no") return "it holds a script";
-    for (const char* fact : {"Title", "Pages", "Page size", "Page rot", "Encrypted"})
+    for (const char* fact : {"Title", "Page size", "Page rot", "Encrypted"})
         if (facts[fact] != own_facts[fact])
             return fmt::format("its {} is \"{}\" where \"{}\" is rendered", lower_case(fact),
                                escape_for_message(facts[fact], 100), own_facts[fact]);
+    return std::nullopt;
+}
+
+/// In what a PDF of the same renderer shows otherwise than another, or nothing.
+std::optional<std::string> difference_shown(const fs::path& pdf, const fs::path& own) {
+    const std::string pages = facts_of(pdf)["Pages"];
+    if (const std::string own_pages = facts_of(own)["Pages"]; pages != own_pages)
+        return fmt::format("its number of pages is {} where {} are rendered",
+                           escape_for_message(pages, 100), own_pages);
     if (text_of(pdf) != text_of(own)) return "its text is not the one that is rendered";
     const auto pictures = pictures_of(pdf);
     const auto own_pictures = pictures_of(own);
     for (std::size_t i = 0; i < std::max(pictures.size(), own_pictures.size()); ++i)
         if (i >= pictures.size() || i >= own_pictures.size() || pictures[i] != own_pictures[i])
-            return fmt::format(
-                "page {} does not look as it is rendered{}", i + 1,
-                facts["Producer"] == own_facts["Producer"]
-                    ? std::string()
-                    : " here; it was made by " + escape_for_message(facts["Producer"], 100));
+            return fmt::format("page {} does not look as it is rendered", i + 1);
     return std::nullopt;
 }
-
-/// What comparing a page with the one that was rendered again gave.
-struct PageComparison {
-    bool same = false;  ///< whether it shows just what was rendered
-    std::string words{};
-};
 
 constexpr const char* html_file = "report.html";
 constexpr const char* pdf_file = "report.pdf";
 constexpr const char* report_json_file = "report.json";
+constexpr const char* is_identical = ": identical when rendered again";
+constexpr const char* differs =
+    "it is not what the report renders to: do not go by what it shows, render it again";
 
 /// What stands in one of the scripts that carry data: "signature-files", "standing".
 std::string carried(const std::string& page, std::string_view id) {
@@ -135,30 +169,71 @@ void take_report(const fs::path& run_dir, const fs::path& folder,
     }
 }
 
-/// The pages of the run folder's report, made in `folder`. Nothing where they are; else why not.
-std::optional<std::string> render_again(const fs::path& run_dir, const fs::path& folder,
-                                        const ReportFacts& report, const fs::path& roster,
-                                        bool with_pdf, bool brief) {
+/// Why pages or drawings could not be made again.
+struct Obstacle {
+    std::string words{};
+    bool is_here = false;  ///< another computer might do it
+};
+
+/// Renders, or draws; what stood against it, or nothing.
+std::optional<Obstacle> obstacle_to(const StepCall& call, const ReportFacts& report) {
     try {
-        run_step("render", {.attempt = run_dir / attempt_copy_name,
-                            .run_dir = folder,
-                            .pdf = with_pdf,
-                            .brief = brief,
-                            .roster = roster});
+        run_step("render", call);
+        return std::nullopt;
     } catch (const StageFailed& failed) {
         const std::string errors = message_of(failed);
-        if (report.program_version != program_version() ||
-            report.source_revision != source_revision())
-            return fmt::format("not checked: made by runcert {}, source {}, and this is {}, {}",
-                               escape_for_message(report.program_version),
-                               escape_for_message(report.source_revision), program_version(),
-                               source_revision());
         // "error: WHAT", then where, then what to do.
-        const std::string_view said = errors;
-        return "not checked: they cannot be rendered again. " +
-               escape_for_message(trim(said.substr(said.find(' ') + 1, said.find('\n') - 7)), 600);
+        const std::string_view line = std::string_view(errors).substr(0, errors.find('\n'));
+        const std::string said = "they cannot be made again: " +
+                                 escape_for_message(trim(line.substr(line.find(' ') + 1)), 600);
+        if (const auto program = failed_call(failed)) {
+            const std::string missing = missing_program_words(*program);
+            return Obstacle{missing.empty() ? said : missing, true};
+        }
+        if (!is_made_here(report)) return Obstacle{made_by_another(report), true};
+        const std::string gnuplot = external_program_sha256("gnuplot");
+        return Obstacle{said, call.drawings.empty() && report.drawn_by != gnuplot};
     }
-    return std::nullopt;
+}
+
+/// What could not be made again counts as its cause does.
+void add(VerificationStep& step, const std::string& what, const Obstacle& obstacle) {
+    if (obstacle.is_here)
+        step.leave(fmt::format("{}: not checked here: {}", what, obstacle.words));
+    else
+        step.fail(fmt::format("{}: {}", what, obstacle.words));
+}
+
+const nlohmann::json& figures_of(const ReportFacts& report) {
+    static const nlohmann::json none = nlohmann::json::array();
+    const auto& predicate = report.json->at("predicate");
+    const auto figures = predicate.find("figures");
+    return figures != predicate.end() && figures->is_array() ? *figures : none;
+}
+
+std::string drawing_hash_of(const nlohmann::json& figure) {
+    const auto hash = figure.is_object() ? figure.find("drawing_sha256") : figure.end();
+    return figure.is_object() && hash != figure.end() && hash->is_string()
+               ? hash->get<std::string>()
+               : std::string();
+}
+
+/// Writes the drawings that a page carries, by the hashes that the report names, into a folder.
+/// Where the page lacks one, an empty one stands when it is made again: it comes out otherwise.
+void take_drawings(const std::string& page, const ReportFacts& report, const fs::path& folder) {
+    constexpr std::string_view begin = "data:image/svg+xml;base64,";
+    std::map<std::string, std::string> drawings{{sha256_hex(""), ""}};
+    for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
+        at += begin.size();
+        if (const auto bytes = decode_base64(page.substr(at, page.find('"', at) - at)))
+            drawings[sha256_hex(*bytes)] = *bytes;
+    }
+    const nlohmann::json& figures = figures_of(report);
+    for (std::size_t i = 0; i < figures.size(); ++i) {
+        const auto drawing = drawings.find(drawing_hash_of(figures[i]));
+        if (drawing != drawings.end())
+            write_file_atomically(folder / drawing_file_name(i), drawing->second);
+    }
 }
 
 /// Whether a PDF is the first page alone; one that cannot be read is not.
@@ -171,84 +246,154 @@ bool is_brief(const fs::path& pdf) {
     }
 }
 
-PageComparison compare_bytes(const fs::path& page, const fs::path& own) {
-    if (read_file(page) != read_file(own)) return {.words = differs};
-    return {.same = true, .words = identical};
+/// Byte for byte. It carries the report whatever program made it.
+void judge_html(VerificationStep& step, const fs::path& own, const std::string& page,
+                const ReportFacts& report, const std::optional<Obstacle>& obstacle) {
+    const std::string name(html_file);
+    if (carried(page, "report-json") != report.text)
+        step.fail(fmt::format("{}: it carries another report than report.json: {}", name, differs));
+    else if (!fs::exists(own))
+        add(step, name, *obstacle);
+    else if (page != read_file(own))
+        step.fail(fmt::format("{}: {}", name, differs));
+    else
+        step.details.push_back(name + is_identical);
 }
 
-/// Byte for byte; a PDF that a seal was put on must carry the same report and nothing else, run no
-/// script, hold the same text and show the same pictures, page by page (poppler, 100 dots per
-/// inch), and its seal must hold for every byte. Where one is not the same, the words say in what,
-/// and that another renderer made it where one did.
-PageComparison compare_pdf(const fs::path& pdf, const fs::path& own,
-                           const std::string& report_text) {
+/// A PDF that is not the one rendered here, byte for byte. It must hold the same text and show the
+/// same pictures, page by page (poppler, 100 dots per inch), and a seal must hold for every byte.
+/// Where another renderer made it, which only it says itself, its first page must say the same, and
+/// the rest is not checked.
+void judge_other_pdf(VerificationStep& step, const fs::path& pdf, const fs::path& own) {
+    const std::string name(pdf_file);
+    const auto fail = [&](const std::string& fault) {
+        step.fail(fmt::format("{}: {}: {}", name, fault, differs));
+    };
+    if (const auto fault = difference_of_kind(pdf, own)) return fail(*fault);
+    const auto difference = difference_shown(pdf, own);
+    if (const SealCheck seal = check_seal(pdf); seal.present && !difference) {
+        const std::string words =
+            fmt::format("{}: it shows what is rendered again, page by page; {}", name, seal.words);
+        return seal.holds() ? step.details.push_back(words) : step.fail(words);
+    }
+    if (const auto other = other_renderer(pdf, own)) {
+        if (first_page_of(pdf) != first_page_of(own))
+            return fail(fmt::format("its first page says other than is rendered ({})", *other));
+        return step.leave(
+            fmt::format("{}: not checked here: {}; the report that it carries and "
+                        "the words of its first page are the same",
+                        name, *other));
+    }
+    if (difference) return fail(*difference);
+    step.fail(name +
+              ": it shows what is rendered again, but is not that file, and no seal covers its "
+              "bytes: render it again");
+}
+
+/// It must carry the report and nothing else, and run no script, whoever rendered it.
+void judge_pdf(VerificationStep& step, const fs::path& pdf, const fs::path& own,
+               const ReportFacts& report, const std::optional<Obstacle>& obstacle) {
+    const std::string name(pdf_file);
     try {
         require_readable_pdf(pdf);
-        if (compare_bytes(pdf, own).same) return {.same = true, .words = identical};
-        auto fault = fault_of_attachment(pdf, report_text);
-        if (!fault) fault = difference_shown(pdf, own);
-        if (fault) return {.words = fmt::format("{}: {}", *fault, differs)};
-        const SealCheck seal = check_seal(pdf);
-        if (!seal.present)
-            return {.words =
-                        "it shows what is rendered again, but is not that file, and no seal "
-                        "covers its bytes: render it again"};
-        return {.same = seal.holds(),
-                .words = "it shows what is rendered again, page by page; " + seal.words};
+        if (fs::exists(own) && read_file(pdf) == read_file(own))
+            return step.details.push_back(name + is_identical);
+        if (const std::string missing = missing_program_words("pdfdetach"); !missing.empty())
+            return step.leave(fmt::format("{}: not checked here: {}", name, missing));
+        auto fault = fault_of_attachment(pdf, report.text);
+        if (!fault && facts_of(pdf)["JavaScript"] != "no") fault = "it holds a script";
+        if (fault) return step.fail(fmt::format("{}: {}: {}", name, *fault, differs));
+        if (!fs::exists(own)) return add(step, name, *obstacle);
+        judge_other_pdf(step, pdf, own);
     } catch (const Failure& failure) {
-        return {.words = fmt::format("it cannot be read as a PDF: {}", failure.problem())};
+        step.fail(fmt::format("{}: it cannot be read as a PDF: {}", name, failure.problem()));
     }
+}
+
+std::string finding_of(const VerificationStep& step, const char* verified, const char* not_so) {
+    return step.is(LayerAnswer::verified)       ? verified
+           : step.is(LayerAnswer::not_verified) ? not_so
+                                                : "not all could be checked here";
 }
 
 }  // namespace
 
+std::string drawing_file_name(std::size_t figure) {
+    return fmt::format("drawing.{}.svg", figure);
+}
+
+VerificationStep verify_drawings(const fs::path& run_dir, const ReportFacts& report) {
+    VerificationStep step{.what = "drawings"};
+    const nlohmann::json& figures = figures_of(report);
+    if (figures.empty()) {
+        step.finding = "there are none";
+        return step;
+    }
+    step.answer = LayerAnswer::verified;
+    const TemporaryFolder folder;
+    write_file_atomically(folder.path() / report_json_file, report.text);
+    const auto obstacle = obstacle_to(
+        {.attempt = run_dir / attempt_copy_name, .run_dir = folder.path(), .draw_only = true},
+        report);
+    if (obstacle) add(step, "figures", *obstacle);
+    const std::string gnuplot = external_program_sha256("gnuplot");
+    for (std::size_t i = 0; i < figures.size() && !obstacle; ++i) {
+        const fs::path file = folder.path() / drawing_file_name(i);
+        if (fs::exists(file) && digest_file(file).sha256 == drawing_hash_of(figures[i])) continue;
+        const std::string figure = fmt::format("figure {}", i + 1);
+        if (!is_made_here(report))
+            step.leave(fmt::format("{}: not checked here: {}", figure, made_by_another(report)));
+        else if (report.drawn_by != gnuplot)
+            step.leave(
+                fmt::format("{}: not checked here: a gnuplot of the SHA-256 {} drew it, here is {}",
+                            figure, shown(report.drawn_by), gnuplot));
+        else
+            step.fail(figure + ": its drawing comes out other than report.json names it");
+    }
+    step.finding = finding_of(step, "they are what the report's figures give",
+                              "not all are what the report's figures give");
+    return step;
+}
+
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules) {
-    VerificationStep step{.passed = true, .what = "pages", .checked = true};
+    VerificationStep step{.what = "pages"};
     const auto is_there = [&](const char* name) {
         return fs::is_regular_file(fs::symlink_status(run_dir / name));
     };
     const bool html = is_there(html_file);
     const bool pdf = is_there(pdf_file);
     if (!html && !pdf) {
-        step.passed = step.checked = false;
         step.finding = "there are none";
         return step;
     }
-    const TemporaryFolder folder;
     const std::string page = html ? read_file(run_dir / html_file) : std::string();
     const std::string roster = roster_of(page);
     if (!roster.empty() && (!rules.vouches() || roster != sha256_hex(rules.roster->text))) {
-        step.passed = false;
         step.finding = fmt::format(
             "their standing goes by a roster that was not given here, "
             "SHA-256 {}",
             shown(roster));
-        step.details.emplace_back(
-            "Render them again, by your own roster or by none: runcert attest RUN --render.");
+        step.fail("Render them again, by your own roster or by none: runcert attest RUN --render.");
         return step;
     }
-    const TemporaryFolder roster_folder;
-    const fs::path roster_file = roster_folder.path() / "roster";
+    step.answer = LayerAnswer::verified;
+    const TemporaryFolder folder, others;
+    const fs::path roster_file = others.path() / "roster";
     if (!roster.empty()) write_file_atomically(roster_file, rules.roster->text);
+    if (html) take_drawings(page, report, others.path());
     take_report(run_dir, folder.path(), html ? std::optional(signatures_in(page)) : std::nullopt);
-    if (const auto failed =
-            render_again(run_dir, folder.path(), report, roster.empty() ? fs::path() : roster_file,
-                         pdf, pdf && is_brief(run_dir / pdf_file))) {
-        step.passed = false;
-        step.finding = *failed;
-        step.details.emplace_back(
-            "Render them again with the program that made the report, or move them away.");
-        return step;
-    }
-    const auto add = [&](const char* name, const PageComparison& compared) {
-        step.passed = step.passed && compared.same;
-        step.details.push_back(fmt::format("{}: {}", name, compared.words));
-    };
-    if (html) add(html_file, compare_bytes(run_dir / html_file, folder.path() / html_file));
-    if (pdf) add(pdf_file, compare_pdf(run_dir / pdf_file, folder.path() / pdf_file, report.text));
-    step.finding = step.passed ? "they are what the report renders to"
-                               : "not all are what the report renders to";
+    const auto obstacle = obstacle_to({.attempt = run_dir / attempt_copy_name,
+                                       .run_dir = folder.path(),
+                                       .pdf = pdf,
+                                       .brief = pdf && is_brief(run_dir / pdf_file),
+                                       .roster = roster.empty() ? fs::path() : roster_file,
+                                       .drawings = html ? others.path() : fs::path()},
+                                      report);
+    if (html) judge_html(step, folder.path() / html_file, page, report, obstacle);
+    if (pdf) judge_pdf(step, run_dir / pdf_file, folder.path() / pdf_file, report, obstacle);
+    step.finding = finding_of(step, "they are what the report renders to",
+                              "not all are what the report renders to");
     step.details.emplace_back("Pages are for reading; what is signed is report.json.");
     return step;
 }

@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
@@ -13,6 +14,7 @@
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
+#include "store/program.h"
 #include "store/sha256.h"
 #include "store/yaml_input.h"
 #include "trust/verification.h"
@@ -127,6 +129,37 @@ void compare_title(const std::string& rule, const Json& predicate, const Json& p
     equal("tone", text_of(block, "look"), several ? "strong" : "outcome_" + words.tone);
 }
 
+/// The figure that a page shows largest: where a rule alone is claimed, and the record is beaten.
+void compare_headline(const std::string& rule, const Json& predicate, const YamlValue& verdict,
+                      Comparison& compare) {
+    if (!predicate.contains("document")) return;
+    std::string headlines;
+    for (const Json& section : predicate.at("document").at("sections"))
+        for (const Json& block : section.at("blocks"))
+            if (text_of(block, "kind") == "headline") headlines += text_of(block, "text");
+    const YamlValue figures = verdict["shown"];
+    const bool is_shown = predicate.at("profiles").size() == 1 && figures.exists() &&
+                          member::read<Outcome>(verdict["outcome"]) == Outcome::beaten;
+    compare.equal(fmt::format("{}, headline", rule), headlines,
+                  is_shown ? measured_speed_text(
+                                 {.unit = figures["unit"].text(),
+                                  .speed = figures["speed"].text(),
+                                  .expanded_uncertainty = figures["expanded_uncertainty"].text()})
+                           : "",
+                  verdict_file + " (by its figures)");
+}
+
+/// How sure the outcome is.
+void compare_decision(const std::string& rule, const Json& profile, const YamlValue& verdict,
+                      Comparison& compare) {
+    const Json stated = profile.value("decision", Json::object());
+    const YamlValue decision = verdict["decision"];
+    for (const char* key : {"probability", "level"})
+        compare.number(fmt::format("{}, decision.{}", rule, key), number_of(stated, key),
+                       decision.exists() ? decision[key].optional_real() : std::optional<double>(),
+                       verdict_file);
+}
+
 void compare_profile(const Json& predicate, const Json& profile, const YamlValue& verdict,
                      Comparison& compare) {
     const std::string rule = shown(verdict["profile"].text());
@@ -143,6 +176,8 @@ void compare_profile(const Json& predicate, const Json& profile, const YamlValue
     compare.number(rule + ", coverage_factor", number_of(profile, "coverage_factor"),
                    verdict["coverage_factor"].optional_real(), verdict_file);
     compare_shown(rule, profile, verdict, compare);
+    compare_headline(rule, predicate, verdict, compare);
+    compare_decision(rule, profile, verdict, compare);
     const auto requirements = verdict["requirements"].list();
     const Json& stated = profile.at("requirements");
     if (requirements.size() != stated.size())
@@ -219,7 +254,7 @@ void compare_all(const fs::path& run_dir, const ReportFacts& report, Comparison&
 }  // namespace
 
 VerificationStep verify_report(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.passed = true, .what = "report"};
+    VerificationStep step{.what = "report", .answer = LayerAnswer::verified};
     Comparison compare(step);
     try {
         compare_all(run_dir, report, compare);
@@ -228,7 +263,13 @@ VerificationStep verify_report(const fs::path& run_dir, const ReportFacts& repor
     } catch (const Json::exception& error) {
         compare.fail("report.json: cannot be read: " + shown(error.what()));
     }
-    step.finding = step.passed
+    if (!report.program_home.empty() && report.program_home != program_home())
+        step.details.push_back(
+            fmt::format("note: it says that its program is to be had at {}; of this one, {}",
+                        report.program_home,
+                        *program_home() == '\0' ? "nothing is said"
+                                                : std::string(program_home()) + " is said"));
+    step.finding = step.is(LayerAnswer::verified)
                        ? "outcome, speeds and limits are those of 6-verdict.yaml, the files "
                          "are those that the attempt asks for"
                        : "it does not say what its files say";

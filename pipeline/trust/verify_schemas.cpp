@@ -92,8 +92,7 @@ void check_report(const ReportFacts& report, const std::string& where) {
         fmt::format("urn:runcert:measurement-report:{}.0", own.model))
         throw Failure(where, "its predicateType is not that of the reports of this model",
                       "Take the original");
-    if (report.program_version == program_version() &&
-        report.source_revision == source_revision() && version != report_field_table().version())
+    if (is_made_here(report) && version != report_field_table().version())
         throw Failure(
             where,
             fmt::format("not as written: it says that it follows report/{}, the program that "
@@ -163,7 +162,7 @@ void check_rules(const fs::path& run_dir, VerificationStep& step) {
                                            : ", with figures replaced by the attempt",
             since_then(rule)));
     }
-    if (!step.passed)
+    if (!step.is(LayerAnswer::verified))
         step.finding = "the outcome does not rest on the rules in the folder";
     else if (own.empty())
         step.finding = "every rule is one that comes with the program";
@@ -182,8 +181,8 @@ VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& repo
         if (is_product_name(name) && fs::is_regular_file(fs::symlink_status(run_dir / name)))
             findings.check(name, [&, file = run_dir / name] { check_stage_file(file, report); });
     const bool passed = findings.faults.empty();
-    return {.passed = passed,
-            .what = "schemas",
+    return {.what = "schemas",
+            .answer = passed ? LayerAnswer::verified : LayerAnswer::not_verified,
             .finding = passed
                            ? fmt::format("all {} documents follow schemas that this program knows",
                                          findings.read)
@@ -192,7 +191,7 @@ VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& repo
 }
 
 VerificationStep verify_rules(const fs::path& run_dir) {
-    VerificationStep step{.passed = true, .what = "rules"};
+    VerificationStep step{.what = "rules", .answer = LayerAnswer::verified};
     try {
         check_rules(run_dir, step);
     } catch (const Failure& failure) {

@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
+#include "store/external_program.h"
 #include "trust/signature.h"
 #include "trust/signature_files.h"
 #include "trust/ssh_signature.h"
@@ -69,7 +70,7 @@ std::vector<std::string> stamps_in(const fs::path& run_dir) {
 
 /// The time of each signature whose stamp holds; what is found of every stamp goes into `step`.
 struct Stamps {
-    VerificationStep step{.passed = true, .what = "time stamps", .checked = false};
+    VerificationStep step{.what = "time stamps"};
     std::map<std::string, UtcSecond> times{};
 };
 
@@ -77,25 +78,23 @@ void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& nam
                  const SignatureRules& rules) {
     const std::string signature = name.substr(0, name.rfind('.'));
     const std::string file = shown(name);
-    if (!fs::is_regular_file(fs::symlink_status(run_dir / signature))) {
-        stamps.step.checked = true;
+    if (!fs::is_regular_file(fs::symlink_status(run_dir / signature)))
         return stamps.step.fail(file + ": the signature that it is for is not there");
-    }
-    if (rules.time_stamp_cas.empty()) {
-        stamps.step.details.push_back(
-            file + ": there, unchecked and not counted; give --tsa-ca to check it");
-        return;
-    }
+    if (rules.time_stamp_cas.empty())
+        return stamps.step.leave(file +
+                                 ": there, unchecked and not counted; give --tsa-ca to check it");
+    if (const std::string missing = missing_program_words("openssl"); !missing.empty())
+        return stamps.step.leave(file + ": there, unchecked and not counted: " + missing);
     TimeStampCheck check =
         check_time_stamp(run_dir / signature, run_dir / name, rules.time_stamp_cas);
     if (check.valid && check.time > rules.present + clock_tolerance)
         check = {.reason = fmt::format("it is of {}, which is yet to come", iso_text(check.time))};
-    stamps.step.checked = true;
-    stamps.step.passed = stamps.step.passed && check.valid;
+    if (!check.valid)
+        return stamps.step.fail(fmt::format("{}: does not hold: {}", file, check.reason));
+    if (!stamps.step.answer) stamps.step.answer = LayerAnswer::verified;
     stamps.step.details.push_back(
-        check.valid ? fmt::format("{}: the signature was there at {}", file, iso_text(check.time))
-                    : fmt::format("{}: does not hold: {}", file, check.reason));
-    if (check.valid) stamps.times[signature] = check.time;
+        fmt::format("{}: the signature was there at {}", file, iso_text(check.time)));
+    stamps.times[signature] = check.time;
 }
 
 Stamps check_stamps(const fs::path& run_dir, const SignatureRules& rules) {
@@ -104,15 +103,12 @@ Stamps check_stamps(const fs::path& run_dir, const SignatureRules& rules) {
     for (const std::string& name : names)
         check_stamp(stamps, run_dir, name, rules);
     VerificationStep& step = stamps.step;
-    if (!step.checked) {
-        step.passed = false;
-        step.finding = names.empty() ? "there are none" : "not checked";
-    } else {
-        step.finding =
-            step.passed ? fmt::format("{} by the authorities given",
-                                      names.size() == 1 ? "it holds, signed" : "all hold, signed")
-                        : "not every time stamp holds";
-    }
+    step.finding = !step.answer                          ? "there are none"
+                   : step.is(LayerAnswer::not_checkable) ? "not checked here"
+                   : step.is(LayerAnswer::not_verified)
+                       ? "not every time stamp holds"
+                       : fmt::format("{} by the authorities given",
+                                     names.size() == 1 ? "it holds, signed" : "all hold, signed");
     return stamps;
 }
 
@@ -172,7 +168,8 @@ void judge_policy(const std::vector<RequiredSignatures>& required,
         if (state.there < state.needed)
             missing.push_back(fmt::format("{} of {}", state.needed - state.there, state.role));
     }
-    step.passed = valid > 0 && refused == 0 && missing.empty();
+    step.answer = valid > 0 && refused == 0 && missing.empty() ? LayerAnswer::verified
+                                                               : LayerAnswer::not_verified;
     if (refused > 0)
         step.finding = "report.json: a signature does not hold";
     else if (valid == 0)
@@ -236,7 +233,7 @@ SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& re
                                   const SignatureRules& rules) {
     Stamps stamps = check_stamps(run_dir, rules);
     SignatureLayers layers{.time_stamps = std::move(stamps.step),
-                           .signatures = {.passed = false, .what = "signatures"}};
+                           .signatures = {.what = "signatures"}};
     VerificationStep& step = layers.signatures;
     const std::vector<SignatureFile> files = signature_files(run_dir);
     require_few(files, run_dir);

@@ -274,12 +274,18 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
             add(page, paragraph(std::move(words), "note"));
     }
     add(page, {.kind = BlockKind::signers});
-    add(page, {.kind = BlockKind::check,
-               .text = fmt::format(
-                   "To check report {}: runcert verify RUN_FOLDER --roster ROSTER. What counts is "
-                   "report.json; the code names it. Figures: speed rounded down; uncertainty, "
-                   "required speed and acceptance limit rounded up.",
-                   report_id)});
+    add(page,
+        {.kind = BlockKind::check,
+         .text = fmt::format(
+             "To check report {}: runcert verify RUN_FOLDER --roster ROSTER. {}What counts is "
+             "report.json; the code names it. Figures: speed rounded down; uncertainty, "
+             "required speed and acceptance limit rounded up.",
+             report_id,
+             inputs.program.home.empty()
+                 ? ""
+                 : fmt::format("The program is at {} (version {}, source {}). ",
+                               inputs.program.home, inputs.program.version,
+                               inputs.program.source_revision))});
     return page;
 }
 

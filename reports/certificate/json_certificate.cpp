@@ -6,7 +6,6 @@
 #include "core/rounding.h"
 #include "reports/certificate/certificate_document.h"
 #include "reports/certificate/json_parts.h"
-#include "store/program.h"
 
 namespace runcert {
 namespace {
@@ -63,7 +62,7 @@ Json software_json(const ReportInputs& inputs) {
             for (const CalledProgram& program : header->programs)
                 add(called_json(program));
         }
-    add(ours("runcert-report", program_version(), source_revision()));
+    add(ours("runcert-report", inputs.program.version, inputs.program.source_revision));
     return list;
 }
 

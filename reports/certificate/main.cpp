@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "core/failure.h"
+#include "core/text.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
@@ -67,6 +69,20 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     return results;
 }
 
+/// What the earlier report says of the computer that made it, and stays when it is made again.
+void make_as(ReportInputs& inputs, const std::string& earlier) {
+    using Json = nlohmann::ordered_json;
+    try {
+        const Json predicate = Json::parse(read_file(earlier)).at("predicate");
+        inputs.program = report_program(predicate);
+        inputs.drawn = drawn_figures(predicate);
+    } catch (const Json::exception& error) {
+        throw Failure(earlier,
+                      fmt::format("this is no report: {}", escape_for_message(error.what(), 200)),
+                      "Take the original");
+    }
+}
+
 /// Reads the whole run. Every file noted on the way, in the order in which the chain made them,
 /// becomes a subject of the report.
 ReportInputs gather(StageRun& run) {
@@ -101,9 +117,13 @@ std::string standing_of(const std::filesystem::path& run_dir, const std::string&
                                         report.json->at("predicate")));
 }
 
+std::filesystem::path report_of(const StageRun& run) {
+    return run.run_dir() / "report.json";
+}
+
 /// Signatures of an unchanged report stand; those of another one are void.
 void write_report(const StageRun& run, const std::string& report) {
-    const std::filesystem::path file = run.run_dir() / "report.json";
+    const std::filesystem::path file = report_of(run);
     if (!std::filesystem::exists(file) || read_file(file) != report)
         supersede_signatures(run.run_dir());
     run.write("report.json", report);
@@ -114,6 +134,9 @@ void write_report(const StageRun& run, const std::string& report) {
 int main(int argc, char** argv) {
     std::string key;
     std::string roster;
+    std::string as;
+    std::string drawings;
+    bool draw_only = false;
     bool no_render = false;
     bool no_pdf = false;
     bool brief = false;
@@ -121,7 +144,12 @@ int main(int argc, char** argv) {
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
         [&](StageRun& run) {
-            if (!render_only) write_report(run, write_report_json(gather(run)));
+            if (draw_only) return write_drawings(run.run_dir(), read_file(report_of(run)));
+            if (!render_only) {
+                ReportInputs inputs = gather(run);
+                if (!as.empty()) make_as(inputs, as);
+                write_report(run, write_report_json(inputs));
+            }
             if (!key.empty())
                 sign_report(run.run_dir(), read_report_facts(run.run_dir()), load_secret_key(key),
                             signing_role(run.attempt()));
@@ -130,11 +158,12 @@ int main(int argc, char** argv) {
                 return;
             }
             // Whether the signatures hold is for `runcert verify` to say.
-            render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
+            render_report(run.run_dir(), read_file(report_of(run)),
                           {.signatures = signature_files(run.run_dir()),
                            .standing = standing_of(run.run_dir(), roster),
                            .pdf = !no_pdf,
-                           .brief = brief});
+                           .brief = brief,
+                           .drawings = drawings});
             run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
         },
         [&](CommandLine& line) {
@@ -144,5 +173,8 @@ int main(int argc, char** argv) {
             line.flag("--no-pdf", no_pdf, "no PDF, which takes longest");
             line.flag("--brief", brief, "of the PDF the first page alone");
             line.flag("--render-only", render_only, "HTML and PDF of the report.json there is");
+            line.text("--drawings", drawings, "folder of the figures' drawings, else drawn");
+            line.flag("--draw-only", draw_only, "the drawings of the report.json there is");
+            line.text("--as", as, "report.json that says which program made it, and its drawings");
         });
 }

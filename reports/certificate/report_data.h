@@ -14,6 +14,7 @@
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
+#include "store/program.h"
 #include "witness/screened_phases.h"
 
 namespace runcert {
@@ -82,6 +83,20 @@ inline std::vector<const Header*> headers_of(const ReceiverResults& results,
             &results.trajectory.header,   &results.windows.header, &verdict.header};
 }
 
+/// The program that makes a report.
+struct ReportProgram {
+    std::string version = program_version();
+    std::string source_revision = runcert::source_revision();
+    std::string arithmetic = arithmetic_fingerprint();
+    std::string home = program_home();
+};
+
+/// The drawings of a report's figures, by their SHA-256, and the gnuplot that made them.
+struct DrawnFigures {
+    std::vector<std::string> sha256 = {};
+    std::string by_sha256 = {};
+};
+
 /// A whole run folder, as the report needs it.
 struct ReportInputs {
     Attempt attempt;
@@ -89,6 +104,8 @@ struct ReportInputs {
     std::vector<ReceiverResults> receivers;  ///< in the order of the attempt's; the first is judged
     Verdict verdict;
     std::vector<ReportSubject> subjects;  ///< in the order in which they are to be listed
+    ReportProgram program = {};
+    std::optional<DrawnFigures> drawn = {};  ///< nothing: they are drawn
 };
 
 }  // namespace runcert

@@ -9,6 +9,7 @@
 #include "reports/certificate/report_json.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
+#include "trust/verification.h"
 
 namespace runcert {
 
@@ -19,6 +20,14 @@ std::string write_report_json(const ReportInputs& inputs) {
 }
 
 namespace {
+
+std::vector<std::string> read_drawings(const std::filesystem::path& folder, const Json& predicate) {
+    std::vector<std::string> drawings(predicate["figures"].size(), "<svg></svg>");
+    for (std::size_t i = 0; i < drawings.size(); ++i)
+        if (const auto file = folder / drawing_file_name(i); std::filesystem::exists(file))
+            drawings[i] = read_file(file);
+    return drawings;
+}
 
 /// A page of other parts, or with other drawings, would call itself altered.
 void require_own_page(const Json& predicate, const std::vector<std::string>& drawings,
@@ -45,11 +54,22 @@ void require_own_page(const Json& predicate, const std::vector<std::string>& dra
 
 }  // namespace
 
+void write_drawings(const std::filesystem::path& folder, const std::string& report_text) {
+    const auto report = parse_report(report_text, (folder / "report.json").string());
+    const std::vector<std::string> drawings = draw_figures(report["predicate"]);
+    for (std::size_t i = 0; i < drawings.size(); ++i)
+        write_file_atomically(folder / drawing_file_name(i), drawings[i]);
+}
+
 void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
                    const RenderOptions& options) {
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
-    const std::vector<std::string> drawings = draw_figures(report["predicate"]);
-    require_own_page(report["predicate"], drawings, (run_folder / "report.json").string());
+    const bool draws = options.drawings.empty();
+    const std::vector<std::string> drawings =
+        draws ? draw_figures(report["predicate"])
+              : read_drawings(options.drawings, report["predicate"]);
+    require_own_page(report["predicate"], draws ? drawings : std::vector<std::string>(),
+                     (run_folder / "report.json").string());
     const std::string on_paper = report_print_page(
         report_text, report, drawings, options.signatures, options.standing, options.brief);
     write_file_atomically(

@@ -18,7 +18,13 @@ struct RenderOptions {
     std::string standing = "{}\n";          ///< the text of a standing_json
     bool pdf = true;
     bool brief = false;  ///< of the PDF the first page alone
+    /// A folder of drawings, as `write_drawings` names them, whose hashes were compared with the
+    /// report's; empty: they are drawn. Instead of one that is not there an empty one is shown.
+    std::filesystem::path drawings = {};
 };
+
+/// Draws a report's figures into a folder, "drawing.0.svg" the first. Failure as of `draw_figures`.
+void write_drawings(const std::filesystem::path& folder, const std::string& report_text);
 
 /// Writes report.html and report.pdf into the run folder, from the bytes of report.json, its
 /// signatures and its standing alone, so that anyone can make them again from what was signed.

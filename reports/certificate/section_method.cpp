@@ -7,7 +7,6 @@
 #include "core/text.h"
 #include "reports/certificate/certificate_document.h"
 #include "reports/words/outcome.h"
-#include "store/program.h"
 
 namespace runcert {
 namespace {
@@ -141,7 +140,7 @@ Block software_table(const ReportInputs& inputs) {
                 add_one({program.name + (program.isolation.empty() ? "" : " (without a sandbox)"),
                          program.version, program.sha256});
         }
-    add_one({"runcert-report", program_version(), source_revision()});
+    add_one({"runcert-report", inputs.program.version, inputs.program.source_revision});
     return block;
 }
 

@@ -6,6 +6,8 @@
 
 #include "core/failure.h"
 #include "handover_support.h"
+#include "trust/roster.h"
+#include "trust/signature.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -106,6 +108,142 @@ TEST_F(BundleTest, ABundleUnpackedAndBundledAgainIsTheSame) {
     EXPECT_TRUE(make_bundle({.run_dir = unpacked.run_dir}).bytes == read_file(file()));
     write_quickly(unpacked.run_dir / "VERIFY.txt", "Believe me.");
     EXPECT_THROW(make_bundle({.run_dir = unpacked.run_dir}), Failure);
+}
+
+TEST_F(BundleTest, AsAZipItIsTheSameBundle) {
+    const TemporaryFolder there;
+    const fs::path zip = there.path() / "salt-lake.zip";
+    const std::vector<std::string> how{"--zip", "--pubkey", signed_->public_key()};
+    ASSERT_EQ(bundle(signed_->run(), zip, how).exit_status, 0);
+    // The same bytes wherever it is made.
+    const fs::path again = there.path() / "again.zip";
+    ASSERT_EQ(bundle(signed_->run(), again, how, {{"TZ", "Asia/Tokyo"}}).exit_status, 0);
+    EXPECT_TRUE(read_file(zip) == read_file(again));
+    const UnpackedBundle unpacked = unpack_bundle(zip);
+    auto in_zip = contents_of(unpacked.run_dir),
+         in_tar = contents_of(unpack_bundle(file()).run_dir);
+    EXPECT_TRUE(holds(in_zip.at("VERIFY.txt"), "    unzip -q salt-lake.zip\n"));
+    for (auto* contents : {&in_zip, &in_tar})
+        for (const char* own : {"VERIFY.txt", "SHA256SUMS"})
+            contents->erase(own);
+    EXPECT_EQ(in_zip, in_tar);
+    EXPECT_TRUE(make_bundle({.run_dir = unpacked.run_dir, .form = ArchiveForm::zip}).bytes ==
+                read_file(zip));
+    const ProcessResult verified =
+        runcert({"verify", zip.string(), "--pubkey", signed_->public_key(), "--recompute"});
+    EXPECT_EQ(verified.exit_status, 0) << verified.output << verified.errors;
+    EXPECT_TRUE(verified.output.ends_with("\nVERIFIED\n")) << verified.output;
+    // By default it is called as the attempt is, and unzip, which reads it too, gives the same.
+    ASSERT_EQ(shell(there.path(), fmt::format("mkdir a; cd a; {}/runcert bundle '{}' --zip; unzip "
+                                              "-q salt-lake.zip; cd salt-lake; sha256sum --quiet "
+                                              "-c SHA256SUMS",
+                                              RUNCERT_PROGRAMS, signed_->run().string()))
+                  .exit_status,
+              0);
+}
+
+TEST_F(BundleTest, AZipOfAnotherFormIsSeenWhateverItHolds) {
+    const TemporaryFolder there;
+    const fs::path zip = there.path() / "salt-lake.zip";
+    ASSERT_EQ(bundle(signed_->run(), zip, {"--zip", "--pubkey", signed_->public_key()}).exit_status,
+              0);
+    const std::string whole = read_file(zip);
+    const auto says = [&](const std::string& bytes, const std::string& about) {
+        const fs::path other = there.path() / "other.zip";
+        write_file_atomically(other, bytes);
+        const ProcessResult result =
+            runcert({"verify", other.string(), "--pubkey", signed_->public_key()});
+        EXPECT_NE(result.exit_status, 0) << about << result.output;
+        EXPECT_TRUE(holds(result.output, "NO   bundle") || result.exit_status == 2)
+            << about << result.output;
+    };
+    says(whole + "behind", "something behind it");
+    std::string commented = whole;
+    commented[commented.size() - 2] = 5;  // the length of its comment
+    says(commented + "hello", "a comment");
+    // Between two files, where no list points.
+    const std::size_t listed = whole.find("PK\x01\x02");
+    says(whole.substr(0, listed) + "hidden" + whole.substr(listed), "something between");
+    // Another name in front of a file than in the list.
+    std::string renamed = whole;
+    renamed.replace(renamed.find("salt-lake/"), 10, "salt-lake-");
+    says(renamed, "two names of one file");
+    // By another program, of the same files.
+    ASSERT_EQ(
+        shell(there.path(), "unzip -q salt-lake.zip; zip -q -r by-zip.zip salt-lake").exit_status,
+        0);
+    says(read_file(there.path() / "by-zip.zip"), "made by zip");
+}
+
+// Verification knew none of these: it called a bundle's own folder not verified.
+TEST_F(BundleTest, AStampOfNoSignatureIsRefused) {
+    for (const char* name : {"report.json.tsr", "report.json.tsq"}) {
+        const TemporaryFolder there;
+        copy_run(there.path() / "run");
+        write_quickly(there.path() / "run" / name, "stamp");
+        expect_refused(bundle(there.path() / "run", there.path() / "o.tar.zst"),
+                       {name, "no part of the run"});
+    }
+}
+
+TEST_F(BundleTest, EveryKeyOfItsRosterGoesAlong) {
+    const TemporaryFolder there;
+    ASSERT_EQ(shell(there.path(), "ssh-keygen -q -t ed25519 -N '' -C judge -f judge").exit_status,
+              0);
+    const std::string judge = read_file(there.path() / "judge.pub");
+    const ProcessResult line =
+        runcert({"keygen", "--out", (there.path() / "other").string(), "--no-password"});
+    ASSERT_EQ(line.exit_status, 0);
+    // The measurer's key as it signed, one that signed nothing.
+    const PublicKey measurer = parse_public_key(read_file(signed_->public_key()), "key");
+    write_quickly(there.path() / "roster",
+                  roster_line(measurer, "measurer", "m") + "\njudge " + judge);
+    const fs::path out = there.path() / "salt-lake.tar.zst";
+    ASSERT_EQ(
+        bundle(signed_->run(), out, {"--roster", (there.path() / "roster").string()}).exit_status,
+        0);
+    const UnpackedBundle unpacked = unpack_bundle(out);
+    auto keys = contents_of(unpacked.run_dir / "keys");
+    ASSERT_EQ(keys.size(), 3U);
+    EXPECT_EQ(keys.at(key_id_text(measurer) + ".pub"), public_key_file(measurer));
+    keys.erase(key_id_text(measurer) + ".pub");
+    keys.erase("roster");
+    EXPECT_TRUE(keys.begin()->first.starts_with("ssh-"));
+    EXPECT_EQ(keys.begin()->second, judge.substr(0, judge.rfind(' ')) + "\n");
+    EXPECT_TRUE(make_bundle({.run_dir = unpacked.run_dir}).bytes == read_file(out));
+    const std::string text = read_file(unpacked.run_dir / "VERIFY.txt");
+    EXPECT_TRUE(holds(text, "-p keys/" + key_id_text(measurer) + ".pub"));
+    EXPECT_FALSE(holds(text, "keys/ssh-")) << text;
+    // One that was taken out is missed.
+    fs::remove(unpacked.run_dir / "keys" / keys.begin()->first);
+    ASSERT_EQ(shell(unpacked.run_dir,
+                    "sed -i '/keys.ssh-/d' SHA256SUMS; cd ..; tar --format=ustar --owner=0 "
+                    "--group=0 --numeric-owner --mtime=@0 -cf o.tar $(cd salt-lake; LC_ALL=C; for "
+                    "f in $(find . -type f | sort); do echo salt-lake/${f#./}; done); zstd -q "
+                    "o.tar -o o.tar.zst")
+                  .exit_status,
+              0);
+    EXPECT_EQ(runcert({"verify", (unpacked.run_dir / ".." / "o.tar.zst").string(), "--pubkey",
+                       signed_->public_key()})
+                  .exit_status,
+              1);
+}
+
+TEST_F(BundleTest, SaysWhichProgramMadeItAndWhereThatIs) {
+    const auto of = [&](const std::string& home) {
+        return bundle_text({.attempt = "a",
+                            .report_id = "1",
+                            .program_version = "1.2.3",
+                            .source_revision = "abc",
+                            .program_home = home});
+    };
+    EXPECT_TRUE(holds(of(""), "made by runcert 1.2.3, source abc\n\n"));
+    EXPECT_TRUE(holds(of("https://example.org/runcert"),
+                      "made by runcert 1.2.3, source abc,\nto be had at "
+                      "https://example.org/runcert\n\n"));
+    const nlohmann::json report = nlohmann::json::parse(read_file(signed_->run() / "report.json"));
+    EXPECT_TRUE(holds(read_file(unpack_bundle(file()).run_dir / "VERIFY.txt"),
+                      report["predicate"]["program"]["source_revision"].get<std::string>()));
 }
 
 TEST_F(BundleTest, OfAnotherFormIsSeenWhateverItHolds) {

@@ -95,6 +95,9 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
     expect_found("reason", [](Json& rule) { rule["reason"] = "Everybody saw it."; });
     expect_found("requirement 1, status",
                  [](Json& rule) { rule["requirements"][0]["status"] = "attest"; });
+    expect_found("decision.probability is 0.5",
+                 [](Json& rule) { rule["decision"]["probability"] = 0.5; });
+    expect_found("decision.level is absent", [](Json& rule) { rule["decision"].erase("level"); });
     expect_found("requirements, in 6-verdict.yaml",
                  [](Json& rule) { rule["requirements"].erase(0); });
 }
@@ -117,13 +120,13 @@ TEST_F(ForgedReport, WhoseDocumentSaysOtherThanItsVerdictIsFound) {
     expect_found("nalsa, outcome_mark", [](Json& block) { block["sign"] = "✗"; });
     expect_found("nalsa, tone is \\\"outcome_yes\\\"",
                  [](Json& block) { block["look"] = "outcome_yes"; });
-    // All else of it is found where the report is made again.
     forge_predicate([](Json& predicate) {
         predicate["document"]["sections"][0]["blocks"].push_back(
             {{"kind", "headline"}, {"text", "255.50 km/h ± 0.01 km/h"}});
     });
-    expect_no("contents", "255.50 km/h");
+    expect_no("report", "headline is \\\"255.50 km/h ± 0.01 km/h\\\"");
     write_file_atomically(run() / "report.json", whole);
+    // All else of it is found where the report is made again.
     forge_predicate([](Json& predicate) {
         predicate["document"]["sections"][1]["blocks"][1]["text"] = "Everybody saw it.";
     });

@@ -103,9 +103,15 @@ class SignedRuns : public testing::Test {
         if (!json.is_object()) return nlohmann::json::object();
         EXPECT_EQ(json["exit_status"], result.exit_status);
         const bool recomputed = std::ranges::find(more, "--recompute") != more.end();
-        EXPECT_EQ(json["verdict"], result.exit_status != 0 ? "NOT VERIFIED"
-                                   : recomputed            ? "VERIFIED"
-                                                           : "SIGNED, NOT RECOMPUTED");
+        std::string verdict = result.exit_status != 0 ? "NOT VERIFIED"
+                              : recomputed            ? "VERIFIED"
+                                                      : "SIGNED, NOT RECOMPUTED";
+        const auto unchecked = json["not_checked_here"];
+        if (result.exit_status == 0 && !unchecked.empty()) {
+            EXPECT_EQ(unchecked.size(), 1U) << unchecked;
+            verdict += "; " + unchecked[0].get<std::string>() + " not checked here";
+        }
+        EXPECT_EQ(json["verdict"], verdict);
         return json;
     }
     static nlohmann::json layer(const nlohmann::json& found, const std::string& name) {

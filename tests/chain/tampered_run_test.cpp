@@ -245,20 +245,36 @@ TEST_F(TamperedPages, APdfThatWasEditedIsNotThePage) {
     EXPECT_TRUE(says(with(" rg\n", " RG\n"), "does not look as it is rendered"));
 }
 
-TEST_F(TamperedPages, OfAnotherProgramAreNotChecked) {
+TEST_F(TamperedPages, OfAnotherProgramAreNotCheckable) {
     // As its own signer may write it: nothing else tells that another program made the report.
     for (const char* file : {"1-observations.ecsv", "2-enu.ecsv", "3-screened.ecsv",
                              "4-trajectory.ecsv", "5-windows.yaml", "6-verdict.yaml"}) {
         change(file, "source_revision: ", "source_revision: f");
         fix_hash(file);
     }
+    const std::string page = read_file(run() / "report.html");
+    const std::string report = read_file(run() / "report.json");
     change("report.json", "\"source_revision\": \"", "\"source_revision\": \"f");
     change("report.json", "\"template_sha256\": \"", "\"template_sha256\": \"f");
-    const auto result =
-        nlohmann::json::parse(runcert({"verify", run().string(), "--json", "--keep-going"}).output);
-    const auto said = layer(result, "pages");
-    EXPECT_EQ(said["passed"], false);
-    EXPECT_TRUE(says(said, "not checked: made by runcert")) << said;
+    const auto found_of = [&](const std::string& html) {
+        write_file_atomically(run() / "report.html", html);
+        return nlohmann::json::parse(
+            runcert({"verify", run().string(), "--json", "--keep-going"}).output);
+    };
+    // Whatever program made them, they carry the report that they are of.
+    auto said = layer(found_of(page), "pages");
+    EXPECT_EQ(said["answer"], "not verified");
+    EXPECT_TRUE(says(said, "report.html: it carries another report than report.json")) << said;
+    EXPECT_TRUE(says(said, "report.pdf: the report attached to it is not report.json")) << said;
+    keep_only("report.html");
+    std::string carrying = page;
+    carrying.replace(carrying.find(report), report.size(), read_file(run() / "report.json"));
+    const auto result = found_of(carrying);
+    said = layer(result, "pages");
+    EXPECT_EQ(said["answer"], "not checkable here");
+    EXPECT_EQ(said["passed"], nullptr);
+    EXPECT_TRUE(says(said, "not checked here: made by runcert")) << said;
+    EXPECT_TRUE(says(result["not_checked_here"], "pages"));
     EXPECT_EQ(result["exit_status"], 1);
 }
 

@@ -259,9 +259,9 @@ TEST_F(TimeStamps, FromTheFutureDoNotHold) {
                                   .time_stamp_cas = {ca()}})
             .time_stamps;
     };
-    EXPECT_TRUE(stamps_at(in({})).passed);
+    EXPECT_TRUE(stamps_at(in({})).is(LayerAnswer::verified));
     const VerificationStep early = stamps_at(in(-std::chrono::hours(1)));
-    EXPECT_FALSE(early.passed);
+    EXPECT_TRUE(early.is(LayerAnswer::not_verified));
     EXPECT_NE(early.details.front().find("yet to come"), std::string::npos);
 }
 

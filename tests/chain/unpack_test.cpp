@@ -25,11 +25,18 @@ la_ssize_t append(archive*, void* out, const void* bytes, std::size_t count) {
     return static_cast<la_ssize_t>(count);
 }
 
-std::string archive_of(const std::vector<Entry>& entries) {
+/// The forms that a bundle may have.
+constexpr ArchiveForm forms[] = {ArchiveForm::tar_zst, ArchiveForm::zip};
+
+std::string archive_of(const std::vector<Entry>& entries, ArchiveForm form = ArchiveForm::tar_zst) {
     std::string bytes;
     archive* a = archive_write_new();
-    archive_write_set_format_pax_restricted(a);
-    archive_write_add_filter_zstd(a);
+    if (form == ArchiveForm::zip) {
+        archive_write_set_format_zip(a);  // deflated
+    } else {
+        archive_write_set_format_pax_restricted(a);
+        archive_write_add_filter_zstd(a);
+    }
     archive_write_set_bytes_in_last_block(a, 1);
     archive_write_open(a, &bytes, nullptr, append, nullptr);
     for (const Entry& one : entries) {
@@ -58,7 +65,7 @@ std::string refusal(const std::string& bytes, const UnpackLimits& limits = {}) {
     fs::create_directory(there.path() / "in");
     std::string said;
     try {
-        unpack_tar_zst(bytes, "x.tar.zst", there.path() / "in", limits);
+        unpack_archive(bytes, "x.tar.zst", there.path() / "in", limits);
     } catch (const Failure& failure) {
         said = failure.problem();
         EXPECT_EQ(failure.where(), "x.tar.zst");
@@ -76,12 +83,15 @@ std::string refusal(const std::string& bytes, const UnpackLimits& limits = {}) {
 }
 
 TEST(Unpack, RefusesEveryNameThatCouldHarm) {
-    EXPECT_EQ(refusal(archive_of({{"run/report.json"}, {"run/keys/a.pub"}})), "");
-    for (const char* name :
-         {"/etc/runcert", "../x", "run/../../x", "run/..", "./x", "run//x", "run/.ssh", "-rf",
-          "run/a b", "run/a\\b", "run/a\nb", "run/\x1b[31m", "run/$(x)", "run/caf\xc3\xa9", "C:x"})
-        EXPECT_TRUE(holds(refusal(archive_of({{"run/report.json"}, {name}})), "holds the name"))
-            << name;
+    for (const ArchiveForm form : forms) {
+        EXPECT_EQ(refusal(archive_of({{"run/report.json"}, {"run/keys/a.pub"}}, form)), "");
+        for (const char* name : {"/etc/runcert", "../x", "run/../../x", "run/..", "./x", "run//x",
+                                 "run/.ssh", "-rf", "run/a b", "run/a\\b", "run/a\nb",
+                                 "run/\x1b[31m", "run/$(x)", "run/caf\xc3\xa9", "C:x"})
+            EXPECT_TRUE(
+                holds(refusal(archive_of({{"run/report.json"}, {name}}, form)), "holds the name"))
+                << name << ending_of(form);
+    }
 }
 
 TEST(Unpack, RefusesWhatIsNoPlainFile) {
@@ -96,21 +106,30 @@ TEST(Unpack, RefusesWhatIsNoPlainFile) {
         EXPECT_TRUE(holds(said, "link") || holds(said, "no plain file")) << one.name << said;
         EXPECT_TRUE(holds(said, one.name)) << said;
     }
+    // Of these a ZIP knows links alone.
     EXPECT_TRUE(
-        holds(refusal(archive_of({{"run/a", "1"}, {"run/b"}, {"run/a", "2"}})), "\"run/a\" twice"));
-    EXPECT_TRUE(holds(refusal(archive_of({{"run/a/b"}, {"run/a"}})), "a file and a folder"));
+        holds(refusal(archive_of({{"run/report.json"}, cases.front()}, ArchiveForm::zip)), "link"));
+    for (const ArchiveForm form : forms) {
+        EXPECT_TRUE(holds(refusal(archive_of({{"run/a", "1"}, {"run/b"}, {"run/a", "2"}}, form)),
+                          "\"run/a\" twice"));
+        EXPECT_TRUE(
+            holds(refusal(archive_of({{"run/a/b"}, {"run/a"}}, form)), "a file and a folder"));
+    }
 }
 
 TEST(Unpack, RefusesWhatWouldFillTheDisk) {
-    const std::string big =
-        archive_of({{"run/a", std::string(600, 'a')}, {"run/b", std::string(600, 'b')}});
-    EXPECT_EQ(refusal(big, {.bytes = 1200}), "");
-    EXPECT_TRUE(holds(refusal(big, {.bytes = 1199}), "more than 1199 bytes"));
-    EXPECT_TRUE(holds(refusal(big, {.files = 1}), "more than 1 files"));
-    const std::string folders = archive_of(
-        {{"a", "", AE_IFDIR}, {"b", "", AE_IFDIR}, {"c", "", AE_IFDIR}, {"d/report.json"}});
-    EXPECT_EQ(refusal(folders, {.files = 4}), "");
-    EXPECT_TRUE(holds(refusal(folders, {.files = 3}), "more than 3 files"));
+    for (const ArchiveForm form : forms) {
+        const std::string big =
+            archive_of({{"run/a", std::string(600, 'a')}, {"run/b", std::string(600, 'b')}}, form);
+        EXPECT_EQ(refusal(big, {.bytes = 1200}), "");
+        EXPECT_TRUE(holds(refusal(big, {.bytes = 1199}), "more than 1199 bytes"));
+        EXPECT_TRUE(holds(refusal(big, {.files = 1}), "more than 1 files"));
+        const std::string folders = archive_of(
+            {{"a", "", AE_IFDIR}, {"b", "", AE_IFDIR}, {"c", "", AE_IFDIR}, {"d/report.json"}},
+            form);
+        EXPECT_EQ(refusal(folders, {.files = 4}), "");
+        EXPECT_TRUE(holds(refusal(folders, {.files = 3}), "more than 3 files"));
+    }
     EXPECT_EQ(UnpackLimits{}.bytes, std::uint64_t{4} << 30);
     // A hole of 5 GiB takes a few hundred bytes, in each way that tar writes it.
     const TemporaryFolder there;
@@ -126,15 +145,41 @@ TEST(Unpack, RefusesWhatWouldFillTheDisk) {
 }
 
 TEST(Unpack, RefusesAFileLongerThanOneOfItsKind) {
-    const std::string bytes =
-        archive_of({{"run/report.json", std::string(700, 'a')}, {"run/b", std::string(900, 'b')}});
     const auto most = [](std::uint64_t report) {
         return UnpackLimits{.bytes_of = [report](std::string_view name) {
             return name == "run/report.json" ? report : std::uint64_t{900};
         }};
     };
-    EXPECT_EQ(refusal(bytes, most(700)), "");
-    EXPECT_TRUE(holds(refusal(bytes, most(699)), "\"run/report.json\" in it is longer than 699"));
+    for (const ArchiveForm form : forms) {
+        const std::string bytes = archive_of(
+            {{"run/report.json", std::string(700, 'a')}, {"run/b", std::string(900, 'b')}}, form);
+        EXPECT_EQ(refusal(bytes, most(700)), "");
+        EXPECT_TRUE(
+            holds(refusal(bytes, most(699)), "\"run/report.json\" in it is longer than 699"));
+    }
+}
+
+/// Bytes replaced from a place on.
+std::string with_bytes(std::string text, std::size_t at, std::string_view bytes) {
+    return text.replace(at, bytes.size(), bytes);
+}
+
+// What a ZIP says twice, in front of a file and in its central directory, may be two things.
+TEST(Unpack, RefusesAZipThatSaysOtherThanItHolds) {
+    const std::string whole =
+        archive_of({{"run/report.json", std::string(700, 'a')}}, ArchiveForm::zip);
+    const std::size_t listed = whole.find("PK\x01\x02");
+    ASSERT_NE(listed, std::string::npos);
+    constexpr std::size_t flags = 8, unpacked_size = 24, place = 42;  // in its entry there
+    EXPECT_EQ(refusal(whole), "");
+    EXPECT_TRUE(
+        holds(refusal(with_bytes(whole, listed + unpacked_size, {"\xbb\x02", 2})), "it says"));
+    EXPECT_NE(refusal(with_bytes(whole, listed + unpacked_size, {"\xbd\x02", 2})), "");
+    EXPECT_NE(refusal(with_bytes(whole, listed + unpacked_size, "\xff\xff\xff\xff")), "");
+    EXPECT_TRUE(holds(refusal(with_bytes(whole, listed + flags, "\x09")), "encrypted"));
+    EXPECT_NE(refusal(with_bytes(whole, listed + place, "\x40")), "");
+    EXPECT_NE(refusal("PK\x03\x04"), "");
+    EXPECT_NE(refusal("PK" + archive_of({{"run/report.json"}})), "");
 }
 
 // 395 kB took 1.8 GB of disk and 2.1 GB of memory.
@@ -143,19 +188,23 @@ TEST(BundleLimits, ABundleMadeToFillTheDiskIsRefusedBeforeItDoes) {
     ASSERT_EQ(shell(there.path(),
                     "mkdir -p a/run b/run t; echo {} > a/run/report.json; head -c 400000000 "
                     "/dev/zero > a/run/recording.primary.csv; head -c 17000000 /dev/zero > "
-                    "b/run/report.json; for x in a b; do tar --zstd -C $x -cf $x.tar.zst run; done")
+                    "b/run/report.json; for x in a b; do tar --zstd -C $x -cf $x.tar.zst run; (cd "
+                    "$x; zip -q -r ../$x.zip run); done")
                   .exit_status,
               0);
     const Environment own{{"TMPDIR", (there.path() / "t").string()}};
-    const auto verified = [&](const char* name) {
+    const auto verified = [&](const std::string& name) {
         const ProcessResult result = runcert({"verify", (there.path() / name).string()}, own);
         EXPECT_LT(result.peak_memory_bytes, std::uint64_t{200} << 20);
         EXPECT_TRUE(fs::is_empty(there.path() / "t"));
         return result;
     };
     ASSERT_LT(fs::file_size(there.path() / "a.tar.zst"), 100'000U);
-    expect_refused(verified("a.tar.zst"), {"recording.primary.csv", "more than 268435456 bytes"});
-    expect_refused(verified("b.tar.zst"), {"report.json", "the most for one of its kind"});
+    for (const std::string form : {".tar.zst", ".zip"}) {
+        expect_refused(verified("a" + form),
+                       {"recording.primary.csv", "more than 268435456 bytes"});
+        expect_refused(verified("b" + form), {"report.json", "the most for one of its kind"});
+    }
 }
 
 TEST(BundleLimits, AreInTheHelpOfWhoeverUsesThem) {
@@ -212,19 +261,23 @@ TEST(Unpack, RefusesOtherFilesAndDamage) {
     EXPECT_NE(refusal(read_file(there.path() / "b.zst")), "");
     EXPECT_NE(refusal("not an archive"), "");
     EXPECT_NE(refusal(""), "");
-    const std::string whole = archive_of({{"run/a", std::string(5000, 'q')}, {"run/report.json"}});
-    for (const double part : {0.1, 0.5, 0.9, 0.99})
-        EXPECT_NE(refusal(whole.substr(
-                      0, static_cast<std::size_t>(static_cast<double>(whole.size()) * part))),
-                  "")
-            << part;
+    for (const ArchiveForm form : forms) {
+        const std::string whole =
+            archive_of({{"run/a", std::string(5000, 'q')}, {"run/report.json"}}, form);
+        for (const double part : {0.1, 0.5, 0.9, 0.99})
+            EXPECT_NE(refusal(whole.substr(
+                          0, static_cast<std::size_t>(static_cast<double>(whole.size()) * part))),
+                      "")
+                << part << ending_of(form);
+    }
 }
 
 TEST(Unpack, ABundleIsOneFolderWithAReport) {
     const TemporaryFolder there;
     const fs::path file = there.path() / "x.tar.zst";
+    ArchiveForm form{};
     const auto said = [&](const std::vector<Entry>& entries) -> std::string {
-        write_quickly(file, archive_of(entries));
+        write_quickly(file, archive_of(entries, form));
         try {
             const UnpackedBundle bundle = unpack_bundle(file);
             return fs::exists(bundle.run_dir / "report.json") ? "" : "nothing there";
@@ -232,10 +285,14 @@ TEST(Unpack, ABundleIsOneFolderWithAReport) {
             return failure.problem();
         }
     };
-    EXPECT_EQ(said({{"run/report.json"}}), "");
-    EXPECT_TRUE(holds(said({{"run/report.json"}, {"other/x"}}), "one folder"));
-    EXPECT_TRUE(holds(said({{"report.json"}}), "one folder"));
-    EXPECT_TRUE(holds(said({{"run/a"}}), "one folder"));
+    for (const ArchiveForm one : forms) {
+        form = one;
+        EXPECT_EQ(said({{"run/report.json"}}), "");
+        EXPECT_TRUE(holds(said({{"run/report.json"}, {"other/x"}}), "one folder"));
+        EXPECT_TRUE(holds(said({{"report.json"}}), "one folder"));
+        EXPECT_TRUE(holds(said({{"run/a"}}), "one folder"));
+    }
+    form = ArchiveForm::tar_zst;
     EXPECT_TRUE(holds(said({}), "one folder"));
 }
 

@@ -47,7 +47,7 @@ void unpack(std::string_view bytes) {
     std::vector<std::string> names;
     bool whole = true;
     try {
-        names = unpack_tar_zst(bytes, "bundle", inside, little);
+        names = unpack_archive(bytes, "bundle", inside, little);
         (void)check_sums(inside);
     } catch (const Failure&) {
         whole = false;

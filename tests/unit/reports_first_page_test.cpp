@@ -39,6 +39,25 @@ std::size_t headlines(const Json& report) {
     return count;
 }
 
+TEST(FirstPage, SaysWhereTheProgramIsToBeHadIfWhoeverBuiltItSaid) {
+    sample::Run run = made();
+    const auto check = [&] {
+        for (const Json& block : blocks_at(report_json(run.inputs), first))
+            if (block["kind"] == "check") return block["text"].get<std::string>();
+        return std::string();
+    };
+    run.inputs.program = {.version = "1.2.3", .source_revision = "abc", .home = ""};
+    EXPECT_EQ(check().find("The program is at"), std::string::npos);
+    EXPECT_FALSE(report_json(run.inputs)["predicate"]["program"].contains("home"));
+    run.inputs.program.home = "https://example.org/runcert";
+    EXPECT_NE(check().find(" The program is at https://example.org/runcert (version 1.2.3, source "
+                           "abc). "),
+              std::string::npos)
+        << check();
+    EXPECT_EQ(report_json(run.inputs)["predicate"]["program"]["home"],
+              "https://example.org/runcert");
+}
+
 TEST(FirstPage, OfARecordThatIsBeatenTheSpeedStandsLarge) {
     const Json report = report_json(made().inputs);
     ASSERT_EQ(headlines(report), 1U);

@@ -226,16 +226,17 @@ TEST_F(FirstRevision, OfAReportIsStillVerified) {
     };
     Json report = Json::parse(text_);
     const VerificationStep step = step_of(report);
-    EXPECT_TRUE(step.passed) << (step.details.empty() ? "" : step.details.front());
+    EXPECT_TRUE(step.is(LayerAnswer::verified))
+        << (step.details.empty() ? "" : step.details.front());
     // Each field of it is held to the table of its revision.
     report["predicate"]["profiles"][0].erase("standing_words");
-    EXPECT_FALSE(step_of(report).passed);
+    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified));
     report = Json::parse(text_);
     report["predicate"]["document"] = Json::object();
-    EXPECT_FALSE(step_of(report).passed) << "that revision has none";
+    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified)) << "that revision has none";
     report = Json::parse(text_);
     report["predicate"]["schema"]["version"] = report_field_table().version();
-    EXPECT_FALSE(step_of(report).passed) << "it is not of the later one";
+    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified)) << "it is not of the later one";
 }
 
 }  // namespace

@@ -373,9 +373,11 @@ void add_verify(CLI::App& app, Command& chosen) {
         "complete where\neach requirement is met or attested and all signatures stand. A roster "
         "that lies in the run vouches\nfor nothing. What is open, or was answered no, does not "
         "change the exit status; an attestation that\nis not as it was signed does.\n"
-        "Exit status: 0 verified, or signed and not recomputed, whether or not pages, drawings, "
-        "time stamps\nand the form of a bundle could be checked; 1 not verified; 2 not checkable, "
-        "also where --recompute\ncould not be done.");
+        "Exit status: 0 verified, or signed and not recomputed; 1 not verified; 2 not checkable, "
+        "as "
+        "where\n--recompute could not be done. Pages, drawings, time stamps and the form of a "
+        "bundle "
+        "do not change it\nwhere they cannot be checked.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }
 

@@ -64,7 +64,7 @@ struct BundleFacts {
     std::string program_version, source_revision;  ///< of the program that made the report
     std::string program_home;                      ///< where that is to be had; may be empty
     ArchiveForm form = ArchiveForm::tar_zst;
-    std::vector<std::string> files;  ///< in the bundle, sorted, without VERIFY.txt and SHA256SUMS
+    std::vector<std::string> files = {};  ///< in it, sorted, without VERIFY.txt and SHA256SUMS
 };
 
 /// VERIFY.txt: how a stranger checks the bundle, with runcert and without.

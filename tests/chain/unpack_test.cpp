@@ -170,14 +170,17 @@ TEST(Unpack, RefusesAZipThatSaysOtherThanItHolds) {
         archive_of({{"run/report.json", std::string(700, 'a')}}, ArchiveForm::zip);
     const std::size_t listed = whole.find("PK\x01\x02");
     ASSERT_NE(listed, std::string::npos);
-    constexpr std::size_t flags = 8, unpacked_size = 24, place = 42;  // in its entry there
+    constexpr std::size_t flags = 8, flags_in_front = 6, unpacked_size = 24, place = 42;
     EXPECT_EQ(refusal(whole), "");
-    EXPECT_TRUE(
-        holds(refusal(with_bytes(whole, listed + unpacked_size, {"\xbb\x02", 2})), "it says"));
-    EXPECT_NE(refusal(with_bytes(whole, listed + unpacked_size, {"\xbd\x02", 2})), "");
-    EXPECT_NE(refusal(with_bytes(whole, listed + unpacked_size, "\xff\xff\xff\xff")), "");
-    EXPECT_TRUE(holds(refusal(with_bytes(whole, listed + flags, "\x09")), "encrypted"));
+    // Shorter, longer, and without end; another place; encrypted.
+    for (const std::string_view size :
+         {std::string_view("\xbb\x02", 2), {"\xbd\x02", 2}, {"\xff\xff\xff\xff", 4}})
+        EXPECT_NE(refusal(with_bytes(whole, listed + unpacked_size, size)), "");
     EXPECT_NE(refusal(with_bytes(whole, listed + place, "\x40")), "");
+    EXPECT_NE(refusal(with_bytes(whole, listed + flags, "\x09")), "");
+    EXPECT_TRUE(holds(
+        refusal(with_bytes(with_bytes(whole, listed + flags, "\x09"), flags_in_front, "\x09")),
+        "encrypted"));
     EXPECT_NE(refusal("PK\x03\x04"), "");
     EXPECT_NE(refusal("PK" + archive_of({{"run/report.json"}})), "");
 }

@@ -9,9 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "moving_line.h"
+#include "recognised.h"
 #include "reports/document/document_text.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
@@ -196,10 +198,32 @@ bool is_shown(const StageDone& step) {
     return !step_named(step.name).program.empty();
 }
 
+/// The attempt and its text. What is no attempt may be a recording: the likeliest first try.
+std::pair<Attempt, std::string> attempt_in(const std::string& file) {
+    try {
+        std::string text = read_handwritten(file);
+        Attempt attempt = read_attempt(text, file);
+        return {std::move(attempt), std::move(text)};
+    } catch (const Failure&) {
+        const std::string suffix = lower_case(fs::path(file).extension().string());
+        if (suffix == ".yaml" || suffix == ".yml" || !fs::is_regular_file(file)) throw;
+        const Recognised recognised = recognise(file);
+        if (recognised.said.exit_status != 0) throw;
+        throw Failure(
+            file,
+            fmt::format(
+                "this is a recording ({}), and no attempt",
+                recognised.is.kind == RecordingKind::table ? "a table" : recognised.is.format),
+            fmt::format("Write an attempt from it first: runcert new {}",
+                        shell_word(plain_text(file))));
+    }
+}
+
 int certify(const CertifyOptions& options) {
     const std::time_t started = std::time(nullptr);
-    const std::string text = read_handwritten(options.attempt);
-    const Attempt attempt = read_attempt(text, options.attempt);
+    const auto read = attempt_in(options.attempt);
+    const Attempt& attempt = read.first;
+    const std::string& text = read.second;
     std::optional<SecretKey> key;
     std::string role;
     if (!options.key.empty()) {

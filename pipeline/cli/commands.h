@@ -16,6 +16,7 @@ namespace runcert {
 /// is the exit status: 0 yes, 1 no, 2 could not.
 using Command = std::function<int()>;
 
+void add_new(CLI::App& app, Command& chosen);
 void add_certify(CLI::App& app, Command& chosen);
 void add_batch(CLI::App& app, Command& chosen);
 void add_verify(CLI::App& app, Command& chosen);

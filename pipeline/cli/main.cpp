@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
             "Print the version, and which external programs there are");
         app.footer("Exit status: 0 success or yes, 1 no, 2 error.");
         Command chosen;
+        add_new(app, chosen);
         add_certify(app, chosen);
         add_batch(app, chosen);
         add_verify(app, chosen);

@@ -77,6 +77,14 @@ std::optional<double> parse_any_double(std::string_view text) {
     return value;
 }
 
+std::optional<std::string> with_decimal_point(std::string_view text) {
+    if (std::count(text.begin(), text.end(), ',') != 1) return std::nullopt;
+    std::string number(text);
+    number[number.find(',')] = '.';
+    if (!parse_double(number)) return std::nullopt;
+    return number;
+}
+
 std::optional<std::int64_t> parse_integer(std::string_view text) {
     const std::string_view number = without_plus(text);
     if (number.size() < text.size() && number.starts_with('-')) return std::nullopt;

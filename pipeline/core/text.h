@@ -22,6 +22,10 @@ std::optional<double> parse_any_double(std::string_view text);
 /// are accepted.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
+/// The text with its one comma made a point, where that makes it a number: "440.5" of "440,5".
+/// Nothing for any other text.
+std::optional<std::string> with_decimal_point(std::string_view text);
+
 /// Whether the character is one of 0 to 9, independent of locale.
 constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';

@@ -264,6 +264,7 @@ class DocumentSchema::Validation {
             } else if (const std::string any = field_path(path, "*"); schema_.find(any)) {
                 value(node.value(i), below, any);
             } else if (!newer_) {
+                if (i > 0) refuse_decimal_comma(node, i, step);
                 refuse_key(node.key(i), path, known);
             }
         }
@@ -279,6 +280,21 @@ class DocumentSchema::Validation {
   private:
     YamlValue at(const YamlNode& node, const Step& step) const {
         return {node, document_.where(), step.path(document_.path())};
+    }
+
+    /// Between braces a decimal comma parts a number: {speed: 440,5} has the key 5.
+    void refuse_decimal_comma(const YamlNode& map, std::size_t unknown, const Step& step) const {
+        const YamlNode number = map.value(unknown - 1);
+        const std::string_view decimals = map.key(unknown).scalar();
+        const std::string written = fmt::format("{},{}", number.scalar(), decimals);
+        if (!map.value(unknown).is_null() || number.is_quoted() || !parse_integer(decimals) ||
+            !is_digit(decimals.front()) || !parse_integer(number.scalar()))
+            return;
+        const Step below{.above = &step, .key = map.key(unknown - 1).scalar()};
+        at(number, below)
+            .fail(fmt::format("\"{}\" is not a number: it has a decimal comma",
+                              escape_for_message(written)),
+                  fmt::format("Write it with a decimal point: {}.{}", number.scalar(), decimals));
     }
 
     [[noreturn]] void refuse_key(const YamlNode& key, const std::string& path,

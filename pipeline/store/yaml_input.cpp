@@ -47,6 +47,10 @@ std::string YamlValue::text() const {
 double YamlValue::real() const {
     const std::string_view value = scalar("a number");
     const auto number = parse_double(value);
+    if (const auto point = with_decimal_point(value); point && !node_.is_quoted())
+        fail(fmt::format("\"{}\" is not a number: it has a decimal comma",
+                         escape_for_message(value)),
+             fmt::format("Write it with a decimal point: {}", *point));
     if (node_.is_quoted() || !number)
         fail(fmt::format("\"{}\" is not a number", escape_for_message(value)),
              "Write a plain decimal number, with a point and without quotes or units");

@@ -22,15 +22,6 @@ bool is_nan_or_inf(std::string_view text) {
     return lower.starts_with("nan") || lower.starts_with("inf") || lower.starts_with("1.#");
 }
 
-/// The text with its one comma made a point, where that makes it a number.
-std::optional<std::string> with_decimal_point(std::string_view text) {
-    if (std::count(text.begin(), text.end(), ',') != 1) return std::nullopt;
-    std::string number(text);
-    number[number.find(',')] = '.';
-    if (!parse_double(number)) return std::nullopt;
-    return number;
-}
-
 /// Says why a cell is no number.
 [[noreturn]] void refuse_number(const Cell& cell, std::string_view meaning) {
     const std::string quoted = escape_for_message(cell.text);

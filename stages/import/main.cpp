@@ -9,13 +9,16 @@
 #include "core/text.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "schemas/common/document.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
 #include "stages/import/phase_table.h"
+#include "stages/import/recognise.h"
 #include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
 #include "store/atomic_file.h"
+#include "store/yaml_output.h"
 
 using namespace runcert;
 
@@ -268,6 +271,103 @@ int inspect_file(const std::string& path, std::optional<std::string> navigation)
     return 0;
 }
 
+/// The receiver that these keys, a map as an attempt writes one, describe.
+Receiver receiver_of(const std::string& path, const std::string& keys) {
+    const std::string where = "the receiver of " + path;
+    nlohmann::ordered_json receiver = json_from_yaml(YamlValue(parse_yaml(keys, where), where));
+    receiver["id"] = "recognised";
+    receiver["recording"] = path;
+    const nlohmann::ordered_json attempt{
+        {"schema", attempt_schema().name() + "/" + attempt_schema().version()},
+        {"id", "recognised"},
+        {"craft", {{"name", "any"}, {"class", "other"}}},
+        {"receivers", nlohmann::ordered_json::array({receiver})},
+        {"profiles", nlohmann::ordered_json::array({"nalsa"})}};
+    return read_attempt(to_yaml_text(attempt), where).receivers.front();
+}
+
+/// Reads what a format recognises. A key that it cannot be read without is stated by a value that
+/// it can be read with, and said to be needed.
+Observations read_somehow(Receiver& receiver, const RecordingBytes& recording,
+                          std::vector<NeededKey>& needed) {
+    try {
+        return read_recording(receiver, recording);
+    } catch (const Failure& failure) {
+        Receiver by_utc = receiver, by_date = receiver;
+        by_utc.time_scale = "utc";
+        by_date.start_date = "2000-01-01";
+        const auto try_with = [&](Receiver& stated, NeededKey key) -> std::optional<Observations> {
+            try {
+                Observations read = read_recording(stated, recording);
+                needed.push_back(std::move(key));
+                receiver = stated;
+                return read;
+            } catch (const Failure&) {
+                return std::nullopt;
+            }
+        };
+        if (receiver.time_scale.empty())
+            if (auto read = try_with(by_utc, {.key = "time_scale",
+                                              .reason = "Nothing in the recording says whether its "
+                                                        "times are UTC or local time.",
+                                              .values = {"utc", "local"},
+                                              .required = true}))
+                return *std::move(read);
+        if (receiver.start_date.empty())
+            if (auto read = try_with(by_date, {.key = "start_date",
+                                               .reason = "The recording has times of day and no "
+                                                         "date.",
+                                               .values = {},
+                                               .required = true}))
+                return *std::move(read);
+        throw failure;
+    }
+}
+
+Recognition recognised_positions(Receiver receiver, const RecordingBytes& recording) {
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    const std::string utf8 = is_utf16(recording.bytes) ? utf8_of_utf16(recording) : std::string();
+    const RecordingBytes readable{.name = recording.name,
+                                  .bytes = utf8.empty() ? recording.bytes : utf8};
+    if (!receiver.columns.empty() && !receiver.frame)
+        return recognition_of_table(readable, receiver.columns);
+    if (receiver.columns.empty() && !is_read_by_itself(receiver, readable) &&
+        !gpsbabel::recognises(head)) {
+        refuse_not_read(readable, false);
+        require_text(readable);
+        return recognition_of_table(readable);
+    }
+    std::vector<NeededKey> needed;
+    const Observations observations = read_somehow(receiver, recording, needed);
+    Recognition is = recognition_of(observations, receiver);
+    is.needed.insert(is.needed.begin(), needed.begin(), needed.end());
+    try {
+        is.raw_signals = is.format == "ubx" && has_phases(head) &&
+                         import_phases(receiver, recording, {}).rows > 0;
+    } catch (const Failure&) {
+        // Without orbits of its own: its positions alone are used.
+    }
+    return is;
+}
+
+/// Prints what a file is to a program that writes an attempt, as JSON; `keys` are those that the
+/// receiver is to be read by.
+int recognise_file(const std::string& path, const std::string& keys) {
+    const FileView file(path);
+    const RecordingBytes recording{.name = path, .bytes = file.bytes()};
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    require_readable(recording);
+    Recognition is;
+    if (is_navigation(head) || rinex::recognises(head)) {
+        is.kind = is_navigation(head) ? RecordingKind::orbits : RecordingKind::signals;
+        is.format = "rinex";
+    } else {
+        is = recognised_positions(receiver_of(path, keys), recording);
+    }
+    fmt::print("{}\n", members_json(is).dump());
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -276,6 +376,8 @@ int main(int argc, char** argv) {
             return inspect_file(argv[2],
                                 argc == 4 ? std::optional<std::string>(argv[3]) : std::nullopt);
         });
+    if ((argc == 3 || argc == 4) && std::string_view(argv[1]) == "--recognise")
+        return guarded_main([&] { return recognise_file(argv[2], argc == 4 ? argv[3] : "{}"); });
     std::string folder;
     std::string earlier_run;
     return stage_main(

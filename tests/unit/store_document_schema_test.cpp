@@ -109,6 +109,18 @@ TEST(DocumentSchema, RefusesWhatDoesNot) {
         {"name: x\nspeed: '5'\n", "f:2:8", "not a number"},
         {"name: x\nspeed: 5 m/s\n", "f:2:8", "not a number"},
         {"name: x\nspeed: .inf\n", "f:2:8", "not a number"},
+        // A decimal comma, which between braces makes a key of the decimals.
+        {"name: x\nspeed: 440,5\n", "f:2:8",
+         "speed: \"440,5\" is not a number: it has a decimal comma. Write it with a decimal point: "
+         "440.5"},
+        {"{name: x, speed: 440,5, kind: ice}\n", "f:1:18",
+         "speed: \"440,5\" is not a number: it has a decimal comma. Write it with a decimal point: "
+         "440.5"},
+        {"{name: x, speed: 0,05}\n", "f:1:18", "decimal point: 0.05"},
+        {"{name: x, speed: -1,5}\n", "f:1:18", "\"-1,5\" is not a number"},
+        {"{name: x, speed: 440, 5: 1}\n", "f:1:23", "unknown key \"5\""},
+        {"{name: x, speed: 440.5, 5}\n", "f:1:25", "unknown key \"5\""},
+        {"{name: x, spede: 440, 5}\n", "f:1:11", "unknown key \"spede\""},
         {"name: x\nspeed: [5]\n", "f:2:8", "speed: is a list, not real"},
         {"name: x\nflag: yes\n", "f:2:7", "neither true nor false"},
         {"name: x\nflag: 'true'\n", "f:2:7", "neither true nor false"},

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
 
+#include "core/gps_time.h"
 #include "core/text.h"
 #include "stages/import/csv/head.h"
 #include "stages/import/format.h"
@@ -35,6 +39,10 @@ void note_description(Observations& observations, const Receiver& receiver,
         observations.notes.push_back(
             "The recorded accuracies are along the UTM grid, and were turned to true east and "
             "north.");
+    if (!description.start_date.empty())
+        observations.notes.push_back(fmt::format(
+            "The table has times of day and no date; the attempt's start_date is used: {}.",
+            description.start_date));
     if (receiver.height_m && !description.constant_height_m)
         observations.notes.push_back("The attempt's height_m is not used.");
 }
@@ -46,6 +54,40 @@ bool begin_table(std::span<const Cell> first, std::span<const Cell> second) {
            std::count_if(second.begin(), second.end(),
                          [](const Cell& cell) { return parse_double(cell.text).has_value(); }) >= 2;
 }
+
+/// Gives times of day that no column has a date for their days: the first row is on the attempt's
+/// UTC date, and a row half a day or more before the one above it is on the next day, as one half a
+/// day behind it is on the day before.
+class RunningDate {
+  public:
+    explicit RunningDate(std::string start_date) : start_date_(std::move(start_date)) {}
+
+    void set(GpsTime& instant) {
+        if (start_date_.empty()) return;
+        if (!before_) {
+            // A local clock may show another date than UTC.
+            const std::string utc = to_utc_iso(instant, 0).substr(0, start_date_.size());
+            days_ = utc < start_date_ ? 1 : utc > start_date_ ? -1 : 0;
+        }
+        GpsTime dated = on_day(instant);
+        if (before_) {
+            const double step_s = dated.seconds_since(*before_);
+            days_ += step_s < -half_day_s ? 1 : step_s > half_day_s ? -1 : 0;
+            dated = on_day(instant);
+        }
+        before_ = instant = dated;
+    }
+
+  private:
+    static constexpr double half_day_s = 43'200.0;
+    GpsTime on_day(GpsTime instant) const {
+        return instant.plus_nanoseconds(days_ * GpsTime::nanoseconds_per_day);
+    }
+
+    std::string start_date_;
+    std::optional<GpsTime> before_;
+    std::int64_t days_ = 0;
+};
 
 }  // namespace
 
@@ -113,12 +155,16 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     settle_times(layout, description, receiver, recording);
     RowCollector timed(recording);
     std::size_t repeated = 0;
+    RunningDate date(description.start_date);
     for_each_row(layout, recording, timed,
                  [&](const SourceLine& line, std::span<const Cell> cells) {
-                     if (is_new_fix(cells, layout))
-                         timed.add(read_row(cells, layout, description, receiver), line);
-                     else
+                     if (is_new_fix(cells, layout)) {
+                         TimedRow row = read_row(cells, layout, description, receiver);
+                         date.set(row.instant);
+                         timed.add(std::move(row), line);
+                     } else {
                          ++repeated;
+                     }
                      timed.count_good();
                  });
     Observations observations =

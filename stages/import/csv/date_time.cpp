@@ -170,47 +170,67 @@ std::string date_text(std::int64_t day) {
     return to_iso(GpsTime::from_nanoseconds(day * GpsTime::nanoseconds_per_day)).substr(0, 10);
 }
 
-[[noreturn]] void refuse_order(const Cell& date) {
+/// What a date is in any order.
+std::set<std::string> dates_of(std::string_view date) {
     std::set<std::string> dates;
-    for (const auto& day : days_of(date.text))
+    for (const auto& day : days_of(date))
         if (day) dates.insert(date_text(*day));
+    return dates;
+}
+
+[[noreturn]] void refuse_order(const Cell& date) {
+    const std::set<std::string> dates = dates_of(date.text);
     date.fail(fmt::format("the date \"{}\" may be {}, and no row shows which",
                           escape_for_message(date.text), fmt::join(dates, " or ")),
               "Write start_date in the receiver, the UTC date of the first epoch");
 }
 
-/// Date and time of day in a row; the date is empty where it has none.
+/// Date and time of day in a row; the date is empty where it has none, and the attempt's where no
+/// column holds one.
 std::array<Cell, 2> date_and_time(std::span<const Cell> cells, const Layout& layout,
-                                  TimeFormat format) {
+                                  const Description& description) {
     const std::size_t time = *layout[Column::time];
     const std::size_t date = layout[Column::date].value_or(time);
     if (time >= cells.size() || date >= cells.size()) return {};
-    if (format == TimeFormat::iso) return split_date_time(cells[time]);
-    return {cells[date], cells[time]};
+    if (description.time_format == TimeFormat::iso) return split_date_time(cells[time]);
+    Cell day = cells[date];
+    if (!layout[Column::date]) day.text = description.start_date;
+    return {day, cells[time]};
+}
+
+/// The dates of a table's rows.
+struct SeenDates {
+    std::optional<Cell> first;
+    DateOrders orders;
+    bool iso = false;  ///< the first is ISO 8601, and no other was looked at
+};
+
+SeenDates see_dates(const Layout& layout, const Description& description,
+                    const RecordingBytes& recording) {
+    SeenDates seen;
+    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
+        const auto [date, time] = date_and_time(cells, layout, description);
+        if (date.text.empty() || time.text.empty()) return false;
+        if (!seen.first) seen.iso = is_iso(date.text, time.text);
+        if (!seen.first) seen.first = date;
+        seen.orders.see(date.text);
+        return seen.iso;
+    });
+    return seen;
 }
 
 void settle_dates(Layout& layout, Description& description, const Receiver& receiver,
                   const RecordingBytes& recording) {
-    std::optional<Cell> first;
-    DateOrders seen;
-    bool iso = false;
-    look_at_rows(layout.head, recording, [&](std::span<const Cell> cells) {
-        const auto [date, time] = date_and_time(cells, layout, description.time_format);
-        if (date.text.empty() || time.text.empty()) return false;
-        if (!first) iso = is_iso(date.text, time.text);
-        if (!first) first = date;
-        seen.see(date.text);
-        return iso;
-    });
-    if (iso || !first) return;
+    const SeenDates seen = see_dates(layout, description, recording);
+    if (seen.iso || !seen.first) return;
     if (description.date_order) return;
-    description.date_order = seen.order(attempted_day(receiver));
-    if (!description.date_order && is_date(first->text)) refuse_order(*first);
+    description.date_order = seen.orders.order(attempted_day(receiver));
+    if (!description.date_order && is_date(seen.first->text)) refuse_order(*seen.first);
     if (description.date_order && *description.date_order != DateOrder::year_first)
-        layout.notes.push_back(
-            fmt::format("Dates were read with the {} first, as {} shows.",
-                        *description.date_order == DateOrder::month_first ? "month" : "day",
-                        seen.order(std::nullopt) ? "the table" : "the attempt's start_date"));
+        layout.notes.push_back(fmt::format(
+            "Dates were read with the {} first, as {} shows.",
+            *description.date_order == DateOrder::month_first ? "month" : "day",
+            seen.orders.order(std::nullopt) ? "the table" : "the attempt's start_date"));
 }
 
 void settle_unix(Layout& layout, Description& description, const RecordingBytes& recording) {
@@ -289,6 +309,16 @@ std::optional<int> unix_shift(std::string_view text) {
         if (seconds >= least_unix_s && seconds <= most_unix_s) return shift;
     }
     return std::nullopt;
+}
+
+std::vector<std::string> dates_in_doubt(const Receiver& receiver, const RecordingBytes& recording) {
+    const Description description = describe(receiver);
+    const Layout layout = read_layout(receiver, description, recording);
+    if (!layout[Column::time]) return {};
+    const SeenDates seen = see_dates(layout, description, recording);
+    if (seen.iso || !seen.first || seen.orders.order(std::nullopt)) return {};
+    const std::set<std::string> dates = dates_of(seen.first->text);
+    return {dates.begin(), dates.end()};
 }
 
 void settle_times(Layout& layout, Description& description, const Receiver& receiver,

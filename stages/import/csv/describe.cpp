@@ -108,7 +108,8 @@ void check_time(const Receiver& receiver, Description& description) {
     const bool week = description.time_format == TimeFormat::seconds_of_week;
     const bool date = description.time_format == TimeFormat::time_of_day;
     if (week) require_column(receiver, Column::week, setting);
-    if (date) require_column(receiver, Column::date, setting);
+    if (date && receiver.start_date.empty()) require_column(receiver, Column::date, setting);
+    if (date && !maps(receiver, Column::date)) description.start_date = receiver.start_date;
     if (!week) refuse_useless(receiver, {}, week_columns, setting);
     if (!date) refuse_useless(receiver, {}, date_columns, setting);
     if (receiver.time_scale == "utc") description.clock = Clock::utc;

@@ -126,6 +126,8 @@ struct Description {
     /// Of counts of time: so many more digits are decimals (3: milliseconds).
     int time_shift = 0;
     std::optional<DateOrder> date_order;  ///< of dates and times that are not ISO 8601
+    /// Of times of day that no column has a date for: the UTC date of the first row.
+    std::string start_date;
 };
 
 /// Failure at the receiver's place in the attempt.
@@ -159,6 +161,10 @@ std::optional<Unit> unit_of_column(const Head& head, std::size_t column);
 /// ISO 8601. Failure where that order shows neither in the dates nor in the attempt's start_date.
 void settle_times(Layout& layout, Description& description, const Receiver& receiver,
                   const RecordingBytes& recording);
+
+/// The dates that the first row's may be, as the attempt writes them, where its order shows neither
+/// in the dates nor elsewhere; none where it does. Failures as of describe and read_layout.
+std::vector<std::string> dates_in_doubt(const Receiver& receiver, const RecordingBytes& recording);
 
 /// Notes what of the head was passed over.
 void note_head(Layout& layout);

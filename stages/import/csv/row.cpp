@@ -169,9 +169,11 @@ GpsTime read_instant(const Fields& fields, const Description& description,
         case TimeFormat::time_of_day:
             break;
     }
-    if (description.date_order)
-        return read_date_time(fields.cell(Column::date), time, *description.date_order, clock);
-    return read_calendar(fields.cell(Column::date), time, clock);
+    Cell date = time;
+    date.text = description.start_date;
+    if (description.start_date.empty()) date = fields.cell(Column::date);
+    if (description.date_order) return read_date_time(date, time, *description.date_order, clock);
+    return read_calendar(date, time, clock);
 }
 
 Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_m) {

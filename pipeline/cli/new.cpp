@@ -1,0 +1,412 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "core/failure.h"
+#include "core/prose.h"
+#include "core/text.h"
+#include "draft/draft.h"
+#include "new_dialogue.h"
+#include "recognised.h"
+#include "reports/document/document_text.h"
+#include "store/atomic_file.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct NewOptions {
+    std::vector<std::string> recordings;
+    std::string day;
+    std::string out;
+    std::vector<std::string> rules, officials, set;
+    std::string craft, kind, pilot, place, record, source;
+    bool no_questions = false;
+
+    bool asks() const { return !no_questions && somebody_answers(); }
+};
+
+/// An option with the key of the attempt that it answers, and the answer.
+struct GivenAnswer {
+    std::string option, key, value;
+};
+
+GivenAnswer answer_of_set(const std::string& text) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+        throw Failure("--set", fmt::format("\"{}\" is not a key and its value", shown(text)),
+                      "Write it as KEY=VALUE: --set solution=fixed");
+    return {"--set " + text.substr(0, equals), text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::vector<GivenAnswer> answers_of(const NewOptions& options) {
+    std::vector<GivenAnswer> answers;
+    const auto add = [&](const char* option, const char* key, const std::string& value) {
+        if (!value.empty()) answers.push_back({option, key, value});
+    };
+    add("--craft", "craft.name", options.craft);
+    add("--class", "craft.class", options.kind);
+    add("--pilot", "pilot", options.pilot);
+    add("--place", "place", options.place);
+    add("--official", "officials", fmt::format("{}", fmt::join(options.officials, ",")));
+    add("--record", "record.speed", options.record);
+    add("--source", "record.source", options.source);
+    add("--rule", "profiles", fmt::format("{}", fmt::join(options.rules, ",")));
+    for (const std::string& text : options.set)
+        answers.push_back(answer_of_set(text));
+    return answers;
+}
+
+void take(const std::vector<GivenAnswer>& answers, Draft& draft) {
+    for (const GivenAnswer& answer : answers) {
+        try {
+            draft.set(answer.key, answer.value);
+        } catch (const Failure& failure) {
+            throw Failure(escape_for_message(answer.option, 80), failure.problem(),
+                          failure.remedy());
+        }
+    }
+}
+
+void refuse_what_exists(const fs::path& file) {
+    if (fs::exists(fs::symlink_status(file)))
+        throw Failure(file.string(), "there is such a file already, and it is not written over",
+                      fmt::format("Certify that one, or give another name: --out {}",
+                                  shell_word((file.parent_path() / "attempt-2.yaml").string())));
+}
+
+void require_recordings(const std::vector<std::string>& recordings) {
+    for (const std::string& name : recordings) {
+        const std::string suffix = lower_case(fs::path(name).extension().string());
+        if (fs::is_directory(name))
+            throw Failure(name, "this is a folder, and no recording",
+                          fmt::format("Name the recordings in it, or make a day of it: runcert new "
+                                      "--day {}",
+                                      shell_word(plain_text(name))));
+        if (suffix == ".yaml" || suffix == ".yml")
+            throw Failure(name, "this is a YAML file, and no recording",
+                          fmt::format("An attempt is there already: runcert certify {}",
+                                      shell_word(plain_text(name))));
+    }
+}
+
+/// The folder that all recordings are in, as it is typed where that is one for all.
+fs::path folder_of_all(const std::vector<std::string>& recordings) {
+    const fs::path first = folder_of(recordings.front());
+    fs::path common = fs::weakly_canonical(fs::absolute(first));
+    bool same = true;
+    for (const std::string& recording : recordings) {
+        const fs::path other = fs::weakly_canonical(fs::absolute(folder_of(recording)));
+        same = same && other == common;
+        while (std::ranges::mismatch(common, other).in1 != common.end())
+            common = common.parent_path();
+    }
+    return same ? first : common;
+}
+
+/// A recording as an attempt in that folder names it. Failure where it lies outside.
+std::string name_in(const fs::path& folder, const std::string& recording) {
+    const fs::path name = fs::weakly_canonical(fs::absolute(recording))
+                              .lexically_relative(fs::weakly_canonical(fs::absolute(folder)));
+    if (name.empty() || *name.begin() == "..")
+        throw Failure(recording,
+                      "an attempt names recordings in its own folder, and in those below it alone",
+                      "Give an --out in the folder of the recordings, or above it");
+    return name.string();
+}
+
+/// What a table's columns are, as the options say or somebody at the terminal does.
+void complete_table(const NewOptions& options, HandedIn& file, const std::string& path) {
+    nlohmann::ordered_json columns = nlohmann::ordered_json::object();
+    const auto add = [&](std::string_view key, const std::string& value) {
+        columns[std::string(key.substr(key.find('.') + 1))] = value;
+    };
+    for (const ProposedKey& one : file.is.proposed)
+        if (one.key.starts_with("columns.")) add(one.key, one.value);
+    bool said = false;
+    for (const GivenAnswer& answer : answers_of(options)) {
+        std::string_view key = answer.key;
+        if (key.starts_with("receivers.primary.")) key.remove_prefix(18);
+        if (!key.starts_with("columns.")) continue;
+        add(key, answer.value);
+        said = true;
+    }
+    if (!said && options.asks()) {
+        fmt::print("{}\n", wrapped(fmt::format("{}: {} Its first row is: {}", path, file.is.problem,
+                                               fmt::join(file.is.rows, "")),
+                                   2, 0, terminal_columns()));
+        for (const NeededKey& needed : file.is.needed) {
+            if (!needed.key.starts_with("columns.")) continue;
+            const std::string answer = ask_line(
+                fmt::format("Column that holds the {}, by its name or number (Enter: none does)",
+                            needed.key.substr(needed.key.find('.') + 1)));
+            if (answer.empty()) return;
+            add(needed.key, answer);
+            said = true;
+        }
+    }
+    if (!said || !columns.contains("time")) return;
+    const Recognised again =
+        recognise(path, nlohmann::ordered_json{{"columns", columns}}.dump(-1, ' ', true));
+    if (again.said.exit_status == 0)
+        file.is = again.is;
+    else
+        file.is.problem = again.said.errors;
+}
+
+std::string fixes_text(const Recognition& is) {
+    std::vector<std::string> fixes;
+    for (const FixCount& one : is.fixes)
+        if (fixes.size() < 3) fixes.push_back(fmt::format("{} {}", one.fix, one.epochs));
+    return listed(fixes);
+}
+
+/// What a file is, in a line.
+std::string file_text(const Recognition& is) {
+    if (is.kind == RecordingKind::signals) return "raw signals (RINEX observations)";
+    if (is.kind == RecordingKind::orbits) return "orbits of the satellites (RINEX navigation)";
+    if (is.kind == RecordingKind::table) return "a table whose columns are not known";
+    std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
+    if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
+    if (is.first && is.last)
+        text += fmt::format("; {} to {}", to_utc_iso(*is.first, 0), to_utc_iso(*is.last, 0));
+    else
+        text += fmt::format("; {} s from an unknown start", format_fixed(is.span_s, 1));
+    text += "; solutions: " + fixes_text(is);
+    if (!is.device.empty()) text += "; made by " + is.device;
+    if (is.simulated) text += "; it says that it was simulated";
+    return text;
+}
+
+/// How a table is read, and its first rows so.
+void add_table(const HandedIn& file, Section& section) {
+    if (file.is.proposed.empty()) return;
+    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
+                                       file.path)));
+    Block keys = facts({});
+    for (const ProposedKey& one : file.is.proposed)
+        add_fact(keys, one.key,
+                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
+    add(section, std::move(keys));
+    if (file.is.problem.empty())
+        add(section, paragraph("Its first rows, as they are read:"));
+    else
+        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
+    add(section, list_of(file.is.rows));
+}
+
+void show_recordings(const Draft& draft) {
+    Section section{.anchor = "recordings", .title = "Recordings"};
+    Block all = facts({});
+    for (const HandedIn& file : draft.files())
+        add_fact(all, file.path, file_text(file.is));
+    add(section, std::move(all));
+    for (const HandedIn& file : draft.files())
+        add_table(file, section);
+    if (!draft.arrangement().said.empty()) add(section, list_of(draft.arrangement().said));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+}
+
+/// All that is not answered, in one list.
+void show_gaps(const Draft& draft, const std::string& title, bool with_keys) {
+    const std::vector<Gap> gaps = draft.gaps();
+    if (gaps.empty()) return;
+    Section section{.anchor = "open", .title = title};
+    std::vector<std::string> items;
+    for (const bool required : {true, false})
+        for (const Gap& gap : gaps) {
+            if (gap.required != required) continue;
+            std::string item = gap.question + (required ? " (required)" : "");
+            if (!gap.values.empty()) item += fmt::format(": {}", fmt::join(gap.values, ", "));
+            if (with_keys) item = fmt::format("{}: {}. {}", gap.key, item, gap.why);
+            items.push_back(std::move(item));
+        }
+    add(section, list_of(std::move(items)));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+    std::fflush(stdout);
+}
+
+void write_new(const fs::path& path, const std::string& text) {
+    AtomicFile file(path);
+    file.write(text);
+    file.commit_as_new();
+}
+
+/// Why a receiver's recording cannot be read as the draft says; empty where it can.
+std::string trouble_in(const Draft& draft, const fs::path& folder) {
+    for (const ArrangedReceiver& receiver : draft.arrangement().receivers) {
+        const HandedIn& file = draft.files()[receiver.recordings.front()];
+        if (file.is.kind != RecordingKind::positions) continue;
+        const Recognised again = recognise((folder / file.path).string(),
+                                           draft.receiver(receiver.id).dump(-1, ' ', true));
+        if (again.said.exit_status != 0) return again.said.errors;
+    }
+    return {};
+}
+
+/// Answers a draft, writes it, and says what comes next.
+int finish(const NewOptions& options, Draft& draft, const fs::path& out,
+           const std::string& certify) {
+    take(answers_of(options), draft);
+    show_recordings(draft);
+    if (options.asks()) {
+        show_gaps(draft, "What the recordings do not say", false);
+        fmt::print(stderr, "Enter leaves out what is not required, or takes what is in [ ].\n");
+        ask_all(draft);
+        fmt::print("\n");
+    } else if (const std::vector<std::string>& taken = draft.take_proposals(); !taken.empty()) {
+        Section section{.anchor = "taken", .title = "Taken without an answer"};
+        add(section, list_of(taken));
+        fmt::print("{}\n", section_text(section, terminal_columns()));
+    }
+    const std::string trouble = options.day.empty() ? trouble_in(draft, folder_of(out)) : "";
+    write_new(out, draft.text());
+    show_gaps(draft, "Left open, in lines of the file that begin with #", true);
+    fmt::print("written  {}\n", out.string());
+    if (!trouble.empty())
+        fmt::print("not yet  So described, a recording cannot be read:\n{}", trouble);
+    const bool lacks = std::ranges::any_of(draft.gaps(), &Gap::required);
+    fmt::print("next     {}{} {}\n", lacks ? "complete what is required, then " : "", certify,
+               shell_word(plain_text(out.string())));
+    return 0;
+}
+
+int new_attempt(const NewOptions& options) {
+    require_recordings(options.recordings);
+    const fs::path out = options.out.empty() ? folder_of_all(options.recordings) / "attempt.yaml"
+                                             : fs::path(options.out);
+    refuse_what_exists(out);
+    std::vector<HandedIn> files;
+    for (const std::string& path : options.recordings) {
+        HandedIn file{.path = name_in(folder_of(out), path)};
+        const Recognised recognised = recognise(path);
+        if (recognised.said.exit_status != 0) {
+            fmt::print(stderr, "{}", recognised.said.errors);
+            return 2;
+        }
+        file.is = recognised.is;
+        if (file.is.kind == RecordingKind::table) complete_table(options, file, path);
+        files.push_back(std::move(file));
+    }
+    Arrangement arrangement = arrange(files);
+    Draft draft(std::move(files), std::move(arrangement));
+    return finish(options, draft, out, "runcert certify");
+}
+
+/// The files of a folder that are recordings; the others are said to be left out.
+std::vector<HandedIn> recordings_in(const fs::path& folder) {
+    std::vector<fs::path> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+        if (entry.is_regular_file() && !entry.path().filename().string().starts_with('.'))
+            names.push_back(entry.path());
+    std::ranges::sort(names);
+    std::vector<HandedIn> files;
+    std::vector<std::string> left_out;
+    for (const fs::path& path : names) {
+        const std::string name = path.filename().string();
+        const Recognised recognised = recognise(path.string());
+        if (recognised.said.exit_status != 0) {
+            const std::vector<std::string> lines = lines_of(recognised.said.errors);
+            std::string why = lines.empty() ? "It cannot be read." : lines.front();
+            if (why.starts_with("error: ")) why.erase(0, 7);
+            left_out.push_back(fmt::format("{}: {}", name, why));
+        } else if (recognised.is.kind != RecordingKind::positions) {
+            left_out.push_back(fmt::format("{}: {}. Make an attempt of it by itself.", name,
+                                           file_text(recognised.is)));
+        } else {
+            files.push_back({.path = name, .is = recognised.is});
+        }
+    }
+    if (!left_out.empty()) {
+        Section section{.anchor = "left-out", .title = "Left out"};
+        add(section, list_of(std::move(left_out)));
+        fmt::print("{}\n", section_text(section, terminal_columns()));
+    }
+    return files;
+}
+
+int new_day(const NewOptions& options) {
+    const fs::path folder = options.day;
+    if (!fs::is_directory(folder))
+        throw Failure(options.day, "this is no folder", "Name the folder of the day's recordings");
+    const fs::path out = options.out.empty() ? folder / "day.yaml" : fs::path(options.out);
+    if (fs::weakly_canonical(fs::absolute(folder_of(out))) !=
+        fs::weakly_canonical(fs::absolute(folder)))
+        throw Failure(out.string(), "a day lies in the folder of its recordings",
+                      "Give an --out in that folder");
+    refuse_what_exists(out);
+    std::vector<HandedIn> files = recordings_in(folder);
+    if (files.empty())
+        throw Failure(options.day, "no file in the folder is a recording of positions",
+                      "Name the folder of the day's recordings");
+    Draft draft = Draft::of_day(std::move(files),
+                                fs::weakly_canonical(fs::absolute(folder)).filename().string());
+    return finish(options, draft, out, "runcert batch");
+}
+
+int make_new(const NewOptions& options) {
+    return options.day.empty() ? new_attempt(options) : new_day(options);
+}
+
+void add_answers(CLI::App& command, NewOptions& options) {
+    command.add_option("--rule", options.rules, "rule that it is judged by; may be repeated")
+        ->allow_extra_args(false);
+    command.add_option("--craft", options.craft, "name of the craft");
+    command.add_option("--class", options.kind, "its kind: land-yacht, car, board, ...");
+    command.add_option("--pilot", options.pilot, "who sailed, drove or flew");
+    command.add_option("--place", options.place, "where");
+    command
+        .add_option("--official", options.officials,
+                    "\"ROLE NAME\" of one who is responsible; may be repeated")
+        ->allow_extra_args(false);
+    command.add_option("--record", options.record, "record to beat: \"202.9 km/h\"");
+    command.add_option("--source", options.source, "where that record is published");
+    command
+        .add_option("--set", options.set,
+                    "KEY=VALUE: any key of an attempt, or of its primary receiver; may be repeated")
+        ->allow_extra_args(false);
+}
+
+}  // namespace
+
+void add_new(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<NewOptions>();
+    CLI::App* command =
+        app.add_subcommand("new", "Write an attempt from recordings: asks what they do not say");
+    CLI::Option* recordings =
+        command->add_option("RECORDING", options->recordings,
+                            "recordings of one attempt: of its receivers, or following each other");
+    CLI::Option* day = command->add_option(
+        "--day", options->day, "write a day instead: each recording in this folder is an attempt");
+    recordings->excludes(day);
+    command->add_option("--out", options->out,
+                        "file to write (default: attempt.yaml or day.yaml beside the recordings)");
+    add_answers(*command, *options);
+    command->add_flag("--no-questions", options->no_questions,
+                      "ask nothing, and leave lines to complete");
+    command->footer(
+        "A recording says what it is, when it was made and how sure it is: nothing of that is "
+        "asked.\nOf a table that no format recognises it says which column is taken for what, and "
+        "why.\nWithout a terminal nothing is asked; what no option answers stands in lines that "
+        "begin\nwith #, and in one list on standard output. Nothing is ever written over, and "
+        "nothing is\nwritten before the last answer.\n\n"
+        "  runcert new run.ubx\n"
+        "  runcert new log.csv --class land-yacht --craft Greenbird --rule nalsa \\\n"
+        "      --record \"202.9 km/h\" --source \"NALSA, 2009\" --set solution=fixed \\\n"
+        "      --set accuracy.horizontal_m=0.02\n"
+        "  runcert new --day recordings\n\n"
+        "Exit status: 0 written, 2 it could not be.");
+    command->callback([&chosen, options, recordings, day] {
+        if (recordings->count() == 0 && day->count() == 0)
+            throw CLI::RequiredError("RECORDING or --day");
+        chosen = [options] { return make_new(*options); };
+    });
+}
+
+}  // namespace runcert

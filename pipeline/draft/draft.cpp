@@ -1,0 +1,392 @@
+#include "draft/draft.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/text.h"
+#include "draft/fitting_rules.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/profile/profile.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// A name as an id: every other character becomes -.
+std::string id_of(const std::string& path) {
+    constexpr std::size_t longest = 60;
+    std::string id = std::filesystem::path(path).stem().string().substr(0, longest);
+    std::ranges::replace_if(
+        id,
+        [](char c) {
+            return !is_digit(c) && !(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && c != '_';
+        },
+        '-');
+    while (id.starts_with('-'))
+        id.erase(0, 1);
+    return id.empty() ? "attempt" : id;
+}
+
+/// What a table's proposal says of a receiver.
+void add_proposed(const Recognition& is, Json& receiver) {
+    if (is.proposed.empty()) return;
+    receiver["format"] = is.format;
+    for (const ProposedKey& one : is.proposed) {
+        const auto number = parse_integer(one.value);
+        const Json value = number ? Json(*number) : Json(one.value);
+        if (one.key.starts_with("columns."))
+            receiver["columns"][one.key.substr(one.key.find('.') + 1)] = value;
+        else
+            receiver[one.key] = value;
+    }
+}
+
+Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& files) {
+    const auto path = [&](std::size_t i) { return files[i].path; };
+    Json receiver{{"id", arranged.id}};
+    if (arranged.recordings.size() == 1) {
+        receiver["recording"] = path(arranged.recordings.front());
+    } else {
+        for (const std::size_t i : arranged.recordings)
+            receiver["recording"].push_back(path(i));
+    }
+    add_proposed(files[arranged.recordings.front()].is, receiver);
+    if (arranged.base) receiver["base"] = path(*arranged.base);
+    if (arranged.phase) receiver["phase"] = path(*arranged.phase);
+    if (arranged.navigation.size() == 1)
+        receiver["navigation"] = path(arranged.navigation.front());
+    else
+        for (const std::size_t i : arranged.navigation)
+            receiver["navigation"].push_back(path(i));
+    return receiver;
+}
+
+}  // namespace
+
+Draft::Draft(std::vector<HandedIn> files, Arrangement arrangement)
+    : files_(std::move(files)), arrangement_(std::move(arrangement)) {
+    keys_["id"] = id_of(files_.front().path);
+    keys_["receivers"] = Json::array();
+    for (const ArrangedReceiver& arranged : arrangement_.receivers)
+        keys_["receivers"].push_back(receiver_of(arranged, files_));
+}
+
+Draft Draft::of_day(std::vector<HandedIn> files, const std::string& id) {
+    Draft day(std::move(files), {.receivers = {{.id = "primary", .recordings = {0}}}, .said = {}});
+    day.of_day_ = true;
+    day.keys_["id"] = id_of(id);
+    // How each file is read stands with it; what is answered holds for all.
+    day.keys_["receivers"] =
+        Json::array({Json{{"id", "primary"}, {"recording", day.files_.front().path}}});
+    return day;
+}
+
+Json* Draft::find_receiver(const std::string& id) {
+    for (Json& receiver : keys_["receivers"])
+        if (receiver["id"] == id) return &receiver;
+    return nullptr;
+}
+
+Json Draft::receiver(const std::string& id) const {
+    for (Json receiver : keys_["receivers"]) {
+        if (receiver["id"] != id) continue;
+        for (const char* other : {"id", "recording", "base", "navigation", "phase"})
+            receiver.erase(other);
+        return receiver;
+    }
+    return Json::object();
+}
+
+/// Finds what is not answered.
+class DraftGaps {
+  public:
+    explicit DraftGaps(const Draft& draft) : draft_(draft) {}
+
+    std::vector<Gap> found() {
+        add_craft();
+        add_rules();
+        add_people();
+        add_record();
+        for (const ArrangedReceiver& receiver : draft_.arrangement_.receivers)
+            add_receiver(receiver);
+        add_of_rules();
+        return std::move(gaps_);
+    }
+
+  private:
+    bool has(std::string_view key) const { return draft_.keys_.contains(key); }
+    std::string craft(const char* key) const {
+        return has("craft") ? draft_.keys_["craft"].value(key, "") : "";
+    }
+    void add(Gap gap) { gaps_.push_back(std::move(gap)); }
+
+    std::optional<GpsTime> when() const {
+        for (const HandedIn& file : draft_.files_)
+            if (file.is.first) return file.is.first;
+        return std::nullopt;
+    }
+
+    void add_craft() {
+        if (craft("name").empty())
+            add({.key = "craft.name",
+                 .question = "Name of the craft",
+                 .why = "The certificate names what was sailed, driven or flown.",
+                 .required = true,
+                 .example = "\"...\""});
+        if (!craft("class").empty()) return;
+        Gap gap{.key = "craft.class",
+                .question = "Kind of craft",
+                .why = "It sets what motions are possible and which fix types may be used.",
+                .required = true,
+                .values = attempt_schema().find("craft.class")->values,
+                .example = "other"};
+        if (std::ranges::any_of(draft_.files_, [](const HandedIn& file) { return file.is.falls; }))
+            gap.proposal = "skydiver";
+        add(std::move(gap));
+    }
+
+    void add_rules() {
+        if (has("profiles")) return;
+        Gap gap{.key = "profiles",
+                .question = "Rule or rules",
+                .why = "A rule says which speed counts, and what must be met.",
+                .required = true,
+                .example = "[nalsa]"};
+        const std::string of_class = craft("class");
+        gap.values = fitting_rules(of_class, when());
+        if (!gap.values.empty())
+            gap.proposal = gap.values.front();
+        else if (!of_class.empty())
+            gap.why += fmt::format(
+                " None that comes with the program is for the class {}. Any may be claimed, as "
+                "nalsa (3 s) or fisly (2 s), or a rule file of your own.",
+                of_class);
+        add(std::move(gap));
+    }
+
+    void add_people() {
+        if (!has("pilot"))
+            add({.key = "pilot",
+                 .question = "Pilot",
+                 .why = "The certificate names who sailed, drove or flew.",
+                 .example = "\"...\""});
+        if (!has("place"))
+            add({.key = "place",
+                 .question = "Place",
+                 .why = "The certificate names where it was.",
+                 .example = "\"...\""});
+        if (!has("officials"))
+            add({.key = "officials",
+                 .question = "Officials, each by role and name (measurer Ann Lee, judge Bo Ek)",
+                 .why = "They answer for what no recording shows, and sign.",
+                 .example = "[{role: measurer, name: \"...\"}, {role: judge, name: \"...\"}]"});
+    }
+
+    void add_record() {
+        const bool speed = has("record") && draft_.keys_["record"].contains("speed");
+        if (!speed && !has("records"))
+            add({.key = "record.speed",
+                 .question = "Record to beat, with its unit (202.9 km/h)",
+                 .why = "Without one the speed is measured, and compared with nothing.",
+                 .example = "{speed: 202.9, unit: km/h, source: \"...\"}"});
+        if (speed && !draft_.keys_["record"].contains("source"))
+            add({.key = "record.source",
+                 .question = "Where that record is published",
+                 .why = "Who reads the certificate must be able to look it up.",
+                 .required = true,
+                 .example = "\"...\""});
+    }
+
+    /// What its recordings need, of several what the first does; of a day's what any does.
+    std::vector<NeededKey> needed_of(const ArrangedReceiver& receiver) const {
+        std::vector<NeededKey> needed;
+        for (const std::size_t i : receiver.recordings)
+            for (const NeededKey& one : draft_.files_[i].is.needed)
+                if (std::ranges::find(needed, one.key, &NeededKey::key) == needed.end())
+                    needed.push_back(one);
+        if (draft_.of_day_)
+            for (const HandedIn& file : draft_.files_)
+                for (const NeededKey& one : file.is.needed)
+                    if (std::ranges::find(needed, one.key, &NeededKey::key) == needed.end())
+                        needed.push_back(one);
+        return needed;
+    }
+
+    void add_receiver(const ArrangedReceiver& arranged) {
+        Json receiver;
+        for (const Json& one : draft_.keys_["receivers"])
+            if (one["id"] == arranged.id) receiver = one;
+        const std::string before = "receivers." + arranged.id + ".";
+        const std::string of = draft_.arrangement_.receivers.size() > 1
+                                   ? fmt::format(" (of the {} receiver)", arranged.id)
+                                   : "";
+        const auto is_said = [&](const std::string& key) {
+            const std::size_t point = key.find('.');
+            if (point == std::string::npos) return receiver.contains(key);
+            const std::string map = key.substr(0, point);
+            return receiver.contains(map) && receiver[map].contains(key.substr(point + 1));
+        };
+        if (draft_.files_[arranged.recordings.front()].is.kind == RecordingKind::signals)
+            add_of_signals(receiver, before);
+        for (const NeededKey& needed : needed_of(arranged)) {
+            if (is_said(needed.key)) continue;
+            // A GPS time is asked for as one that the first row's date and time give.
+            add({.key = before + needed.key,
+                 .question = question_of(needed.key) + of,
+                 .why = needed.reason,
+                 .required = needed.required,
+                 .values = needed.values,
+                 .proposal = needed.key == "time_scale" ? needed.values.front() : "",
+                 .example = example_of(needed)});
+        }
+        if (receiver.value("time_scale", "") == "local" && !receiver.contains("utc_offset_h"))
+            add({.key = before + "utc_offset_h",
+                 .question = "Hours by which local time is ahead of UTC" + of,
+                 .why = "The recording's times are local.",
+                 .required = true,
+                 .example = "9.5"});
+        add_fix_types(receiver, arranged);
+        const std::string of_class = craft("class");
+        const bool on_ground = of_class != "skydiver" && of_class != "board";
+        if (arranged.id == "primary" && on_ground && !receiver.contains("antenna_height_m"))
+            add({.key = before + "antenna_height_m",
+                 .question = "Height of the antenna above the ground, in metres" + of,
+                 .why = "The report states it: an antenna up a mast moves when the craft heels.",
+                 .example = "1.2"});
+    }
+
+    void add_of_signals(const Json& receiver, const std::string& before) {
+        if (!receiver.contains("base"))
+            add({.key = before + "base",
+                 .question = "File of the base station's observations",
+                 .why = "Raw signals become positions by those of a base station.",
+                 .required = true,
+                 .example = "base.obs"});
+        if (!receiver.contains("navigation"))
+            add({.key = before + "navigation",
+                 .question = "File of the satellites' orbits (navigation)",
+                 .why = "Raw signals become positions by the satellites' orbits.",
+                 .required = true,
+                 .example = "rover.nav"});
+    }
+
+    /// Where the class uses none of the fix types that there are.
+    void add_fix_types(const Json& receiver, const ArrangedReceiver& arranged) {
+        const std::string of_class = craft("class");
+        const Recognition& is = draft_.files_[arranged.recordings.front()].is;
+        if (of_class.empty() || is.fixes.empty() || arranged.id != "primary") return;
+        if (has("parameters") && draft_.keys_["parameters"].contains("screen") &&
+            draft_.keys_["parameters"]["screen"].contains("allowed_fixes"))
+            return;
+        std::vector<std::string> allowed;
+        const YamlValue usual =
+            attempt_schema().find("parameters.screen.allowed_fixes")->default_value[of_class];
+        for (const YamlValue& one : usual.list())
+            allowed.push_back(one.text());
+        std::vector<std::string> there;
+        for (const FixCount& count : is.fixes) {
+            if (count.fix == "none") continue;
+            const std::string claimed = receiver.value("solution", "");
+            const std::string fix = count.fix != "unknown" ? count.fix
+                                    : claimed.empty()      ? "single"
+                                                           : claimed;
+            if (std::ranges::count(allowed, fix) > 0) return;
+            if (std::ranges::count(there, fix) == 0) there.push_back(fix);
+        }
+        if (there.empty()) return;
+        add({.key = "parameters.screen.allowed_fixes",
+             .question = "Fix types to allow beside those of the class",
+             .why = fmt::format("Of the class {} only {} positions are used, and these are {}: "
+                                "without it nothing is certified.",
+                                of_class, fmt::join(allowed, ", "), fmt::join(there, ", ")),
+             .values = there,
+             .example = fmt::format("[{}]", fmt::join(there, ", "))});
+    }
+
+    /// What the chosen rules ask for.
+    void add_of_rules() {
+        if (!has("profiles")) return;
+        bool course = false, ground = false;
+        for (const Json& one : draft_.keys_["profiles"]) {
+            const std::string_view text = builtin_profile(one.get<std::string>());
+            if (text.empty()) continue;
+            const Profile profile = read_profile(text, one.get<std::string>());
+            course = course || profile.window_kind == WindowKind::course;
+            for (const Clause& clause : profile.clauses)
+                ground = ground || clause.decided_by == Computation::start_height ||
+                         clause.decided_by == Computation::counted_part;
+        }
+        if (course && !has("course"))
+            add({.key = "course",
+                 .question = "The surveyed course, as YAML",
+                 .why = "The rule measures between two surveyed lines.",
+                 .required = true,
+                 .example = "{length_m: 500, length_expanded_uncertainty_m: 0.02, start: {left: "
+                            "{latitude_deg: 0, longitude_deg: 0}, right: {latitude_deg: 0, "
+                            "longitude_deg: 0}}, finish: {left: {latitude_deg: 0, longitude_deg: "
+                            "0}, right: {latitude_deg: 0, longitude_deg: 0}}}"});
+        if (ground && !has("ground_height_m"))
+            add({.key = "ground_height_m",
+                 .question = "Height of the ground below, as the recording counts heights (m)",
+                 .why = "The rule counts heights above it.",
+                 .example = "60"});
+    }
+
+    static std::string question_of(const std::string& key) {
+        if (key.starts_with("columns."))
+            return fmt::format("Column that holds the {}, by its name or number",
+                               key.substr(key.find('.') + 1));
+        if (key == "accuracy.horizontal_m")
+            return "Standard deviation of east and of north, each, in metres";
+        if (key == "accuracy.vertical_m") return "Standard deviation of heights, in metres";
+        if (key == "accuracy.velocity_mps") return "Standard deviation of the speeds, in m/s";
+        if (key == "height_m") return "Height of the course above the ellipsoid, in metres";
+        if (key == "solution") return "How the positions were solved";
+        if (key == "time_source") return "Whose time the stamps are";
+        if (key == "time_scale") return "What the times are";
+        if (key == "start_date") return "UTC date of the first row (2026-03-14)";
+        if (key == "start_gps")
+            return "GPS time at which the times begin (2026-03-14T10:00:18.000)";
+        if (key == "speed_unit") return "Unit of the speeds";
+        if (key == "frame") return "UTM zone and hemisphere (55 south)";
+        return key;
+    }
+
+    static std::string example_of(const NeededKey& needed) {
+        if (!needed.values.empty()) return needed.values.front();
+        if (needed.key.starts_with("columns.")) return "1";
+        if (needed.key == "start_date") return "\"2026-03-14\"";
+        if (needed.key == "start_gps") return "\"2026-03-14T10:00:18.000\"";
+        if (needed.key == "frame") return "{utm: {zone: 55, hemisphere: south}}";
+        if (needed.key == "height_m") return "40";
+        return "0.02";
+    }
+
+    const Draft& draft_;
+    std::vector<Gap> gaps_;
+};
+
+std::vector<Gap> Draft::gaps() const {
+    return DraftGaps(*this).found();
+}
+
+const std::vector<std::string>& Draft::take_proposals() {
+    for (bool taken = true; taken;) {
+        taken = false;
+        for (const Gap& gap : gaps()) {
+            if (gap.proposal.empty()) continue;
+            set(gap.key, gap.proposal);
+            taken_.push_back(fmt::format("{}: {}. {}", gap.key, gap.proposal, gap.why));
+            taken = true;
+            break;
+        }
+    }
+    return taken_;
+}
+
+}  // namespace runcert

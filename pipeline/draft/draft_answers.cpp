@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "draft/draft.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/profile/profile.h"
+#include "store/yaml_output.h"
+
+// What a person answers, put into an attempt.
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr const char* answer = "the answer";
+
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+    throw Failure(answer, what, remedy);
+}
+
+std::vector<std::string> parted(std::string_view text) {
+    std::vector<std::string> parts;
+    while (true) {
+        const std::size_t comma = std::min(text.find(','), text.size());
+        if (const std::string_view part = trim(text.substr(0, comma)); !part.empty())
+            parts.emplace_back(part);
+        if (comma == text.size()) return parts;
+        text.remove_prefix(comma + 1);
+    }
+}
+
+/// "202.9 km/h".
+Json record_of(std::string_view text) {
+    text = trim(text);
+    const std::size_t end = std::min(text.find_first_not_of("0123456789.,+-"), text.size());
+    const std::string_view number = trim(text.substr(0, end));
+    const std::string_view unit = trim(text.substr(end));
+    const std::vector<std::string>& units = attempt_schema().find("record.unit")->values;
+    if (std::ranges::find(units, unit) == units.end())
+        refuse(fmt::format("\"{}\" names no unit of speeds behind its number",
+                           escape_for_message(text)),
+               fmt::format("Write it as 202.9 km/h; units are {}", fmt::join(units, ", ")));
+    // As every number of an attempt, with the words for what is wrong with it.
+    const double speed = YamlValue(parse_yaml(number, answer), answer).real();
+    return {{"speed", speed}, {"unit", std::string(unit)}};
+}
+
+/// "measurer Ann Lee, judge".
+Json officials_of(std::string_view text) {
+    Json officials = Json::array();
+    for (const std::string& one : parted(text)) {
+        const std::size_t blank = std::min(one.find(' '), one.size());
+        Json official{{"role", lower_case(one.substr(0, blank))}};
+        if (blank < one.size()) official["name"] = std::string(trim(one.substr(blank)));
+        officials.push_back(std::move(official));
+    }
+    if (officials.empty()) refuse("it names nobody", "Write role and name: measurer Ann Lee");
+    return officials;
+}
+
+Json profiles_of(std::string_view text) {
+    Json profiles = Json::array();
+    const std::vector<std::string> known = builtin_profiles();
+    for (const std::string& one : parted(text)) {
+        const bool several = one == "gps-speed-sailing" || one == "gps-ice-sailing";
+        if (!several && builtin_profile(one).empty() && !one.ends_with(".yaml")) {
+            const std::vector<std::string_view> names(known.begin(), known.end());
+            refuse(
+                fmt::format("there is no rule \"{}\"", escape_for_message(one)),
+                fmt::format("Did you mean {}? `runcert explain --profiles` lists them; a rule of "
+                            "your own is a file that ends in .yaml",
+                            nearest(one, names)));
+        }
+        profiles.push_back(one);
+    }
+    return profiles;
+}
+
+/// "55 south", or as YAML has it.
+Json utm_of(std::string_view text) {
+    text = trim(text);
+    const std::size_t blank = std::min(text.find(' '), text.size());
+    const auto zone = parse_integer(text.substr(0, blank));
+    if (!zone) return json_from_yaml(YamlValue(parse_yaml(text, answer), answer));
+    return {{"utm", {{"zone", *zone}, {"hemisphere", std::string(trim(text.substr(blank)))}}}};
+}
+
+bool is_list_of_words(const FieldRule& rule) {
+    return std::ranges::count(rule.types, "list") > 0;
+}
+
+/// A value as its field wants it: text as it is typed, else as YAML reads it.
+Json value_of(const FieldRule& rule, const std::string& text) {
+    const auto is_a = [&](const char* type) { return std::ranges::count(rule.types, type) > 0; };
+    const std::string_view trimmed = trim(text);
+    const bool structured = trimmed.starts_with('{') || trimmed.starts_with('[');
+    if (!structured && is_list_of_words(rule) && !is_a("map")) {
+        const std::vector<std::string> parts = parted(text);
+        if (is_a("text") && parts.size() == 1) return parts.front();
+        return parts;
+    }
+    if (is_a("integer") && is_a("text"))
+        if (const auto number = parse_integer(trimmed)) return *number;
+    if (is_a("text") && !structured) return std::string(trimmed);
+    const YamlNode node = parse_yaml(trimmed, answer);
+    if (is_a("real") && !structured) (void)YamlValue(node, answer).real();
+    return json_from_yaml(YamlValue(node, answer));
+}
+
+/// The attempt with stand-ins for what is not answered, so that what is answered is read as certify
+/// would.
+std::string completed_text(Json keys) {
+    if (!keys.contains("craft")) keys["craft"] = Json::object();
+    if (!keys["craft"].contains("name")) keys["craft"]["name"] = "any";
+    if (!keys["craft"].contains("class")) keys["craft"]["class"] = "other";
+    if (!keys.contains("profiles")) keys["profiles"] = Json::array({"nalsa"});
+    if (keys.contains("record") && !keys["record"].contains("source"))
+        keys["record"]["source"] = "any";
+    for (Json& receiver : keys["receivers"])
+        if (receiver.contains("columns") && !receiver["columns"].contains("time"))
+            receiver["columns"]["time"] = 1;
+    Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
+    attempt.update(keys);
+    return to_yaml_text(attempt);
+}
+
+/// The key as the attempt has it: of a receiver's alone, the primary one's.
+std::string whole_key(const std::string& key) {
+    const std::string first = key.substr(0, key.find('.'));
+    if (attempt_schema().find(first)) return key;
+    if (attempt_schema().find("receivers[]." + first)) return "receivers.primary." + key;
+    std::vector<std::string_view> known;
+    for (const FieldRule& rule : attempt_schema().fields())
+        if (rule.path.find("[]") == std::string::npos) known.push_back(rule.path);
+    throw Failure(escape_for_message(key), "an attempt has no such key",
+                  fmt::format("Did you mean \"{}\"? `runcert certify --help` lists all",
+                              nearest(key, known)));
+}
+
+/// Puts a value where its path leads.
+void put(Json& map, std::string_view path, Json value) {
+    const std::size_t point = path.find('.');
+    const std::string name(path.substr(0, point));
+    if (point == std::string_view::npos)
+        map[name] = std::move(value);
+    else
+        put(map[name], path.substr(point + 1), std::move(value));
+}
+
+}  // namespace
+
+void Draft::set_date_of_superseded() {
+    constexpr std::size_t date_length = 10;
+    if (keys_.contains("date") || !files_.front().is.first) return;
+    for (const Json& one : keys_["profiles"]) {
+        const std::string_view text = builtin_profile(one.get<std::string>());
+        if (!text.empty() && !read_profile(text, "rule").superseded_by.empty())
+            keys_["date"] = to_utc_iso(*files_.front().is.first, 0).substr(0, date_length);
+    }
+}
+
+void Draft::set(const std::string& given, const std::string& text) {
+    const std::string key = whole_key(given);
+    const Json before = keys_;
+    const auto take = [&] {
+        if (key == "record.speed") {
+            keys_["record"].update(record_of(text));
+        } else if (key == "officials") {
+            keys_["officials"] = officials_of(text);
+        } else if (key == "profiles") {
+            keys_["profiles"] = profiles_of(text);
+            set_date_of_superseded();
+        } else if (key.starts_with("receivers.")) {
+            const std::string rest = key.substr(key.find('.') + 1);
+            const std::size_t point = rest.find('.');
+            Json* const receiver = find_receiver(rest.substr(0, point));
+            const std::string path = point == std::string::npos ? "" : rest.substr(point + 1);
+            const FieldRule* rule = attempt_schema().find("receivers[]." + path);
+            if (!receiver || !rule)
+                throw Failure(
+                    escape_for_message(given), "no receiver of the attempt has such a key",
+                    "Write receivers.primary.KEY; `runcert certify --help` lists the keys");
+            put(*receiver, path, path == "frame" ? utm_of(text) : value_of(*rule, text));
+            if (path.starts_with("columns.")) (*receiver)["format"] = "csv";
+        } else {
+            const FieldRule* rule = attempt_schema().find(key);
+            if (!rule)
+                throw Failure(escape_for_message(given), "an attempt has no such key",
+                              "`runcert certify --help` lists all");
+            put(keys_, key, value_of(*rule, text));
+        }
+        (void)read_attempt(completed_text(keys_), answer);
+    };
+    try {
+        take();
+    } catch (const Failure&) {
+        keys_ = before;
+        throw;
+    }
+}
+
+}  // namespace runcert

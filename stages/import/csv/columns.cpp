@@ -1,0 +1,390 @@
+#include "stages/import/csv/columns.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "core/text.h"
+
+namespace runcert::csv {
+namespace {
+
+constexpr std::size_t lines_proposed_from = 100;
+constexpr std::size_t lines_between = 4;  ///< of units, between header and first row
+constexpr std::size_t rows_seen = 50;
+
+std::size_t numbers_in(std::span<const Cell> cells) {
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const Cell& cell) {
+        return parse_double(cell.text).has_value() || with_decimal_point(cell.text);
+    }));
+}
+
+/// Whether the cells could be a row under a header of so many.
+bool is_row_of(std::span<const Cell> cells, std::size_t names) {
+    return cells.size() >= names && cells.size() <= names + 1 && numbers_in(cells) >= 2;
+}
+
+/// As programs call their columns; of several for one meaning the first that is there.
+struct KnownNames {
+    Column column;
+    std::vector<std::string_view> names;
+};
+
+/// Of the three kinds of coordinates, and of all else.
+using NameTable = std::vector<KnownNames>;
+
+const NameTable geodetic_names{
+    {Column::latitude, {"latitude", "gpslatitude", "gpslat", "lat"}},
+    {Column::longitude,
+     {"longitude", "gpslongitude", "gpslong", "gpslon", "gpslng", "long", "lon", "lng"}},
+    {Column::height,
+     {"height", "ellipsoidheight", "ellipsoidalheight", "hell", "altitude", "gpsaltitude", "gpsalt",
+      "gpsheight", "elevation", "alt", "ele", "hmsl"}}};
+const NameTable ecef_names{{Column::x, {"ecefx", "xecef", "x"}},
+                           {Column::y, {"ecefy", "yecef", "y"}},
+                           {Column::z, {"ecefz", "zecef", "z"}}};
+const NameTable plane_names{{Column::east, {"easting", "east", "utme", "e", "x"}},
+                            {Column::north, {"northing", "north", "utmn", "n", "y"}},
+                            {Column::up, {"up", "height", "elevation", "altitude", "u", "z"}}};
+const NameTable other_names{
+    {Column::time,
+     {"utctime", "gpstime",    "timestamp", "datetime", "utcdatetime", "gpsdatetime", "timeutc",
+      "utcunix", "utcunixs",   "time",      "utc",      "unixtime",    "unix",        "gpstow",
+      "tow",     "gpsseconds", "gpssow",    "sow",      "ts",          "epoch"}},
+    {Column::week, {"gpsweek", "week"}},
+    {Column::date, {"utcdate", "gpsdate", "date"}},
+    {Column::velocity_east, {"velocityeast", "eastvelocity", "veast", "vele", "ve"}},
+    {Column::velocity_north, {"velocitynorth", "northvelocity", "vnorth", "veln", "vn"}},
+    {Column::velocity_up, {"velocityup", "upvelocity", "vup", "velu", "vu"}},
+    {Column::speed,
+     {"gpsspeed", "groundspeed", "speedoverground", "gspd", "sog", "speed", "velocity", "kph",
+      "kmh", "mph", "spd"}},
+    {Column::course,
+     {"courseoverground", "course", "cog", "gpscourse", "groundcourse", "heading", "gpsheading",
+      "bearing", "track", "hdg"}},
+    {Column::sigma_east, {"sigmaeast", "sdeast", "stdeast", "eaststd", "eastsd", "sde"}},
+    {Column::sigma_north, {"sigmanorth", "sdnorth", "stdnorth", "northstd", "northsd", "sdn"}},
+    {Column::sigma_up,
+     {"sigmaup", "sdup", "stdup", "upstd", "upsd", "sdu", "sdheight", "heightsd", "heightstd"}},
+    {Column::quality_2d,
+     {"quality2d", "cq2d", "2dcq", "horizontalaccuracy", "haccuracy", "hacc", "accuracy",
+      "gpsaccuracy"}},
+    {Column::quality_height,
+     {"qualityheight", "cq1d", "1dcq", "verticalaccuracy", "vaccuracy", "vacc"}},
+    {Column::sigma_speed, {"sigmaspeed", "speedaccuracy", "sacc"}},
+    {Column::fix, {"fix", "fixtype", "gpsfix", "solution", "solutiontype"}},
+    {Column::satellites,
+     {"satellites", "satellitesused", "sats", "sat", "numsv", "numsats", "numsat", "gpsnumsat",
+      "nsat", "nsats", "gpssats", "svs"}}};
+
+/// Columns of both coordinates.
+constexpr std::array<std::string_view, 6> both_names{"gps",    "latlon",      "latlong",
+                                                     "latlng", "coordinates", "position"};
+
+/// How a column's name is that of a meaning.
+enum class Match { whole, begins, within };
+
+/// Names that begin so, or hold it, are of something else: "lateral_g", "speed_accuracy".
+bool is_of_another(const std::string& name, Column column) {
+    constexpr std::array<std::string_view, 13> others{
+        "acc",    "error",  "sigma",        "std",     "dop", "offset", "delta",
+        "latera", "latenc", "longitudinal", "elapsed", "age", "rate"};
+    for (const std::string_view other : others)
+        if (name.find(other) != std::string::npos) return true;
+    const bool of_speed =
+        name.find("vel") != std::string::npos || name.find("speed") != std::string::npos;
+    return of_speed && column != Column::speed && column != Column::velocity_east &&
+           column != Column::velocity_north && column != Column::velocity_up;
+}
+
+bool matches(const std::string& name, std::string_view known, Match match, Column column) {
+    if (match == Match::whole) return name == known;
+    if (known.size() < 3 || is_of_another(name, column)) return false;
+    if (match == Match::begins) return name.starts_with(known);
+    const bool needed =
+        column == Column::time || column == Column::latitude || column == Column::longitude;
+    return needed && known.size() >= 4 && name.find(known) != std::string::npos;
+}
+
+/// What a column's cells are in the rows that were seen.
+struct Cells {
+    std::size_t filled = 0, numbers = 0, decimals = 0;
+    double least = std::numeric_limits<double>::infinity();
+    double most = -std::numeric_limits<double>::infinity();
+    bool whole = true, rising = true;
+};
+
+Cells cells_in(const SeenTable& table, std::size_t column) {
+    Cells cells;
+    std::optional<double> before;
+    for (const std::vector<Cell>& row : table.rows) {
+        if (column >= row.size() || row[column].text.empty()) continue;
+        ++cells.filled;
+        const std::string_view text = row[column].text;
+        const auto number = parse_double(text);
+        if (!number) continue;
+        ++cells.numbers;
+        const std::size_t point = text.find('.');
+        if (point != std::string_view::npos)
+            cells.decimals = std::max(cells.decimals, text.size() - point - 1);
+        cells.least = std::min(cells.least, *number);
+        cells.most = std::max(cells.most, *number);
+        cells.whole = cells.whole && *number == std::floor(*number);
+        cells.rising = cells.rising && (!before || *number >= *before);
+        before = number;
+    }
+    return cells;
+}
+
+bool is_fix_word(std::string_view text) {
+    constexpr std::array<std::string_view, 9> words{
+        "fixed", "float", "ppp", "dgps", "sbas", "single", "none", "unknown", "dead_reckoning"};
+    return std::ranges::find(words, lower_case(text)) != words.end();
+}
+
+/// Whether what a column holds can be of that meaning. Numbers for a fix type are every program's
+/// own, and are not taken.
+bool can_hold(const SeenTable& table, std::size_t column, Column meaning) {
+    const Cells cells = cells_in(table, column);
+    if (cells.filled == 0) return false;
+    const auto between = [&](double least, double most) {
+        return cells.numbers > 0 && cells.least >= least && cells.most <= most;
+    };
+    switch (meaning) {
+        case Column::latitude:
+            return cells.numbers == 0 || between(-90.0, 90.0);
+        case Column::longitude:
+            return cells.numbers == 0 || between(-180.0, 360.0);
+        case Column::time:
+            return cells.numbers == 0 || (cells.rising && cells.most > cells.least) ||
+                   table.rows.size() == 1;
+        case Column::date:
+            return is_date(table.first(column)) ||
+                   is_date(table.first(column).substr(0, table.first(column).find_first_of("T ")));
+        case Column::week:
+            return cells.whole && between(0.0, 9999.0);
+        case Column::height:
+            return between(-2000.0, 100'000.0);
+        case Column::speed:
+            return between(0.0, 5000.0);
+        case Column::course:
+            return between(-180.0, 360.0) && cells.numbers > 0;
+        case Column::satellites:
+            return cells.whole && between(0.0, 1000.0);
+        case Column::quality_2d:
+        case Column::quality_height:
+        case Column::sigma_speed:
+        case Column::sigma_east:
+        case Column::sigma_north:
+        case Column::sigma_up:
+            return between(0.0, 1e6);
+        case Column::fix:
+            return cells.numbers == 0 && is_fix_word(table.first(column));
+        default:
+            return cells.numbers > 0;
+    }
+}
+
+/// Finds the columns of these names that are not taken, and can hold what they are called.
+void take_names(const SeenTable& table, const NameTable& names, bool must_fit, Layout& layout) {
+    const auto is_taken = [&](std::size_t column) {
+        return std::ranges::find(layout.place, std::optional(column)) != layout.place.end();
+    };
+    for (const Match match : {Match::whole, Match::begins, Match::within})
+        for (const KnownNames& known : names)
+            for (const std::string_view name : known.names)
+                for (std::size_t i = 0; i < table.head.names.size(); ++i)
+                    if (!layout[known.column] && !is_taken(i) &&
+                        matches(letters_of(table.head.names[i].text), name, match, known.column) &&
+                        (!must_fit || can_hold(table, i, known.column)))
+                        layout[known.column] = i;
+}
+
+/// The columns that somebody names, by name or number.
+void take_given(const SeenTable& table, const CsvColumns& given, Layout& layout) {
+    const std::vector<Cell>& names = table.head.names;
+    for (const auto& [meaning, source] : given) {
+        const auto kind = std::ranges::find(column_kinds, meaning, &ColumnKind::name);
+        if (kind == column_kinds.end()) continue;  // who reads the columns says it
+        const auto name = std::ranges::find_if(
+            names, [&](const Cell& cell) { return table.has_names && cell.text == trim(source); });
+        const auto number = parse_integer(source);
+        const bool in_table =
+            number && *number >= 1 && static_cast<std::uint64_t>(*number) <= names.size();
+        if (name == names.end() && !in_table)
+            names.front().fail(
+                fmt::format("the table has no column \"{}\" (for {})", escape_for_message(source),
+                            meaning),
+                fmt::format("Give its name, or a number from 1 to {}", names.size()));
+        layout.place[static_cast<std::size_t>(kind - column_kinds.begin())] =
+            name != names.end() ? static_cast<std::size_t>(name - names.begin())
+                                : static_cast<std::size_t>(*number - 1);
+    }
+}
+
+void drop(Layout& layout, std::initializer_list<Column> columns) {
+    for (const Column column : columns)
+        layout[column].reset();
+}
+
+/// Whether three coordinates are as far from the Earth's centre as its surface is.
+bool are_earth_centred(const SeenTable& table, const Layout& layout) {
+    double sum = 0.0;
+    for (const Column column : {Column::x, Column::y, Column::z}) {
+        const auto value =
+            layout[column] ? parse_double(table.first(*layout[column])) : std::nullopt;
+        if (!value) return false;
+        sum += *value * *value;
+    }
+    return sum > 6.2e6 * 6.2e6 && sum < 6.6e6 * 6.6e6;
+}
+
+/// Of the kinds of coordinates the first that is there.
+void take_coordinates(const SeenTable& table, Layout& layout) {
+    take_names(table, geodetic_names, true, layout);
+    for (const std::string_view both : both_names)
+        for (std::size_t i = 0; i < table.head.names.size(); ++i)
+            if (!layout[Column::latitude] && !layout[Column::longitude] &&
+                letters_of(table.head.names[i].text) == both)
+                layout[Column::latitude] = layout[Column::longitude] = i;
+    if (layout[Column::latitude] && layout[Column::longitude]) return;
+    Layout other = layout;
+    drop(other, {Column::latitude, Column::longitude, Column::height});
+    Layout ecef = other;
+    take_names(table, ecef_names, true, ecef);
+    if (are_earth_centred(table, ecef)) {
+        layout = ecef;
+        return;
+    }
+    take_names(table, plane_names, true, other);
+    if (other[Column::east] && other[Column::north]) {
+        layout = other;
+        return;
+    }
+    // Named so, whatever they hold: reading says what is wrong with it.
+    take_names(table, geodetic_names, false, layout);
+}
+
+/// Two columns beside each other that change little, with the decimals of degrees; and before them
+/// a time that rises.
+void take_values(const SeenTable& table, Layout& layout) {
+    constexpr std::size_t decimals_of_degrees = 5;
+    constexpr double far_deg = 2.0;
+    const auto is_degrees = [&](std::size_t column, double most) {
+        const Cells cells = cells_in(table, column);
+        return cells.numbers == table.rows.size() && cells.decimals >= decimals_of_degrees &&
+               cells.least >= -most && cells.most <= most && cells.most - cells.least < far_deg &&
+               std::abs(cells.most) > 0.5;
+    };
+    const std::size_t columns = table.head.names.size();
+    for (std::size_t i = 0; i + 1 < columns; ++i) {
+        if (!is_degrees(i, 90.0) || !is_degrees(i + 1, 180.0)) continue;
+        for (std::size_t time = 0; time < i && !layout[Column::time]; ++time) {
+            const Cells cells = cells_in(table, time);
+            const bool dated =
+                cells.numbers == 0 && table.first(time).find(':') != std::string_view::npos;
+            if (dated ||
+                (cells.numbers == table.rows.size() && cells.rising && cells.most > cells.least))
+                layout[Column::time] = time;
+        }
+        layout[Column::latitude] = i;
+        layout[Column::longitude] = i + 1;
+        const Cells height = i + 2 < columns ? cells_in(table, i + 2) : Cells{};
+        if (height.numbers == table.rows.size() && height.decimals > 0 && height.least > -500.0 &&
+            height.most < 9000.0)
+            layout[Column::height] = i + 2;
+        return;
+    }
+}
+
+}  // namespace
+
+std::string_view SeenTable::first(std::size_t column) const {
+    return column < rows.front().size() ? rows.front()[column].text : std::string_view();
+}
+
+std::string letters_of(std::string_view name) {
+    std::string text = lower_case(without_unit(name));
+    std::erase_if(text, [](char c) { return !((c >= 'a' && c <= 'z') || is_digit(c)); });
+    return text;
+}
+
+std::optional<SeenTable> find_table(const RecordingBytes& recording) {
+    std::vector<Head> lines;
+    (void)find_head(recording, std::nullopt, [&](std::span<const Cell> cells, bool comment) {
+        if (!comment && cells.size() > 2) {
+            lines.emplace_back();
+            lines.back().names.assign(cells.begin(), cells.end());
+        }
+        return lines.size() >= lines_proposed_from;
+    });
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        const bool names = numbers_in(lines[i].names) < 2;
+        for (std::size_t j = names ? i + 1 : i; j < std::min(lines.size(), i + 2 + lines_between);
+             ++j) {
+            if (!is_row_of(lines[j].names, lines[i].names.size())) continue;
+            SeenTable table{.head = lines[i], .rows = {}, .has_names = names};
+            table.head.line = lines[i].names.front().line;
+            table.head.first_row = lines[j].names.front().line;
+            for (std::size_t k = i + 1; k < j; ++k)
+                table.head.under.push_back(lines[k].names);
+            for (std::size_t k = j; k < lines.size() && table.rows.size() < rows_seen; ++k)
+                if (is_row_of(lines[k].names, lines[i].names.size()))
+                    table.rows.push_back(lines[k].names);
+            return table;
+        }
+    }
+    return std::nullopt;
+}
+
+Layout find_columns(const SeenTable& table, const CsvColumns& given) {
+    Layout layout;
+    layout.head = table.head;
+    layout.fields = table.head.names.size();
+    take_given(table, given, layout);
+    if (!table.has_names) {
+        if (given.empty()) take_values(table, layout);
+        return layout;
+    }
+    take_names(table, other_names, true, layout);
+    take_coordinates(table, layout);
+    if (!layout[Column::time] && !layout[Column::date]) {
+        const NameTable time{other_names.front()};
+        take_names(table, time, false, layout);
+    }
+    if (layout[Column::velocity_east].has_value() != layout[Column::velocity_north].has_value())
+        drop(layout, {Column::velocity_east, Column::velocity_north});
+    if (layout[Column::velocity_east])
+        drop(layout, {Column::speed, Column::course});
+    else
+        drop(layout, {Column::velocity_up});
+    if (!layout[Column::speed]) drop(layout, {Column::course});
+    if (layout[Column::sigma_east].has_value() != layout[Column::sigma_north].has_value())
+        drop(layout, {Column::sigma_east, Column::sigma_north});
+    if (layout[Column::sigma_east]) drop(layout, {Column::quality_2d});
+    if (layout[Column::sigma_up]) drop(layout, {Column::quality_height});
+    if (!layout[Column::speed] && !layout[Column::velocity_east])
+        drop(layout, {Column::sigma_speed});
+    return layout;
+}
+
+CoordinateFrame frame_of(const SeenTable& table, const Layout& layout) {
+    if (layout[Column::x]) return CoordinateFrame::ecef;
+    if (!layout[Column::east]) return CoordinateFrame::geodetic;
+    const Cells east = cells_in(table, *layout[Column::east]);
+    const Cells north = cells_in(table, *layout[Column::north]);
+    const bool utm = east.least >= 1e5 && east.most < 1e6 && north.least >= 0.0 &&
+                     north.most <= 1e7 && north.most > 1e5;
+    return utm ? CoordinateFrame::utm : CoordinateFrame::local_plane;
+}
+
+bool has_decimal_commas(const SeenTable& table, std::size_t column) {
+    return std::ranges::any_of(table.rows, [&](const std::vector<Cell>& row) {
+        return column < row.size() && with_decimal_point(row[column].text).has_value();
+    });
+}
+
+}  // namespace runcert::csv

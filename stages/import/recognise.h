@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "schemas/attempt/attempt.h"
+#include "schemas/observations/observations.h"
+#include "schemas/recognition/declared.h"
+#include "stages/import/recording.h"
+
+namespace runcert {
+
+/// Whether the beginning of a file is that of a RINEX navigation file.
+bool is_navigation(std::string_view bytes);
+
+/// What a recording is that was read as `receiver` says, and what the receiver leaves out that an
+/// attempt needs.
+Recognition recognition_of(const Observations& observations, const Receiver& receiver);
+
+/// The same of a table that no format recognises: how it may be read, and what is needed for that.
+/// `given`: columns that somebody names. Failure for a text that is no table.
+Recognition recognition_of_table(const RecordingBytes& recording, const CsvColumns& given = {});
+
+}  // namespace runcert

@@ -1,0 +1,205 @@
+#include "draft/draft.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "draft/fitting_rules.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/profile/profile.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+/// A solution with all that one can say.
+HandedIn solution() {
+    HandedIn file{.path = "rover.pos"};
+    Recognition& is = file.is;
+    is.format = "rtklib-pos";
+    is.first = parse_gps_iso("2026-03-14T10:00:18");
+    is.last = parse_gps_iso("2026-03-14T10:01:18");
+    is.fixes = {{.fix = "fixed", .epochs = 600}};
+    is.accuracy = is.height_accuracy = is.satellites_time = true;
+    return file;
+}
+
+Draft draft_of(HandedIn file) {
+    Arrangement one = arrange({file});
+    return {{std::move(file)}, std::move(one)};
+}
+
+std::vector<std::string> open_keys(const Draft& draft, bool required_alone = false) {
+    std::vector<std::string> keys;
+    for (const Gap& gap : draft.gaps())
+        if (gap.required || !required_alone) keys.push_back(gap.key);
+    return keys;
+}
+
+bool is_open(const Draft& draft, const std::string& key) {
+    return std::ranges::count(open_keys(draft), key) > 0;
+}
+
+std::string refused(Draft& draft, const std::string& key, const std::string& answer) {
+    const auto before = draft.keys();
+    try {
+        draft.set(key, answer);
+    } catch (const Failure& failure) {
+        EXPECT_EQ(draft.keys(), before) << key;
+        return failure.problem() + ". " + failure.remedy();
+    }
+    return "taken";
+}
+
+TEST(Draft, AsksForNothingThatTheRecordingAnswers) {
+    EXPECT_EQ(open_keys(draft_of(solution())),
+              (std::vector<std::string>{"craft.name", "craft.class", "profiles", "pilot", "place",
+                                        "officials", "record.speed",
+                                        "receivers.primary.antenna_height_m"}));
+}
+
+TEST(Draft, AsksForWhatARecordingNeeds) {
+    HandedIn file = solution();
+    file.is.needed = {
+        {.key = "height_m", .reason = "No heights.", .values = {}, .required = true},
+        {.key = "time_scale", .reason = "Not said.", .values = {"utc", "local"}, .required = true}};
+    Draft draft = draft_of(file);
+    EXPECT_TRUE(is_open(draft, "receivers.primary.height_m"));
+    draft.set("height_m", "40");
+    EXPECT_FALSE(is_open(draft, "receivers.primary.height_m"));
+    EXPECT_FALSE(is_open(draft, "receivers.primary.utc_offset_h"));
+    draft.set("time_scale", "local");
+    EXPECT_TRUE(is_open(draft, "receivers.primary.utc_offset_h"));
+}
+
+TEST(Draft, WrittenWithItsAnswersItIsAnAttempt) {
+    Draft draft = draft_of(solution());
+    draft.set("craft.name", "Yacht: \"A\" #1");
+    draft.set("craft.class", "land-yacht");
+    draft.set("record.speed", "202.9 km/h");
+    EXPECT_TRUE(is_open(draft, "record.source"));
+    draft.set("record.source", "NALSA, 2009");
+    draft.set("officials", "measurer Ann Lee, judge");
+    draft.set("antenna_height_m", "1.2");
+    draft.take_proposals();
+    EXPECT_TRUE(open_keys(draft, true).empty());
+    const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
+    EXPECT_EQ(attempt.craft.name, "Yacht: \"A\" #1");
+    EXPECT_EQ(attempt.record->speed, 202.9);
+    EXPECT_EQ(attempt.record->unit, "km/h");
+    ASSERT_EQ(attempt.officials.size(), 2U);
+    EXPECT_EQ(attempt.officials[0].name, "Ann Lee");
+    EXPECT_EQ(attempt.officials[1].role, "judge");
+    EXPECT_EQ(attempt.receivers[0].antenna_height_m, 1.2);
+    EXPECT_EQ(attempt.profiles, std::vector<std::string>{"nalsa"});
+    EXPECT_NE(draft.text().find("\n# pilot: \"...\"  # "), std::string::npos) << draft.text();
+}
+
+TEST(Draft, LinesThatAreLeftOutAreAnAttemptOnceUncovered) {
+    Draft draft = draft_of(solution());
+    std::string text = draft.text();
+    // The first two lines are about the file.
+    text = text.substr(text.find("schema:"));
+    for (std::size_t at = 0; (at = text.find("# ", at)) != std::string::npos;) {
+        const bool begins = at == 0 || text[at - 1] == '\n' ||
+                            text.find_last_not_of(' ', at - 1) == text.rfind('\n', at);
+        if (begins) text.erase(at, 2);
+        at += 2;
+    }
+    text.replace(text.find("YYYY-MM-DD"), 10, "2026-03-14");
+    const Attempt attempt = read_attempt(text, "attempt.yaml");
+    EXPECT_EQ(attempt.craft.name, "...");
+    EXPECT_EQ(attempt.pilot, "...");
+    EXPECT_EQ(attempt.receivers[0].antenna_height_m, 1.2);
+}
+
+TEST(Draft, RefusesAnswersThatCannotBe) {
+    Draft draft = draft_of(solution());
+    const struct {
+        const char *key, *answer, *said;
+    } cases[] = {{"craft.class", "boat", "not one of land-yacht"},
+                 {"profiles", "nalsaa", "Did you mean nalsa?"},
+                 {"record.speed", "440,5 km/h", "decimal comma"},
+                 {"record.speed", "440.5", "names no unit"},
+                 {"accuracy.horizontal_m", "0,02", "decimal comma"},
+                 {"accuracy.horizontal_m", "50", "above 10"},
+                 {"accuracy.horizontal_m", "good", "not a number"},
+                 {"solution", "fix", "not one of fixed"},
+                 {"start_gps", "yesterday", "time"},
+                 {"craft", "{name: x", ""},
+                 {"plase", "x", "Did you mean \"place\"?"},
+                 {"receivers.third.solution", "fixed", "no receiver"},
+                 {"officials", ",", "names nobody"}};
+    for (const auto& one : cases) {
+        const std::string said = refused(draft, one.key, one.answer);
+        EXPECT_NE(said, "taken") << one.key << " " << one.answer;
+        EXPECT_NE(said.find(one.said), std::string::npos) << said;
+    }
+}
+
+TEST(Draft, OffersFixTypesWhereTheClassUsesNoneOfThem) {
+    HandedIn file = solution();
+    file.is.fixes = {{.fix = "single", .epochs = 10}, {.fix = "none", .epochs = 2}};
+    Draft draft = draft_of(file);
+    draft.set("craft.class", "board");
+    EXPECT_FALSE(is_open(draft, "parameters.screen.allowed_fixes"));
+    draft.set("craft.class", "car");
+    EXPECT_TRUE(is_open(draft, "parameters.screen.allowed_fixes"));
+    draft.set("parameters.screen.allowed_fixes", "single");
+    EXPECT_FALSE(is_open(draft, "parameters.screen.allowed_fixes"));
+}
+
+TEST(Draft, EveryRuleIsProposedForSomeCraftAndNoneThatIsNot) {
+    std::vector<std::string> proposed{"evidence-general"};  // beside a rule
+    for (const std::string& of_class : attempt_schema().find("craft.class")->values)
+        for (const std::string day : {"2026-01-01", "2026-09-01"})
+            for (const std::string& rule :
+                 fitting_rules(of_class, parse_gps_iso(day + "T12:00:00"))) {
+                Draft draft = draft_of(solution());
+                draft.set("profiles", rule);  // a name that is read
+                for (const std::string& name :
+                     read_attempt(
+                         "schema: attempt/1.0\nid: x\ncraft: {name: x, class: car}\nreceivers: "
+                         "[{id: a, recording: a}]\nprofiles: [" +
+                             rule + "]\n",
+                         "x")
+                         .profiles)
+                    proposed.push_back(name);
+            }
+    for (const std::string& rule : builtin_profiles())
+        EXPECT_GT(std::ranges::count(proposed, rule), 0) << rule;
+    EXPECT_TRUE(fitting_rules("car", std::nullopt).empty());
+    EXPECT_EQ(fitting_rules("skydiver", parse_gps_iso("2026-01-01T00:00:00")).back(),
+              "fai-speed-skydiving");
+    EXPECT_EQ(fitting_rules("skydiver", parse_gps_iso("2026-09-01T00:00:00")).front(),
+              "fai-speed-skydiving-2026");
+}
+
+TEST(Draft, ADayHasWhatIsAnsweredInCommon) {
+    HandedIn second = solution(), table = solution();
+    second.path = "rover.nmea";
+    table.path = "log.csv";
+    table.is.format = "csv";
+    table.is.proposed = {{.key = "columns.time", .value = "1", .reason = {}},
+                         {.key = "frame", .value = "geodetic", .reason = {}}};
+    Draft day = Draft::of_day({solution(), second, table}, "Lake day");
+    day.set("craft.name", "Yacht");
+    day.set("craft.class", "land-yacht");
+    day.set("solution", "fixed");
+    day.take_proposals();
+    const YamlValue read(parse_yaml(day.text(), "day.yaml"), "day.yaml");
+    EXPECT_EQ(read["id"].text(), "Lake-day");
+    EXPECT_EQ(read["defaults"]["craft"]["name"].text(), "Yacht");
+    const YamlValue common = read["defaults"]["receivers"].list().at(0);
+    EXPECT_EQ(common["solution"].text(), "fixed");
+    EXPECT_FALSE(common["recording"].exists());
+    ASSERT_EQ(read["attempts"].list().size(), 3U);
+    EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-2");
+    const YamlValue third = read["attempts"].list()[2]["receivers"].list().at(0);
+    EXPECT_EQ(third["recording"].text(), "log.csv");
+    EXPECT_EQ(third["columns"]["time"].integer(), 1);
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

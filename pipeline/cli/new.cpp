@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "commands.h"
 #include "core/failure.h"
@@ -82,7 +83,10 @@ void refuse_what_exists(const fs::path& file) {
 }
 
 void require_recordings(const std::vector<std::string>& recordings) {
+    std::set<fs::path> names;
     for (const std::string& name : recordings) {
+        if (!names.insert(fs::weakly_canonical(fs::absolute(name))).second)
+            throw Failure(name, "this file is named twice", "Name each file once");
         const std::string suffix = lower_case(fs::path(name).extension().string());
         if (fs::is_directory(name))
             throw Failure(name, "this is a folder, and no recording",
@@ -119,6 +123,49 @@ std::string name_in(const fs::path& folder, const std::string& recording) {
                       "an attempt names recordings in its own folder, and in those below it alone",
                       "Give an --out in the folder of the recordings, or above it");
     return name.string();
+}
+
+std::string fixes_text(const Recognition& is) {
+    std::vector<std::string> fixes;
+    for (const FixCount& one : is.fixes)
+        if (fixes.size() < 3) fixes.push_back(fmt::format("{} {}", one.fix, one.epochs));
+    return listed(fixes);
+}
+
+/// What a file is, in a line.
+std::string file_text(const Recognition& is) {
+    if (is.kind == RecordingKind::signals) return "raw signals (RINEX observations)";
+    if (is.kind == RecordingKind::orbits) return "orbits of the satellites (RINEX navigation)";
+    if (is.kind == RecordingKind::series)
+        return fmt::format("a series for the key {}", fmt::join(is.series, " or "));
+    if (is.kind == RecordingKind::table) return "a table whose columns are not known";
+    std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
+    if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
+    if (is.first && is.last)
+        text += fmt::format("; {} to {}", to_utc_iso(*is.first, 0), to_utc_iso(*is.last, 0));
+    else
+        text += fmt::format("; {} s from an unknown start", format_fixed(is.span_s, 1));
+    text += "; solutions: " + fixes_text(is);
+    if (!is.device.empty()) text += "; made by " + is.device;
+    if (is.simulated) text += "; it says that it was simulated";
+    return text;
+}
+
+/// How a table is read, and its first rows so.
+void add_table(const HandedIn& file, Section& section) {
+    if (file.is.proposed.empty()) return;
+    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
+                                       file.path)));
+    Block keys = facts({});
+    for (const ProposedKey& one : file.is.proposed)
+        add_fact(keys, one.key,
+                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
+    add(section, std::move(keys));
+    if (file.is.problem.empty())
+        add(section, paragraph("Its first rows, as they are read:"));
+    else
+        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
+    add(section, list_of(file.is.rows));
 }
 
 /// What a table's columns are, as the options say or somebody at the terminal does.
@@ -160,45 +207,27 @@ void complete_table(const NewOptions& options, HandedIn& file, const std::string
         file.is.problem = again.said.errors;
 }
 
-std::string fixes_text(const Recognition& is) {
-    std::vector<std::string> fixes;
-    for (const FixCount& one : is.fixes)
-        if (fixes.size() < 3) fixes.push_back(fmt::format("{} {}", one.fix, one.epochs));
-    return listed(fixes);
-}
-
-/// What a file is, in a line.
-std::string file_text(const Recognition& is) {
-    if (is.kind == RecordingKind::signals) return "raw signals (RINEX observations)";
-    if (is.kind == RecordingKind::orbits) return "orbits of the satellites (RINEX navigation)";
-    if (is.kind == RecordingKind::table) return "a table whose columns are not known";
-    std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
-    if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
-    if (is.first && is.last)
-        text += fmt::format("; {} to {}", to_utc_iso(*is.first, 0), to_utc_iso(*is.last, 0));
-    else
-        text += fmt::format("; {} s from an unknown start", format_fixed(is.span_s, 1));
-    text += "; solutions: " + fixes_text(is);
-    if (!is.device.empty()) text += "; made by " + is.device;
-    if (is.simulated) text += "; it says that it was simulated";
-    return text;
-}
-
-/// How a table is read, and its first rows so.
-void add_table(const HandedIn& file, Section& section) {
-    if (file.is.proposed.empty()) return;
-    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
-                                       file.path)));
-    Block keys = facts({});
-    for (const ProposedKey& one : file.is.proposed)
-        add_fact(keys, one.key,
-                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
-    add(section, std::move(keys));
-    if (file.is.problem.empty())
-        add(section, paragraph("Its first rows, as they are read:"));
-    else
-        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
-    add(section, list_of(file.is.rows));
+/// What a table holds that cannot be read, and what to do.
+void require_read(const HandedIn& file, const std::string& path) {
+    if (file.is.kind != RecordingKind::table) return;
+    std::vector<std::string> columns;
+    for (const NeededKey& one : file.is.needed)
+        if (one.key.starts_with("columns."))
+            columns.push_back(fmt::format("--set {}=NAME", one.key));
+    if (!columns.empty())
+        throw Failure(
+            path,
+            fmt::format("this is a table, and nothing says which columns hold its positions; its "
+                        "first row is {}",
+                        fmt::join(file.is.rows, "")),
+            fmt::format("Name columns by their names or numbers: {}. The series of a wheel, of "
+                        "gates or of the wind has columns such as time_s,speed_m_s, and is named "
+                        "beside a recording",
+                        fmt::join(columns, " ")));
+    Section section{.anchor = "table", .title = "Recordings"};
+    add_table(file, section);
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+    throw Failure(path, "this is a table that cannot be read as it is", file.is.problem);
 }
 
 void show_recordings(const Draft& draft) {
@@ -265,16 +294,40 @@ int finish(const NewOptions& options, Draft& draft, const fs::path& out,
         add(section, list_of(taken));
         fmt::print("{}\n", section_text(section, terminal_columns()));
     }
-    const std::string trouble = options.day.empty() ? trouble_in(draft, folder_of(out)) : "";
+    const std::vector<Gap> left = draft.gaps();
+    const bool readable = std::ranges::none_of(
+        left, [](const Gap& gap) { return gap.required && gap.key.starts_with("receivers."); });
+    const std::string trouble =
+        readable && options.day.empty() ? trouble_in(draft, folder_of(out)) : "";
     write_new(out, draft.text());
     show_gaps(draft, "Left open, in lines of the file that begin with #", true);
-    fmt::print("written  {}\n", out.string());
+    fmt::print("written  {}\n", plain_text(out.string()));
     if (!trouble.empty())
         fmt::print("not yet  So described, a recording cannot be read:\n{}", trouble);
-    const bool lacks = std::ranges::any_of(draft.gaps(), &Gap::required);
+    const bool lacks = std::ranges::any_of(left, &Gap::required);
     fmt::print("next     {}{} {}\n", lacks ? "complete what is required, then " : "", certify,
                shell_word(plain_text(out.string())));
     return 0;
+}
+
+/// Takes the navigation file that stands beside raw signals under the same name, where none is
+/// named.
+void add_orbits_beside(const std::vector<std::string>& recordings, const fs::path& folder,
+                       std::vector<HandedIn>& files) {
+    for (const HandedIn& file : files)
+        if (file.is.kind == RecordingKind::orbits) return;
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        if (files[i].is.kind != RecordingKind::signals) continue;
+        for (const char* suffix : {".nav", ".NAV", ".rnx"}) {
+            const fs::path beside = fs::path(recordings[i]).replace_extension(suffix);
+            if (beside == recordings[i] || !fs::is_regular_file(beside)) continue;
+            const Recognised recognised = recognise(beside.string());
+            if (recognised.said.exit_status != 0 || recognised.is.kind != RecordingKind::orbits)
+                continue;
+            files.push_back({.path = name_in(folder, beside.string()), .is = recognised.is});
+            return;
+        }
+    }
 }
 
 int new_attempt(const NewOptions& options) {
@@ -292,8 +345,10 @@ int new_attempt(const NewOptions& options) {
         }
         file.is = recognised.is;
         if (file.is.kind == RecordingKind::table) complete_table(options, file, path);
+        require_read(file, path);
         files.push_back(std::move(file));
     }
+    add_orbits_beside(options.recordings, folder_of(out), files);
     Arrangement arrangement = arrange(files);
     Draft draft(std::move(files), std::move(arrangement));
     return finish(options, draft, out, "runcert certify");

@@ -27,9 +27,13 @@ std::string numbered(const std::vector<std::string>& values) {
     return text;
 }
 
-/// A value by its number, else the answer as it is.
+/// Values by their numbers, else the answer as it is.
 std::string by_number(const std::string& answer, const std::vector<std::string>& values) {
-    const auto number = parse_integer(answer);
+    const std::size_t comma = answer.find(',');
+    if (comma != std::string::npos)
+        return by_number(answer.substr(0, comma), values) + "," +
+               by_number(answer.substr(comma + 1), values);
+    const auto number = parse_integer(trim(answer));
     return number && *number >= 1 && *number <= std::ssize(values)
                ? values[static_cast<std::size_t>(*number - 1)]
                : answer;
@@ -69,7 +73,7 @@ void ask(Draft& draft, const Gap& gap) {
         if (answer.empty() && gap.proposal.empty()) return;
         if (answer.empty()) answer = gap.proposal;
         try {
-            draft.set(gap.key, by_number(answer, gap.values));
+            draft.set(gap.key, gap.values.empty() ? answer : by_number(answer, gap.values));
             return;
         } catch (const Failure& failure) {
             say(fmt::format("{} {}", sentence(failure.problem()), sentence(failure.remedy())));

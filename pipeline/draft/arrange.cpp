@@ -19,10 +19,6 @@ constexpr double one_day_s = 86'400.0;
 /// Receivers on one craft begin to record so near to each other; another craft may, too.
 constexpr double same_place_m = 5000.0;
 
-bool is_of_positions(const HandedIn& file) {
-    return file.is.kind == RecordingKind::positions || file.is.kind == RecordingKind::table;
-}
-
 std::string name_of_file(const HandedIn& file) {
     return plain_text(std::filesystem::path(file.path).filename().string());
 }
@@ -63,16 +59,23 @@ class Arranging {
     Arrangement made() {
         std::vector<std::size_t> positions, signals;
         for (std::size_t i = 0; i < files_.size(); ++i) {
-            if (is_of_positions(files_[i]))
+            if (files_[i].is.kind == RecordingKind::positions)
                 positions.push_back(i);
             else if (files_[i].is.kind == RecordingKind::signals)
                 signals.push_back(i);
+            else if (files_[i].is.kind == RecordingKind::series)
+                take_series(i);
             else
                 orbits_.push_back(i);
         }
         if (positions.empty() && signals.empty())
-            throw Failure(files_.front().path, "the file holds orbits, and no recording",
-                          "Name the rover's recording, too: runcert new ROVER.obs BASE.obs ORBITS");
+            throw Failure(files_.front().path,
+                          fmt::format("the file holds {}, and no recording",
+                                      orbits_.empty() ? "a series" : "orbits"),
+                          orbits_.empty()
+                              ? "Name the recording that it bears witness of, too"
+                              : "Name the rover's recording, too: runcert new ROVER.obs BASE.obs "
+                                "ORBITS");
         if (positions.empty())
             arrange_signals(signals);
         else
@@ -82,6 +85,24 @@ class Arranging {
 
   private:
     void say(std::string sentence) { result_.said.push_back(std::move(sentence)); }
+
+    /// Wind and current have the same columns, and are told by the file's name.
+    void take_series(std::size_t file) {
+        const std::vector<std::string>& keys = files_[file].is.series;
+        const std::string name = lower_case(name_of_file(files_[file]));
+        const auto named = std::ranges::find_if(
+            keys, [&](const std::string& key) { return name.find(key) != std::string::npos; });
+        const std::string key = named != keys.end() ? *named : keys.front();
+        if (!result_.series.emplace(key, file).second)
+            throw Failure(files_[file].path,
+                          fmt::format("this is a second series for the key {}", key),
+                          "Name one of them");
+        say(fmt::format("{} is the series of the key {}, by its {}.", name_of_file(files_[file]),
+                        key,
+                        keys.size() == 1      ? "columns"
+                        : named != keys.end() ? "columns and name"
+                                              : "columns; it might be another of " + listed(keys)));
+    }
 
     void take_orbits(ArrangedReceiver& receiver) {
         receiver.navigation = orbits_;

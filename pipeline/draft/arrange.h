@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,13 +27,16 @@ struct ArrangedReceiver {
 /// What several files are to each other.
 struct Arrangement {
     std::vector<ArrangedReceiver> receivers;
+    /// By the key of the attempt that the series is of.
+    std::map<std::string, std::size_t> series{};
     std::vector<std::string> said;  ///< why, a sentence for each file that is not the first
 };
 
 /// Decides by times and places what the files are to each other. Files of one format that follow
 /// each other within a day are one recording; what was recorded at the same time and place is a
 /// second receiver. A log with raw signals beside a solution holds the signals behind it. RINEX
-/// observations alone are a rover, and a base by its name. Failure where that cannot be told, and
+/// observations alone are a rover, and a base by its name. Series are what their columns say.
+/// Failure where that cannot be told, and
 /// where the files are of several attempts.
 Arrangement arrange(const std::vector<HandedIn>& files);
 

@@ -74,6 +74,8 @@ Draft::Draft(std::vector<HandedIn> files, Arrangement arrangement)
     keys_["receivers"] = Json::array();
     for (const ArrangedReceiver& arranged : arrangement_.receivers)
         keys_["receivers"].push_back(receiver_of(arranged, files_));
+    for (const auto& [key, file] : arrangement_.series)
+        keys_[key] = {{"file", files_[file].path}};
 }
 
 Draft Draft::of_day(std::vector<HandedIn> files, const std::string& id) {
@@ -114,6 +116,8 @@ class DraftGaps {
         add_record();
         for (const ArrangedReceiver& receiver : draft_.arrangement_.receivers)
             add_receiver(receiver);
+        for (const auto& [key, file] : draft_.arrangement_.series)
+            add_series(key, draft_.files_[file].path);
         add_of_rules();
         return std::move(gaps_);
     }
@@ -144,8 +148,10 @@ class DraftGaps {
                 .why = "It sets what motions are possible and which fix types may be used.",
                 .required = true,
                 .values = attempt_schema().find("craft.class")->values,
-                .example = "other"};
-        if (std::ranges::any_of(draft_.files_, [](const HandedIn& file) { return file.is.falls; }))
+                .example = "..."};
+        if (std::ranges::any_of(draft_.files_, [](const HandedIn& file) {
+                return file.is.falls || file.is.format == "flysight";
+            }))
             gap.proposal = "skydiver";
         add(std::move(gap));
     }
@@ -156,7 +162,7 @@ class DraftGaps {
                 .question = "Rule or rules",
                 .why = "A rule says which speed counts, and what must be met.",
                 .required = true,
-                .example = "[nalsa]"};
+                .example = "[...]"};
         const std::string of_class = craft("class");
         gap.values = fitting_rules(of_class, when());
         if (!gap.values.empty())
@@ -193,7 +199,7 @@ class DraftGaps {
             add({.key = "record.speed",
                  .question = "Record to beat, with its unit (202.9 km/h)",
                  .why = "Without one the speed is measured, and compared with nothing.",
-                 .example = "{speed: 202.9, unit: km/h, source: \"...\"}"});
+                 .example = "{speed: ..., unit: km/h, source: \"...\"}"});
         if (speed && !draft_.keys_["record"].contains("source"))
             add({.key = "record.source",
                  .question = "Where that record is published",
@@ -249,7 +255,7 @@ class DraftGaps {
                  .question = "Hours by which local time is ahead of UTC" + of,
                  .why = "The recording's times are local.",
                  .required = true,
-                 .example = "9.5"});
+                 .example = "..."});
         add_fix_types(receiver, arranged);
         const std::string of_class = craft("class");
         const bool on_ground = of_class != "skydiver" && of_class != "board";
@@ -257,7 +263,7 @@ class DraftGaps {
             add({.key = before + "antenna_height_m",
                  .question = "Height of the antenna above the ground, in metres" + of,
                  .why = "The report states it: an antenna up a mast moves when the craft heels.",
-                 .example = "1.2"});
+                 .example = "..."});
     }
 
     void add_of_signals(const Json& receiver, const std::string& before) {
@@ -266,13 +272,13 @@ class DraftGaps {
                  .question = "File of the base station's observations",
                  .why = "Raw signals become positions by those of a base station.",
                  .required = true,
-                 .example = "base.obs"});
+                 .example = "..."});
         if (!receiver.contains("navigation"))
             add({.key = before + "navigation",
                  .question = "File of the satellites' orbits (navigation)",
                  .why = "Raw signals become positions by the satellites' orbits.",
                  .required = true,
-                 .example = "rover.nav"});
+                 .example = "..."});
     }
 
     /// Where the class uses none of the fix types that there are.
@@ -300,12 +306,27 @@ class DraftGaps {
         }
         if (there.empty()) return;
         add({.key = "parameters.screen.allowed_fixes",
-             .question = "Fix types to allow beside those of the class",
+             .question = "Fix types to allow in place of those of the class",
              .why = fmt::format("Of the class {} only {} positions are used, and these are {}: "
                                 "without it nothing is certified.",
                                 of_class, fmt::join(allowed, ", "), fmt::join(there, ", ")),
              .values = there,
-             .example = fmt::format("[{}]", fmt::join(there, ", "))});
+             .example = "[...]"});
+    }
+
+    void add_series(const std::string& key, const std::string& path) {
+        for (const FieldRule& rule : attempt_schema().fields()) {
+            if (!rule.path.starts_with(key + ".") || !rule.required) continue;
+            const std::string name = rule.path.substr(key.size() + 1);
+            if (draft_.keys_[key].contains(name)) continue;
+            add({.key = rule.path,
+                 .question = fmt::format("{}: {}{}", path, rule.description,
+                                         rule.unit.empty() ? "" : ", in " + rule.unit),
+                 .why = name == "source" ? "The report says where the series is from."
+                                         : "The series counts with this uncertainty.",
+                 .required = true,
+                 .example = name == "source" ? "\"...\"" : "..."});
+        }
     }
 
     /// What the chosen rules ask for.
@@ -326,21 +347,19 @@ class DraftGaps {
                  .question = "The surveyed course, as YAML",
                  .why = "The rule measures between two surveyed lines.",
                  .required = true,
-                 .example = "{length_m: 500, length_expanded_uncertainty_m: 0.02, start: {left: "
-                            "{latitude_deg: 0, longitude_deg: 0}, right: {latitude_deg: 0, "
-                            "longitude_deg: 0}}, finish: {left: {latitude_deg: 0, longitude_deg: "
-                            "0}, right: {latitude_deg: 0, longitude_deg: 0}}}"});
+                 .example =
+                     "{length_m: ..., length_expanded_uncertainty_m: ..., start: {left: "
+                     "{latitude_deg: ..., longitude_deg: ...}, right: {latitude_deg: ..., "
+                     "longitude_deg: ...}}, finish: {left: {latitude_deg: ..., longitude_deg: "
+                     "...}, right: {latitude_deg: ..., longitude_deg: ...}}}"});
         if (ground && !has("ground_height_m"))
             add({.key = "ground_height_m",
                  .question = "Height of the ground below, as the recording counts heights (m)",
                  .why = "The rule counts heights above it.",
-                 .example = "60"});
+                 .example = "..."});
     }
 
     static std::string question_of(const std::string& key) {
-        if (key.starts_with("columns."))
-            return fmt::format("Column that holds the {}, by its name or number",
-                               key.substr(key.find('.') + 1));
         if (key == "accuracy.horizontal_m")
             return "Standard deviation of east and of north, each, in metres";
         if (key == "accuracy.vertical_m") return "Standard deviation of heights, in metres";
@@ -357,14 +376,9 @@ class DraftGaps {
         return key;
     }
 
+    /// Nothing that could stand as it is: what is uncovered and not completed is refused.
     static std::string example_of(const NeededKey& needed) {
-        if (!needed.values.empty()) return needed.values.front();
-        if (needed.key.starts_with("columns.")) return "1";
-        if (needed.key == "start_date") return "\"2026-03-14\"";
-        if (needed.key == "start_gps") return "\"2026-03-14T10:00:18.000\"";
-        if (needed.key == "frame") return "{utm: {zone: 55, hemisphere: south}}";
-        if (needed.key == "height_m") return "40";
-        return "0.02";
+        return needed.key == "frame" ? "{utm: {zone: ..., hemisphere: ...}}" : "...";
     }
 
     const Draft& draft_;

@@ -39,8 +39,8 @@ class Draft {
     /// cannot be.
     void set(const std::string& key, const std::string& answer);
 
-    /// Takes proposals for what is not answered. What was taken so, a line each, which stands in the
-    /// file, too.
+    /// Takes proposals for what is not answered. What was taken so, a line each, which stands in
+    /// the file, too.
     const std::vector<std::string>& take_proposals();
 
     /// The keys of the attempt, or of the day's defaults.

@@ -122,9 +122,14 @@ std::string completed_text(Json keys) {
     if (!keys.contains("profiles")) keys["profiles"] = Json::array({"nalsa"});
     if (keys.contains("record") && !keys["record"].contains("source"))
         keys["record"]["source"] = "any";
-    for (Json& receiver : keys["receivers"])
-        if (receiver.contains("columns") && !receiver["columns"].contains("time"))
-            receiver["columns"]["time"] = 1;
+    for (const FieldRule& rule : attempt_schema().fields()) {
+        const std::size_t point = rule.path.find('.');
+        if (point == std::string::npos || !rule.required) continue;
+        const FieldRule* map = attempt_schema().find(rule.path.substr(0, point));
+        if (!map || map->series.empty() || !keys.contains(map->path)) continue;
+        Json& value = keys[map->path][rule.path.substr(point + 1)];
+        if (value.is_null()) value = rule.minimum ? Json(*rule.minimum) : Json("any");
+    }
     Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     attempt.update(keys);
     return to_yaml_text(attempt);

@@ -30,6 +30,12 @@ std::string left_out(const std::string& says, const std::string& why) {
     return fmt::format("# {}  # {}\n", plain_text(says), plain_text(why));
 }
 
+/// What it is for, and what it may be.
+std::string why_of(const Gap& gap) {
+    if (gap.values.empty()) return gap.why;
+    return fmt::format("{} One of {}.", gap.why, fmt::join(gap.values, ", "));
+}
+
 }  // namespace
 
 class DraftText {
@@ -110,14 +116,14 @@ class DraftText {
             const std::string rest =
                 gap.key.size() > key.size() ? gap.key.substr(key.size() + 1) : "";
             if (there)
-                text += "  " + left_out(rest + ": " + gap.example, gap.why);
+                text += "  " + left_out(rest + ": " + gap.example, why_of(gap));
             else if (rest.empty() || key == "record")
-                text += left_out(key + ": " + gap.example, gap.why);
+                text += left_out(key + ": " + gap.example, why_of(gap));
             else if (below.size() == 1)
-                text += left_out(key + ": " + nested(rest, gap.example), gap.why);
+                text += left_out(key + ": " + nested(rest, gap.example), why_of(gap));
             else
                 text += (&gap == &below.front() ? "# " + key + ":\n" : "") +
-                        left_out("  " + rest + ": " + gap.example, gap.why);
+                        left_out("  " + rest + ": " + gap.example, why_of(gap));
         }
         return text;
     }
@@ -166,7 +172,7 @@ class DraftText {
             const std::string key = gap.key.substr(before.size());
             const std::size_t point = key.find('.');
             if (point == std::string::npos) {
-                text += "    " + left_out(key + ": " + gap.example, gap.why);
+                text += "    " + left_out(key + ": " + gap.example, why_of(gap));
                 continue;
             }
             const std::string map = key.substr(0, point);

@@ -335,7 +335,8 @@ Recognition recognised_positions(Receiver receiver, const RecordingBytes& record
         !gpsbabel::recognises(head)) {
         refuse_not_read(readable, false);
         require_text(readable);
-        return recognition_of_table(readable);
+        Recognition series{.kind = RecordingKind::series, .series = series_in(readable)};
+        return series.series.empty() ? recognition_of_table(readable) : series;
     }
     std::vector<NeededKey> needed;
     const Observations observations = read_somehow(receiver, recording, needed);

@@ -12,6 +12,7 @@
 #include "stages/import/csv/propose.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
+#include "store/measured_series.h"
 
 namespace runcert {
 namespace {
@@ -132,6 +133,20 @@ bool is_navigation(std::string_view bytes) {
     const std::string_view line = bytes.substr(0, bytes.find('\n'));
     return line.find("RINEX VERSION / TYPE") != std::string_view::npos &&
            line.find("NAV") != std::string_view::npos;
+}
+
+std::vector<std::string> series_in(const RecordingBytes& file) {
+    std::vector<std::string> keys;
+    for (const FieldRule& rule : attempt_schema().fields()) {
+        if (rule.series.empty()) continue;
+        try {
+            (void)read_series(file.bytes, file.name, GpsTime{}, rule.series);
+            keys.push_back(rule.path);
+        } catch (const Failure&) {
+            // Of another kind, or none.
+        }
+    }
+    return keys;
 }
 
 Recognition recognition_of(const Observations& observations, const Receiver& receiver) {

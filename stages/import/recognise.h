@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,10 @@ namespace runcert {
 
 /// Whether the beginning of a file is that of a RINEX navigation file.
 bool is_navigation(std::string_view bytes);
+
+/// The keys of an attempt that this file can be the series of (wheel, gates, wind, ...), by its
+/// columns; none for any other file.
+std::vector<std::string> series_in(const RecordingBytes& file);
 
 /// What a recording is that was read as `receiver` says, and what the receiver leaves out that an
 /// attempt needs.

@@ -79,6 +79,25 @@ TEST(Arrange, RefusesFilesOfSeveralAttempts) {
     EXPECT_NE(problem_of({raw("a.nav", RecordingKind::orbits)}).find("orbits"), std::string::npos);
 }
 
+TEST(Arrange, SeriesAreWhatTheirColumnsOrNamesSay) {
+    const auto series = [](const std::string& path, std::vector<std::string> keys) {
+        HandedIn file = raw(path, RecordingKind::series);
+        file.is.series = std::move(keys);
+        return file;
+    };
+    const Arrangement all = arrange({recorded("a", 0), series("rear.csv", {"wheel"}),
+                                     series("Current-1.csv", {"wind", "current"}),
+                                     series("mast.csv", {"wind", "current"})});
+    EXPECT_EQ(all.series,
+              (std::map<std::string, std::size_t>{{"wheel", 1}, {"current", 2}, {"wind", 3}}));
+    EXPECT_NE(all.said.back().find("might be another of wind and current"), std::string::npos)
+        << all.said.back();
+    EXPECT_NE(problem_of({series("a.csv", {"wheel"})}).find("no recording"), std::string::npos);
+    EXPECT_NE(problem_of({recorded("a", 0), series("a.csv", {"wheel"}), series("b.csv", {"wheel"})})
+                  .find("second series"),
+              std::string::npos);
+}
+
 TEST(Arrange, RawSignalsAreARoverAndABaseOrBearWitness) {
     const auto obs = RecordingKind::signals;
     const Arrangement rinex = arrange(

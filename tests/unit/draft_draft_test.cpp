@@ -96,22 +96,31 @@ TEST(Draft, WrittenWithItsAnswersItIsAnAttempt) {
     EXPECT_NE(draft.text().find("\n# pilot: \"...\"  # "), std::string::npos) << draft.text();
 }
 
-TEST(Draft, LinesThatAreLeftOutAreAnAttemptOnceUncovered) {
-    Draft draft = draft_of(solution());
+TEST(Draft, LinesThatAreLeftOutAreAnAttemptOnceCompleted) {
+    HandedIn file = solution();
+    file.is.needed = {{.key = "solution", .reason = "Not said.", .values = {"fixed", "float"}}};
+    const Draft draft = draft_of(file);
     std::string text = draft.text();
     // The first two lines are about the file.
     text = text.substr(text.find("schema:"));
-    for (std::size_t at = 0; (at = text.find("# ", at)) != std::string::npos;) {
-        const bool begins = at == 0 || text[at - 1] == '\n' ||
-                            text.find_last_not_of(' ', at - 1) == text.rfind('\n', at);
-        if (begins) text.erase(at, 2);
-        at += 2;
+    for (std::size_t at = 0; (at = text.find("# ", at)) != std::string::npos; at += 2)
+        if (at == 0 || text.find_last_not_of(' ', at - 1) == text.rfind('\n', at))
+            text.erase(at, 2);
+    // What nobody completes is refused, and not taken for an answer.
+    EXPECT_THROW(read_attempt(text, "attempt.yaml"), Failure) << text;
+    const std::pair<std::string, std::string> completed[] = {
+        {"class: ...", "class: car"},         {"profiles: [...]", "profiles: [nalsa]"},
+        {"YYYY-MM-DD", "2026-03-14"},         {"speed: ...", "speed: 202.9"},
+        {"solution: ...", "solution: float"}, {"antenna_height_m: ...", "antenna_height_m: 1.2"}};
+    for (const auto& [open, answer] : completed) {
+        ASSERT_NE(text.find(open), std::string::npos) << open << text;
+        text.replace(text.find(open), open.size(), answer);
     }
-    text.replace(text.find("YYYY-MM-DD"), 10, "2026-03-14");
     const Attempt attempt = read_attempt(text, "attempt.yaml");
     EXPECT_EQ(attempt.craft.name, "...");
-    EXPECT_EQ(attempt.pilot, "...");
     EXPECT_EQ(attempt.receivers[0].antenna_height_m, 1.2);
+    EXPECT_EQ(attempt.receivers[0].solution, "float");
+    EXPECT_EQ(attempt.record->speed, 202.9);
 }
 
 TEST(Draft, RefusesAnswersThatCannotBe) {

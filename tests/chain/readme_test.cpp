@@ -144,6 +144,7 @@ TEST(ReadmePage, IsOneScreenAndItsLinksLeadSomewhere) {
     for (const char* page :
          {"README.md", "examples/README.md", "stages/check/profiles/README.md",
           "pipeline/make/README.md", "pipeline/trust/README.md", "pipeline/trust/ATTESTING.md",
+          "pipeline/trust/CHECKING.md", "reports/WORDS.md", "examples/PREPARING.md", "CONTRIBUTING.md",
           "schemas/README.md", "reports/METHOD.md", "stages/README.md", "tests/README.md"}) {
         const std::string text = read_file(source / page);
         for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at)

@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "run/attempt_files.h"
+#include "run/report_record.h"
 #include "run/steps.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -146,7 +147,12 @@ StageRun open_run(const std::string& program, const std::filesystem::path& run_d
     if (!std::filesystem::is_directory(run_dir))
         throw Failure(run_dir.string(), "there is no such run folder",
                       "Name a folder that `runcert certify` wrote");
-    return StageRun(program, run_dir / attempt_copy_name, run_dir);
+    StageRun run(program, run_dir / attempt_copy_name, run_dir);
+    const std::filesystem::path report = run_dir / "report.json";
+    if (std::filesystem::exists(report))
+        run.note_expected("report.json",
+                          read_report_record(read_file(report), report.string()).header);
+    return run;
 }
 
 const Receiver& receiver_of(const Attempt& attempt, const std::string& id) {

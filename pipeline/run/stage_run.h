@@ -134,6 +134,10 @@ class StageRun {
         return read(product, attempt_.receivers.front(), reader);
     }
 
+    /// From now on, and of what was read, each input that the header names must have its hash
+    /// there. `file` is whose header it is. Failure where one has another.
+    void note_expected(const std::string& file, const Header& header);
+
     /// The name of a product in the run folder.
     std::string file_of(const ProductFile& product, const Receiver& receiver) const;
 
@@ -160,7 +164,6 @@ class StageRun {
     };
     FileView view_file(const std::string& role, const std::string& file);
     void note(const InputFile& input);
-    void note_expected(const std::string& file, const Header& header);
     void check_expected(const std::string& file, const std::string& sha256) const;
 
     std::string stage_;
@@ -175,7 +178,8 @@ class StageRun {
     std::vector<std::string> said_;
 };
 
-/// A run folder as a program reads it that writes nothing there. Failure where there is none.
+/// A run folder as a program reads it that writes nothing there. What report.json names, where
+/// there is one, must have the hash that stands there. Failure where there is no such folder.
 StageRun open_run(const std::string& program, const std::filesystem::path& run_dir);
 
 /// The receiver of that id, the first where it is empty. Failure (at "--receiver") where there is

@@ -74,15 +74,4 @@ struct WalkOptions {
 /// What a run is, and what came in, went out and was decided, and why, by stage and receiver.
 Document walk_through(const RunRecord& record, const WalkOptions& options);
 
-/// What an audit needs of report.json.
-struct ReportRecord {
-    Header header;  ///< program, source revision; the subjects as inputs
-    /// The report's own id, `report_id` of its predicate.
-    std::string id;
-};
-
-/// Reads it from the text of report.json; `where` names the file in messages. Failure where the
-/// text is not a measurement report. Signatures and hashes are not checked.
-ReportRecord read_report_record(std::string_view text, const std::string& where);
-
 }  // namespace runcert

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -9,6 +10,7 @@
 #include "reports/document/document_text.h"
 #include "reports/explain/explain.h"
 #include "run/attempt_files.h"
+#include "run/report_record.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -29,10 +31,18 @@ struct Options {
     bool inputs = false;
 };
 
-/// Hashes what the verdict was made from, and is in the run folder. The names of what is not.
+/// Hashes what report and verdict were made from, and is in the run folder. The names of what is
+/// not.
 std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
     std::vector<std::string> missing;
-    for (const InputFile& input : verdict.header.inputs) {
+    std::vector<InputFile> inputs = verdict.header.inputs;
+    const std::filesystem::path report = run.run_dir() / "report.json";
+    if (std::filesystem::exists(report))
+        for (const InputFile& subject :
+             read_report_record(read_file(report), report.string()).header.inputs)
+            if (std::ranges::find(inputs, subject.file, &InputFile::file) == inputs.end())
+                inputs.push_back(subject);
+    for (const InputFile& input : inputs) {
         const std::filesystem::path name(input.file);
         if (name.has_parent_path() || !std::filesystem::is_regular_file(run.run_dir() / name))
             missing.push_back(input.file);

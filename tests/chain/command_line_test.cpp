@@ -125,5 +125,39 @@ TEST(CommandLine, InspectTakesSeveralRecordingsAndWhatIsPipedIn) {
     EXPECT_NE(one_bad.output.find("Positions\n"), std::string::npos);
 }
 
+/// Of a file that they read, or of all that the report names.
+TEST(CommandLine, WhatOpensARunSaysThatAFileOfItWasChanged) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    certify(examples / "land_yacht" / "attempt.yaml", run, {"--no-render"});
+    using Words = std::vector<std::string>;
+    const std::vector<Words> commands{
+        {"explain", run.string()},
+        {"export", run.string(), "--format", "csv", "--out", "-"},
+        {"export", run.string(), "--format", "csv", "--table", "observations", "--out", "-"},
+        {"compare", run.string()},
+        {"audit", run.string()}};
+    for (const Words& command : commands)
+        EXPECT_EQ(runcert(command).exit_status, 0) << command[0];
+    const std::map<std::string, std::vector<std::size_t>> readers{
+        {"recording.primary.csv", {0, 4}}, {"1-observations.ecsv", {0, 2, 4}},
+        {"3-screened.ecsv", {0, 3, 4}},    {"4-trajectory.ecsv", {0, 1, 3, 4}},
+        {"5-windows.yaml", {0, 3, 4}},     {"6-verdict.yaml", {0, 4}}};
+    for (const auto& [file, by] : readers) {
+        const std::string whole = read_file(run / file);
+        std::string changed = whole;
+        char& digit = changed[changed.find_last_of("12345678")];
+        digit = static_cast<char>(digit + 1);
+        write_file_atomically(run / file, changed);
+        for (const std::size_t which : by) {
+            const ProcessResult result = runcert(commands[which]);
+            EXPECT_EQ(result.exit_status, 2) << commands[which][0] << " " << file;
+            EXPECT_NE(result.errors.find(file), std::string::npos) << result.errors;
+            EXPECT_NE(result.errors.find("SHA-256"), std::string::npos) << result.errors;
+        }
+        write_file_atomically(run / file, whole);
+    }
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

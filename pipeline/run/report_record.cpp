@@ -1,7 +1,8 @@
+#include "run/report_record.h"
+
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/audit/record.h"
 
 namespace runcert {
 
@@ -29,7 +30,7 @@ ReportRecord read_report_record(std::string_view text, const std::string& where)
         return record;
     } catch (const Json::exception& fault) {
         throw Failure(where, std::string("this is not a measurement report: ") + fault.what(),
-                      "Take the original report, or remove the file and audit without it");
+                      "Take the original report, or remove the file and go on without it");
     }
 }
 

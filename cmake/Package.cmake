@@ -20,6 +20,7 @@ install(FILES ${CMAKE_BINARY_DIR}/package/runcert DESTINATION ${CMAKE_INSTALL_BI
 set(derived ${CMAKE_BINARY_DIR}/package/derived)
 add_custom_target(package_derived
   COMMAND ${CMAKE_SOURCE_DIR}/cmake/package/derive $<TARGET_FILE:runcert> ${CMAKE_SOURCE_DIR} ${derived}
+    ${RUNCERT_MAINTAINER}
   DEPENDS runcert_programs VERBATIM)
 install(DIRECTORY ${derived}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} OPTIONAL)
 install(FILES ${derived}/completion RENAME runcert OPTIONAL
@@ -46,6 +47,9 @@ satellite positions. Recordings go in; a measurement report that can be signed
 comes out, with the uncertainty of the speed and an answer for each requirement
 of the rules. Every step between them is a file that can be audited, and the
 whole can be computed again by anybody.")
+if(RUNCERT_HOME_URL)
+  set(CPACK_DEBIAN_PACKAGE_HOMEPAGE ${RUNCERT_HOME_URL})
+endif()
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

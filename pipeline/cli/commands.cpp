@@ -9,6 +9,7 @@
 #include "run/run_lock.h"
 #include "store/process.h"
 #include "trust/signature_files.h"
+#include "trust/verification.h"
 
 namespace runcert {
 
@@ -27,8 +28,9 @@ int run_companion(const std::string& name, const std::vector<std::string>& argum
 }
 
 int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
-    // Whoever asked for no PDF gets none later.
+    // Whoever asked for no PDF gets none later, and whoever asked for the certificate alone that.
     const bool pdf = fs::exists(run_dir / "report.pdf") || !fs::exists(run_dir / "report.html");
+    const bool brief = is_first_page_alone(run_dir / "report.pdf");
     try {
         {
             const RunLock lock(run_dir);
@@ -37,6 +39,7 @@ int render_pages(const fs::path& run_dir, const std::string& roster, const std::
         run_step("render", {.attempt = run_dir / "attempt.yaml",
                             .run_dir = run_dir,
                             .pdf = pdf,
+                            .brief = brief,
                             .roster = roster});
     } catch (const StageFailed& failed) {
         fmt::print(stderr, "{}{}; its pages could not be made again and do not show it\n",

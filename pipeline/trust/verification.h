@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/failure.h"
@@ -196,5 +197,12 @@ struct RoleState {
 /// possible are filled.
 std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
                                   const std::vector<Signer>& signers);
+
+/// What the PDF of the certificate alone, without what stands behind it, has as its subject.
+inline constexpr std::string_view first_page_subject = "The certificate alone";
+
+/// Whether a report.pdf is the certificate alone, of however many pages; one that cannot be read is
+/// not.
+bool is_first_page_alone(const std::filesystem::path& pdf);
 
 }  // namespace runcert

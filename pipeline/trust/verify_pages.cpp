@@ -236,16 +236,6 @@ void take_drawings(const std::string& page, const ReportFacts& report, const fs:
     }
 }
 
-/// Whether a PDF is the first page alone; one that cannot be read is not.
-bool is_brief(const fs::path& pdf) {
-    try {
-        require_readable_pdf(pdf);
-        return facts_of(pdf)["Pages"] == "1";
-    } catch (const Failure&) {
-        return false;
-    }
-}
-
 /// Byte for byte. It carries the report whatever program made it.
 void judge_html(VerificationStep& step, const fs::path& own, const std::string& page,
                 const ReportFacts& report, const std::optional<Obstacle>& obstacle) {
@@ -355,6 +345,15 @@ VerificationStep verify_drawings(const fs::path& run_dir, const ReportFacts& rep
     return step;
 }
 
+bool is_first_page_alone(const fs::path& pdf) {
+    try {
+        require_readable_pdf(pdf);
+        return facts_of(pdf)["Subject"] == first_page_subject;
+    } catch (const Failure&) {
+        return false;
+    }
+}
+
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules) {
     VerificationStep step{.what = "pages"};
@@ -386,7 +385,7 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
     const auto obstacle = obstacle_to({.attempt = run_dir / attempt_copy_name,
                                        .run_dir = folder.path(),
                                        .pdf = pdf,
-                                       .brief = pdf && is_brief(run_dir / pdf_file),
+                                       .brief = pdf && is_first_page_alone(run_dir / pdf_file),
                                        .roster = roster.empty() ? fs::path() : roster_file,
                                        .drawings = html ? others.path() : fs::path()},
                                       report);

@@ -16,6 +16,7 @@
 #include "store/sha256.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
+#include "trust/verification.h"
 
 namespace runcert {
 
@@ -217,6 +218,7 @@ std::string report_print_page(const std::string& report_text_bytes, const Json& 
                               const std::string& standing, bool first_page_alone) {
     TemplateData data = page_data(report, signatures);
     data.set("style", std::string(document_style()));
+    if (first_page_alone) data.set("subject", std::string(first_page_subject));
     data.set("content", content_of(report_text_bytes, report, drawings, signatures, standing,
                                    Medium::paper, first_page_alone));
     return rendered(report_text("template/page.html"), data, Medium::paper);

@@ -200,7 +200,11 @@ TEST_F(TamperedPages, APdfIsComparedByWhatItCarriesAndShows) {
     keep_only("report.pdf");
     const std::string json = (run() / "report.json").string();
     const auto render = [&](const std::string& html, const std::vector<std::string>& attached) {
-        write_file_atomically(path("page.html"), html);
+        // As the certificate alone, which takes least to render again.
+        write_file_atomically(path("page.html"),
+                              "<head><meta name=\"description\" content=\"The certificate alone\">"
+                              "</head><body>" +
+                                  html + "</body>");
         std::vector<std::string> command{"weasyprint"};
         for (const std::string& file : attached)
             command.insert(command.end(), {"-a", file});
@@ -223,6 +227,34 @@ TEST_F(TamperedPages, APdfIsComparedByWhatItCarriesAndShows) {
     write_file_atomically(run() / "report.pdf", "hello");
     EXPECT_TRUE(says(pages(), "cannot be read as a PDF"));
     EXPECT_EQ(pages()["passed"], false);
+}
+
+/// Its length tells nothing: several rules take more than one page.
+TEST_F(TamperedPages, TheCertificateAloneIsKnownAndStaysAlone) {
+    fs::copy(examples / "salt_lake", path("many"), fs::copy_options::recursive);
+    const fs::path file = path("many") / "attempt.yaml";
+    std::string text = read_file(file);
+    for (const char* rule : {"10s", "2s", "500m", "5x10s", "nautical-mile"})
+        for (const char* of : {"sailing", "ice"}) {
+            const std::string sport =
+                of == std::string_view("ice") ? "ice-sailing" : "speed-sailing";
+            text += fmt::format("  - gps-{}-{}\n", sport, rule);
+        }
+    write_file_atomically(file, text);
+    fs::remove_all(run());
+    certify(file, run(), {"--brief"});
+    const auto pages_of_pdf = [&] {
+        const std::string facts = run_process({"pdfinfo", (run() / "report.pdf").string()}).output;
+        const std::size_t at = facts.find("Pages:") + 6;
+        return std::stoi(facts.substr(at, facts.find('\n', at) - at));
+    };
+    const int alone = pages_of_pdf();
+    EXPECT_GT(alone, 1);
+    EXPECT_LT(alone, 5);
+    EXPECT_EQ(pages()["passed"], true) << pages();
+    const ProcessResult again = runcert({"attest", run().string(), "--render"});
+    EXPECT_EQ(again.exit_status, 0) << again.errors;
+    EXPECT_EQ(pages_of_pdf(), alone);
 }
 
 TEST_F(TamperedPages, APdfThatWasEditedIsNotThePage) {

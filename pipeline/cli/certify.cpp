@@ -208,14 +208,11 @@ std::pair<Attempt, std::string> attempt_in(const std::string& file) {
         const std::string suffix = lower_case(fs::path(file).extension().string());
         if (suffix == ".yaml" || suffix == ".yml" || !fs::is_regular_file(file)) throw;
         const Recognised recognised = recognise(file);
-        if (recognised.said.exit_status != 0) throw;
-        throw Failure(
-            file,
-            fmt::format(
-                "this is a recording ({}), and no attempt",
-                recognised.is.kind == RecordingKind::table ? "a table" : recognised.is.format),
-            fmt::format("Write an attempt from it first: runcert new {}",
-                        shell_word(plain_text(file))));
+        const std::string& format = recognised.is.format;
+        if (recognised.said.exit_status != 0 || format.empty()) throw;
+        throw Failure(file, fmt::format("this is a recording ({}), and no attempt", format),
+                      fmt::format("Write an attempt from it first: runcert new {}",
+                                  shell_word(plain_text(file))));
     }
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include "core/text.h"
 #include "draft/draft.h"
 #include "new_dialogue.h"
+#include "new_shown.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "store/atomic_file.h"
@@ -75,11 +77,18 @@ void take(const std::vector<GivenAnswer>& answers, Draft& draft) {
     }
 }
 
-void refuse_what_exists(const fs::path& file) {
+/// Before anything is asked: whether the file can be written.
+void require_new(const fs::path& file) {
+    const fs::path folder = folder_of(file);
     if (fs::exists(fs::symlink_status(file)))
         throw Failure(file.string(), "there is such a file already, and it is not written over",
                       fmt::format("Certify that one, or give another name: --out {}",
                                   shell_word((file.parent_path() / "attempt-2.yaml").string())));
+    if (!fs::is_directory(folder))
+        throw Failure(folder.string(), "there is no such folder", "Make it, or give another --out");
+    if (access(folder.c_str(), W_OK) != 0)
+        throw Failure(folder.string(), "you may not write files in this folder",
+                      "Copy the recordings to a folder of your own, and name them there");
 }
 
 void require_recordings(const std::vector<std::string>& recordings) {
@@ -122,50 +131,11 @@ std::string name_in(const fs::path& folder, const std::string& recording) {
         throw Failure(recording,
                       "an attempt names recordings in its own folder, and in those below it alone",
                       "Give an --out in the folder of the recordings, or above it");
+    if (!is_printable_line(name.string()))
+        throw Failure(plain_text(recording),
+                      "the file's name holds a character that cannot be written in an attempt",
+                      "Give the file a name of letters and digits");
     return name.string();
-}
-
-std::string fixes_text(const Recognition& is) {
-    std::vector<std::string> fixes;
-    for (const FixCount& one : is.fixes)
-        if (fixes.size() < 3) fixes.push_back(fmt::format("{} {}", one.fix, one.epochs));
-    return listed(fixes);
-}
-
-/// What a file is, in a line.
-std::string file_text(const Recognition& is) {
-    if (is.kind == RecordingKind::signals) return "raw signals (RINEX observations)";
-    if (is.kind == RecordingKind::orbits) return "orbits of the satellites (RINEX navigation)";
-    if (is.kind == RecordingKind::series)
-        return fmt::format("a series for the key {}", fmt::join(is.series, " or "));
-    if (is.kind == RecordingKind::table) return "a table whose columns are not known";
-    std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
-    if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
-    if (is.first && is.last)
-        text += fmt::format("; {} to {}", to_utc_iso(*is.first, 0), to_utc_iso(*is.last, 0));
-    else
-        text += fmt::format("; {} s from an unknown start", format_fixed(is.span_s, 1));
-    text += "; solutions: " + fixes_text(is);
-    if (!is.device.empty()) text += "; made by " + is.device;
-    if (is.simulated) text += "; it says that it was simulated";
-    return text;
-}
-
-/// How a table is read, and its first rows so.
-void add_table(const HandedIn& file, Section& section) {
-    if (file.is.proposed.empty()) return;
-    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
-                                       file.path)));
-    Block keys = facts({});
-    for (const ProposedKey& one : file.is.proposed)
-        add_fact(keys, one.key,
-                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
-    add(section, std::move(keys));
-    if (file.is.problem.empty())
-        add(section, paragraph("Its first rows, as they are read:"));
-    else
-        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
-    add(section, list_of(file.is.rows));
 }
 
 /// What a table's columns are, as the options say or somebody at the terminal does.
@@ -179,7 +149,8 @@ void complete_table(const NewOptions& options, HandedIn& file, const std::string
     bool said = false;
     for (const GivenAnswer& answer : answers_of(options)) {
         std::string_view key = answer.key;
-        if (key.starts_with("receivers.primary.")) key.remove_prefix(18);
+        constexpr std::string_view of_primary = "receivers.primary.";
+        if (key.starts_with(of_primary)) key.remove_prefix(of_primary.size());
         if (!key.starts_with("columns.")) continue;
         add(key, answer.value);
         said = true;
@@ -230,37 +201,6 @@ void require_read(const HandedIn& file, const std::string& path) {
     throw Failure(path, "this is a table that cannot be read as it is", file.is.problem);
 }
 
-void show_recordings(const Draft& draft) {
-    Section section{.anchor = "recordings", .title = "Recordings"};
-    Block all = facts({});
-    for (const HandedIn& file : draft.files())
-        add_fact(all, file.path, file_text(file.is));
-    add(section, std::move(all));
-    for (const HandedIn& file : draft.files())
-        add_table(file, section);
-    if (!draft.arrangement().said.empty()) add(section, list_of(draft.arrangement().said));
-    fmt::print("{}\n", section_text(section, terminal_columns()));
-}
-
-/// All that is not answered, in one list.
-void show_gaps(const Draft& draft, const std::string& title, bool with_keys) {
-    const std::vector<Gap> gaps = draft.gaps();
-    if (gaps.empty()) return;
-    Section section{.anchor = "open", .title = title};
-    std::vector<std::string> items;
-    for (const bool required : {true, false})
-        for (const Gap& gap : gaps) {
-            if (gap.required != required) continue;
-            std::string item = gap.question + (required ? " (required)" : "");
-            if (!gap.values.empty()) item += fmt::format(": {}", fmt::join(gap.values, ", "));
-            if (with_keys) item = fmt::format("{}: {}. {}", gap.key, item, gap.why);
-            items.push_back(std::move(item));
-        }
-    add(section, list_of(std::move(items)));
-    fmt::print("{}\n", section_text(section, terminal_columns()));
-    std::fflush(stdout);
-}
-
 void write_new(const fs::path& path, const std::string& text) {
     AtomicFile file(path);
     file.write(text);
@@ -289,10 +229,8 @@ int finish(const NewOptions& options, Draft& draft, const fs::path& out,
         fmt::print(stderr, "Enter leaves out what is not required, or takes what is in [ ].\n");
         ask_all(draft);
         fmt::print("\n");
-    } else if (const std::vector<std::string>& taken = draft.take_proposals(); !taken.empty()) {
-        Section section{.anchor = "taken", .title = "Taken without an answer"};
-        add(section, list_of(taken));
-        fmt::print("{}\n", section_text(section, terminal_columns()));
+    } else {
+        show_list("Taken without an answer", draft.take_proposals());
     }
     const std::vector<Gap> left = draft.gaps();
     const bool readable = std::ranges::none_of(
@@ -334,7 +272,7 @@ int new_attempt(const NewOptions& options) {
     require_recordings(options.recordings);
     const fs::path out = options.out.empty() ? folder_of_all(options.recordings) / "attempt.yaml"
                                              : fs::path(options.out);
-    refuse_what_exists(out);
+    require_new(out);
     std::vector<HandedIn> files;
     for (const std::string& path : options.recordings) {
         HandedIn file{.path = name_in(folder_of(out), path)};
@@ -378,11 +316,7 @@ std::vector<HandedIn> recordings_in(const fs::path& folder) {
             files.push_back({.path = name, .is = recognised.is});
         }
     }
-    if (!left_out.empty()) {
-        Section section{.anchor = "left-out", .title = "Left out"};
-        add(section, list_of(std::move(left_out)));
-        fmt::print("{}\n", section_text(section, terminal_columns()));
-    }
+    show_list("Left out", std::move(left_out));
     return files;
 }
 
@@ -395,7 +329,7 @@ int new_day(const NewOptions& options) {
         fs::weakly_canonical(fs::absolute(folder)))
         throw Failure(out.string(), "a day lies in the folder of its recordings",
                       "Give an --out in that folder");
-    refuse_what_exists(out);
+    require_new(out);
     std::vector<HandedIn> files = recordings_in(folder);
     if (files.empty())
         throw Failure(options.day, "no file in the folder is a recording of positions",

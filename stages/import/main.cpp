@@ -365,7 +365,7 @@ int recognise_file(const std::string& path, const std::string& keys) {
     } else {
         is = recognised_positions(receiver_of(path, keys), recording);
     }
-    fmt::print("{}\n", members_json(is).dump());
+    fmt::print("{}\n", plain(members_json(is)).dump());
     return 0;
 }
 

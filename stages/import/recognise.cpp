@@ -179,7 +179,6 @@ Recognition recognition_of_table(const RecordingBytes& recording, const CsvColum
     }
     is.format = "csv";
     is.proposed = std::move(proposal->keys);
-    is.unsure = std::move(proposal->unsure);
     is.problem = std::move(proposal->problem);
     return is;
 }

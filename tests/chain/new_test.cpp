@@ -68,6 +68,15 @@ TEST(New, WritesAnAttemptThatCertifies) {
         << again.errors;
     EXPECT_EQ(read_file(attempt), before);
     EXPECT_EQ(make_new({recording}, with({"--out", folder.path() / "other.yaml"})).exit_status, 0);
+    // Said before anything is asked.
+    const ProcessResult nowhere =
+        make_new({recording}, with({"--out", folder.path() / "none" / "a.yaml"}));
+    EXPECT_EQ(nowhere.exit_status, 2);
+    EXPECT_TRUE(has(nowhere.errors, "no such folder")) << nowhere.errors;
+    fs::create_directory(folder.path() / "below");
+    const ProcessResult below =
+        make_new({recording}, with({"--out", folder.path() / "below" / "a.yaml"}));
+    EXPECT_TRUE(has(below.errors, "in its own folder")) << below.errors;
 }
 
 TEST(New, NamesAllGapsAtOnceAndLeavesLinesForThem) {
@@ -144,6 +153,12 @@ TEST(New, SaysOfNonsenseWhatItIs) {
         EXPECT_TRUE(has(made.errors, one.said)) << made.errors;
         EXPECT_TRUE(has(made.errors, "what to do")) << made.errors;
     }
+    bring(examples / "salt_lake" / "recording.pos", folder.path());
+    fs::rename(folder.path() / "recording.pos", folder.path() / "run\x1b[1m.pos");
+    const ProcessResult steering = make_new({folder.path() / "run\x1b[1m.pos"});
+    EXPECT_EQ(steering.exit_status, 2);
+    EXPECT_TRUE(has(steering.errors, "name holds a character")) << steering.errors;
+    EXPECT_FALSE(has(steering.errors, "\x1b"));
     EXPECT_FALSE(fs::exists(folder.path() / "attempt.yaml"));
     EXPECT_EQ(make_new({}).exit_status, 2);
     // Wrong answers, of which nothing is written.
@@ -337,7 +352,7 @@ TEST(New, EveryRealRecordingIsWrittenOrSaidWhatItIs) {
         ASSERT_EQ(made.exit_status, 0) << made.errors;
         // It runs, or what is missing is said in one list, and with that it runs. Long ones take
         // their time elsewhere.
-        constexpr std::uintmax_t long_bytes = 1'000'000;
+        constexpr std::uintmax_t long_bytes = 300'000;
         fs::path attempt = folder.path() / "attempt.yaml";
         if (has(made.output, "receivers.primary.base")) continue;
         if (fs::file_size(file) > long_bytes) continue;

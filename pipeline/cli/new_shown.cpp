@@ -1,0 +1,90 @@
+#include "new_shown.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/prose.h"
+#include "core/text.h"
+#include "reports/document/document_text.h"
+
+namespace runcert {
+namespace {
+
+std::string fixes_text(const Recognition& is) {
+    std::vector<std::string> fixes;
+    for (const FixCount& one : is.fixes)
+        if (fixes.size() < 3) fixes.push_back(fmt::format("{} {}", one.fix, one.epochs));
+    return listed(fixes);
+}
+
+}  // namespace
+
+std::string file_text(const Recognition& is) {
+    if (is.kind == RecordingKind::signals) return "raw signals (RINEX observations)";
+    if (is.kind == RecordingKind::orbits) return "orbits of the satellites (RINEX navigation)";
+    if (is.kind == RecordingKind::series)
+        return fmt::format("a series for the key {}", fmt::join(is.series, " or "));
+    if (is.kind == RecordingKind::table) return "a table whose columns are not known";
+    std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
+    if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
+    if (is.first && is.last)
+        text += fmt::format("; {} to {}", to_utc_iso(*is.first, 0), to_utc_iso(*is.last, 0));
+    else
+        text += fmt::format("; {} s from an unknown start", format_fixed(is.span_s, 1));
+    text += "; solutions: " + fixes_text(is);
+    if (!is.device.empty()) text += "; made by " + is.device;
+    if (is.simulated) text += "; it says that it was simulated";
+    return text;
+}
+
+void add_table(const HandedIn& file, Section& section) {
+    if (file.is.proposed.empty()) return;
+    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
+                                       file.path)));
+    Block keys = facts({});
+    for (const ProposedKey& one : file.is.proposed)
+        add_fact(keys, one.key,
+                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
+    add(section, std::move(keys));
+    if (file.is.problem.empty())
+        add(section, paragraph("Its first rows, as they are read:"));
+    else
+        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
+    add(section, list_of(file.is.rows));
+}
+
+void show_recordings(const Draft& draft) {
+    Section section{.anchor = "recordings", .title = "Recordings"};
+    Block all = facts({});
+    for (const HandedIn& file : draft.files())
+        add_fact(all, file.path, file_text(file.is));
+    add(section, std::move(all));
+    for (const HandedIn& file : draft.files())
+        add_table(file, section);
+    if (!draft.arrangement().said.empty()) add(section, list_of(draft.arrangement().said));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+}
+
+void show_gaps(const Draft& draft, const std::string& title, bool with_keys) {
+    const std::vector<Gap> gaps = draft.gaps();
+    std::vector<std::string> items;
+    for (const bool required : {true, false})
+        for (const Gap& gap : gaps) {
+            if (gap.required != required) continue;
+            std::string item = gap.question + (required ? " (required)" : "");
+            if (!gap.values.empty()) item += fmt::format(": {}", fmt::join(gap.values, ", "));
+            if (with_keys) item = fmt::format("{}: {}. {}", gap.key, item, gap.why);
+            items.push_back(std::move(item));
+        }
+    show_list(title, std::move(items));
+}
+
+void show_list(const std::string& title, std::vector<std::string> items) {
+    if (items.empty()) return;
+    Section section{.anchor = "list", .title = title};
+    add(section, list_of(std::move(items)));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+    std::fflush(stdout);
+}
+
+}  // namespace runcert

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "draft/draft.h"
+#include "schemas/document/document.h"
+
+namespace runcert {
+
+/// What a file is, in a line.
+std::string file_text(const Recognition& is);
+
+/// How a table is read, and its first rows so.
+void add_table(const HandedIn& file, Section& section);
+
+/// Prints what the recordings are, and what they are to each other.
+void show_recordings(const Draft& draft);
+
+/// Prints all that is not answered, in one list: what is required first. With keys, it says how
+/// each is answered by --set, and why.
+void show_gaps(const Draft& draft, const std::string& title, bool with_keys);
+
+/// Prints a list under a title; nothing for an empty one.
+void show_list(const std::string& title, std::vector<std::string> items);
+
+}  // namespace runcert

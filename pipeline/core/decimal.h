@@ -68,7 +68,7 @@ inline constexpr std::uint64_t fixed_text_limit = 10'000'000'000'000'000;
 char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative);
 
 /// Writes a number as format_fixed (core/text.h) does, and returns the end of the text. Returns
-/// null where this fast path cannot be sure of the last digit: the number lies too near the middle
+/// null if this fast path cannot be sure of the last digit: the number lies too near the middle
 /// between two neighbours, is large (2^52 or more in units of the last decimal) or not finite, or
 /// `decimals` is not 0 to 12. A value that rounds to zero has no minus sign.
 char* write_fixed_quickly(char* to, double value, int decimals);

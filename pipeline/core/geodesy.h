@@ -25,7 +25,7 @@ void require_valid(const Geodetic& position);
 Ecef ecef_from_geodetic(const Geodetic& position);
 
 /// Geodetic coordinates of an Earth-centred position, with longitude in [-180, 180] degrees.
-/// Accurate to about 5 nm (GeographicLib::Geocentric, [Karney11] app. B). Failure where a
+/// Accurate to about 5 nm (GeographicLib::Geocentric, [Karney11] app. B). Failure if a
 /// coordinate is not finite.
 Geodetic geodetic_from_ecef(const Ecef& position);
 
@@ -50,7 +50,7 @@ class LocalFrame {
     /// Earth-centred coordinates of a position in this frame.
     Ecef ecef_from_enu(const Enu& position) const;
 
-    /// Geodetic coordinates of a position in this frame. Failure where a coordinate is not finite.
+    /// Geodetic coordinates of a position in this frame. Failure if a coordinate is not finite.
     Geodetic geodetic_from_enu(const Enu& position) const;
 
     /// The matrix R that rotates a vector from east, north and up at (latitude, longitude) into
@@ -79,7 +79,7 @@ struct UtmGeometry {
 };
 
 /// Geodetic coordinates of a UTM position (WGS 84), to 5 nm (GeographicLib, 6th order Krueger
-/// series). Failure where the zone is outside 1 to 60 or the easting outside 100 to 900 km. The
+/// series). Failure if the zone is outside 1 to 60 or the easting outside 100 to 900 km. The
 /// northing must lie within 9600 km of the equator, or within 100 km on the other side of it.
 Geodetic geodetic_from_utm(UtmZone zone, double easting_m, double northing_m, double height_m);
 

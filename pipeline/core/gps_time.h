@@ -41,11 +41,11 @@ class GpsTime {
 
     /// The instant `nanoseconds_of_week` after the start of the full week number `week` (no
     /// rollover). Some receivers round up to the very end of the week, so exactly one week is
-    /// accepted. Failure where `nanoseconds_of_week` is outside 0 to one week, or the instant is
+    /// accepted. Failure if `nanoseconds_of_week` is outside 0 to one week, or the instant is
     /// out of span.
     static GpsTime from_week(int week, std::int64_t nanoseconds_of_week);
 
-    /// The instant of a calendar time on the GPS time scale. Failure where a field is invalid
+    /// The instant of a calendar time on the GPS time scale. Failure if a field is invalid
     /// (month 13, 30 February, second 60) or the instant out of span.
     static GpsTime from_calendar(const CalendarTime& gps);
 
@@ -67,7 +67,7 @@ class GpsTime {
     /// The calendar time on the GPS time scale, exact.
     CalendarTime calendar() const;
 
-    /// This instant minus `earlier`, exact, in nanoseconds. Failure where the two are more than 292
+    /// This instant minus `earlier`, exact, in nanoseconds. Failure if the two are more than 292
     /// years apart.
     std::int64_t nanoseconds_since(GpsTime earlier) const;
 
@@ -75,7 +75,7 @@ class GpsTime {
     /// for `nanoseconds_since`.
     double seconds_since(GpsTime earlier) const;
 
-    /// The instant `nanoseconds` later. Failure where it is out of span.
+    /// The instant `nanoseconds` later. Failure if it is out of span.
     GpsTime plus_nanoseconds(std::int64_t nanoseconds) const;
 
     friend constexpr bool operator==(GpsTime, GpsTime) = default;
@@ -89,7 +89,7 @@ class GpsTime {
 
 /// ISO 8601 text of an instant on the GPS time scale, such as "2022-03-18T08:51:22.300", with 0 to
 /// 9 decimals. Rounds to nearest, with carries; a half goes up, to the later instant. There is no
-/// suffix, because ISO 8601 has none for GPS time. Failure where rounding leaves the span.
+/// suffix, because ISO 8601 has none for GPS time. Failure if rounding leaves the span.
 std::string to_iso(GpsTime time, int decimals = 3);
 
 /// Reads an instant written "YYYY-MM-DDTHH:MM:SS[.fffffffff]" on the GPS time scale. A blank may
@@ -106,7 +106,7 @@ struct UtcTime {
 };
 
 /// The instant of a UTC calendar time. Second 60 is accepted only where UTC had a leap second.
-/// Failure where a field is invalid or the instant is out of span.
+/// Failure if a field is invalid or the instant is out of span.
 GpsTime gps_from_utc(const CalendarTime& utc);
 
 /// The UTC calendar time of an instant. Inside a leap second its `second` is 60.

@@ -61,12 +61,12 @@ MonteCarloResult propagate(const MonteCarloOptions& options,
                            const std::function<double(RandomGenerator&)>& draw);
 
 /// The numerical tolerance of [GUM-S1] 7.9.2. With u = c 10^l, where the integer c has
-/// `significant_digits` digits, it is 10^l / 2; for u = 0 it is 0. Failure where u is negative or
+/// `significant_digits` digits, it is 10^l / 2; for u = 0 it is 0. Failure if u is negative or
 /// not finite, or the number of digits is not 1 to 15.
 double numerical_tolerance(double standard_uncertainty, int significant_digits);
 
 /// The probabilistically symmetric coverage interval of simulated values in ascending order
-/// ([GUM-S1] 7.7). Failure where there are too few values for the probability.
+/// ([GUM-S1] 7.7). Failure if there are too few values for the probability.
 CoverageInterval symmetric_interval(std::span<const double> sorted, double probability);
 
 /// The shortest coverage interval of simulated values in ascending order ([GUM-S1] 7.7). Of equally
@@ -84,7 +84,7 @@ double draw_rectangular(RandomGenerator& random, double half_width);
 /// Drawn by rejection from a Cauchy variate, itself the quotient of a point's coordinates in the
 /// unit disc. At worst a value takes 1.52 points on average. The C library's logarithm decides only
 /// on acceptance, and values are products of basic operations. Platforms therefore differ only
-/// where a uniform number falls within the last bits of the threshold. Failure where the degrees of
+/// where a uniform number falls within the last bits of the threshold. Failure if the degrees of
 /// freedom are below 1 or not finite.
 double draw_student_t(RandomGenerator& random, std::optional<double> degrees_of_freedom);
 

@@ -8,7 +8,7 @@
 namespace runcert {
 
 /// `value` rounded to `decimals` decimals, so that its shortest text has no more than these.
-/// Failure where it is not finite.
+/// Failure if it is not finite.
 double rounded(double value, int decimals);
 
 /// Relative error that a few operations on binary fractions leave (16 units in the last place).

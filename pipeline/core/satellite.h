@@ -49,7 +49,7 @@ std::array<char, 2> letters_of(SignalCode signal);
 bool from_text(std::string_view text, Satellite& satellite);
 bool from_text(std::string_view text, SignalCode& signal);
 
-/// Carrier frequency (Hz) of a band ([IS-GPS-200], [GAL-ICD], [RINEX3] tables 4 to 10). Empty where
+/// Carrier frequency (Hz) of a band ([IS-GPS-200], [GAL-ICD], [RINEX3] tables 4 to 10). Empty if
 /// the system has no such band, and for GLONASS, whose satellites each have their own frequency.
 std::optional<double> carrier_frequency_hz(SatelliteSystem system, std::uint8_t band);
 

@@ -29,7 +29,7 @@ double normal_quantile(double probability);
 double normal_cdf(double x);
 
 /// P(t <= x) for Student's t distribution. The degrees of freedom are any number above 0, also
-/// infinite; empty means infinite, the normal distribution. x may be infinite. Failure where x is
+/// infinite; empty means infinite, the normal distribution. x may be infinite. Failure if x is
 /// NaN or the degrees of freedom are not above 0. Relative accuracy 1e-11, kept in the lower tail.
 double student_t_cdf(double x, std::optional<double> degrees_of_freedom);
 
@@ -37,16 +37,16 @@ double student_t_cdf(double x, std::optional<double> degrees_of_freedom);
 /// freedom are above 0.
 double student_t_quantile(double probability, std::optional<double> degrees_of_freedom);
 
-/// Arithmetic mean, summed in order. Failure where there are no values.
+/// Arithmetic mean, summed in order. Failure if there are no values.
 double mean(std::span<const double> values);
 
-/// Sample standard deviation, with divisor n - 1. Failure where there are fewer than two values.
+/// Sample standard deviation, with divisor n - 1. Failure if there are fewer than two values.
 double standard_deviation(std::span<const double> values);
 
-/// Square root of the mean square. Failure where there are no values.
+/// Square root of the mean square. Failure if there are no values.
 double root_mean_square(std::span<const double> values);
 
-/// The middle value, or the mean of the two middle ones. Failure where there are no values or one
+/// The middle value, or the mean of the two middle ones. Failure if there are no values or one
 /// is NaN.
 double median(std::vector<double> values);
 

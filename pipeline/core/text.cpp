@@ -228,7 +228,7 @@ struct Character {
     std::size_t bytes = 1;
 };
 
-/// The first character of a text that is not empty. Nothing where it is not UTF-8.
+/// The first character of a text that is not empty. Nothing if it is not UTF-8.
 std::optional<Character> first_character(std::string_view text) {
     const auto byte = [&](std::size_t at) {
         return static_cast<std::uint32_t>(static_cast<unsigned char>(text[at]));

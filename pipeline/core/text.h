@@ -55,7 +55,7 @@ std::string format_any_fixed(double value, int decimals);
 
 /// The candidate to suggest as "did you mean". It is the shortest that begins with the word in any
 /// case (two letters or more), or else the first with the smallest Levenshtein distance. Empty
-/// where there are no candidates.
+/// if there are no candidates.
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
 
 /// Whether every byte is a printable ASCII character, blank included.

@@ -40,7 +40,7 @@ void require_input(const InputQuantity& input) {
     require_degrees(input.degrees_of_freedom);
 }
 
-/// [GUM] (G.2b), divided through by u_c^4. Empty where every contribution has infinite degrees of
+/// [GUM] (G.2b), divided through by u_c^4. Empty if every contribution has infinite degrees of
 /// freedom.
 std::optional<double> welch_satterthwaite(std::span<const InputQuantity> inputs, double combined) {
     double reciprocal = 0.0;

@@ -18,7 +18,7 @@ struct CombinedUncertainty {
     double standard_uncertainty = 0.0;
     /// Empty: infinite, or undefined (see below).
     std::optional<double> effective_degrees_of_freedom = std::nullopt;
-    /// False where correlated inputs have finite degrees of freedom. The Welch-Satterthwaite
+    /// False if correlated inputs have finite degrees of freedom. The Welch-Satterthwaite
     /// formula does not apply to them, and the coverage factor of infinitely many would be too
     /// small.
     bool degrees_of_freedom_defined = true;
@@ -39,7 +39,7 @@ CombinedUncertainty combine(std::span<const InputQuantity> inputs);
 /// (16)).
 ///
 /// `correlation` is n by n for n inputs; the identity gives the result of the independent form.
-/// Failure as for the independent form, and where it is not a correlation matrix: wrong size, not
+/// Failure as for the independent form, and if it is not a correlation matrix: wrong size, not
 /// symmetric, diagonal not 1, or an eigenvalue below 0 (all to 1e-12; a singular matrix is
 /// allowed).
 CombinedUncertainty combine(std::span<const InputQuantity> inputs,
@@ -60,12 +60,12 @@ double coverage_factor(double probability, std::optional<double> degrees_of_free
 double equivalent_coverage_factor(double factor, std::optional<double> degrees_of_freedom);
 
 /// Standard uncertainty of a quantity uniformly distributed within +- `half_width`:
-/// half_width / sqrt(3) ([GUM] (7)). Failure where half_width is negative or not finite.
+/// half_width / sqrt(3) ([GUM] (7)). Failure if half_width is negative or not finite.
 double rectangular_uncertainty(double half_width);
 
 /// Degrees of freedom of a standard uncertainty that is itself uncertain by the fraction
 /// `relative_uncertainty`: 1 / (2 relative_uncertainty^2) ([GUM] (G.3)). Empty, for infinite, where
-/// the fraction is 0. Failure where the fraction is negative or not finite.
+/// the fraction is 0. Failure if the fraction is negative or not finite.
 std::optional<double> degrees_of_freedom(double relative_uncertainty);
 
 /// The n eigenvalues of a symmetric n by n matrix in ascending order, in the unit of its elements.

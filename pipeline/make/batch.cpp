@@ -131,7 +131,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
 }
 
 /// The submitted runs whose task ended before they did: a node was lost, or could not begin it.
-/// None where they are so many that the cluster, or a cancellation, is the reason.
+/// None if they are so many that the cluster, or a cancellation, is the reason.
 std::vector<bool> lost_runs(const BatchOrder& order, const Day& day,
                             const std::set<std::string>& submitted) {
     const std::vector<RunState> states = inspect_day(day, order.context, order.jobs);

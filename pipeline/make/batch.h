@@ -32,8 +32,8 @@ struct BatchOrder {
 };
 
 /// Certifies the attempts of a day on this computer, and writes its results. The exit status: 0
-/// where all chosen attempts were processed, 2 where one could not be, or the batch was
-/// interrupted. Failure for what concerns the day as a whole.
+/// if all chosen attempts were processed, 2 if one could not be, or the batch was interrupted.
+/// Failure for what concerns the day as a whole.
 int run_batch(const BatchOrder& order);
 
 /// Certifies a share of the attempts whose ids `pending` lists, one a line, and writes no results.
@@ -42,7 +42,7 @@ int run_share(const BatchOrder& order, const Share& share, const std::filesystem
 
 /// Writes the day's results of the runs that are there. First makes those few of the runs listed in
 /// `pending` (ids, one a line; empty for none) that their tasks on a cluster left unfinished. The
-/// exit status: 0 where all attempts of the day are done, else 2.
+/// exit status: 0 if all attempts of the day are done, else 2.
 int gather_day(const BatchOrder& order, const std::filesystem::path& pending);
 
 /// Submits what is to be done to a Slurm cluster: an array job, and one after it that gathers the
@@ -53,7 +53,7 @@ int submit_day(const BatchOrder& order, const std::vector<std::string>& task_opt
                const std::vector<std::string>& slurm_args);
 
 /// Prints how the day stands: what is done, failed and to do, and the state of its jobs on a
-/// cluster. The exit status: 0 where all attempts are done, else 1.
+/// cluster. The exit status: 0 if all attempts are done, else 1.
 int say_status(const BatchOrder& order);
 
 }  // namespace runcert

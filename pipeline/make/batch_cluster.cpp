@@ -19,7 +19,7 @@ fs::path jobs_file(const BatchFolders& folders) {
     return folders.slurm() / "job.json";
 }
 
-/// How the jobs of an earlier call stand; nothing where there are none, or they are over.
+/// How the jobs of an earlier call stand; nothing if there are none, or they are over.
 std::optional<std::string> jobs_under_way(const BatchFolders& folders) {
     const auto jobs = read_slurm_jobs(jobs_file(folders));
     if (!jobs) return std::nullopt;

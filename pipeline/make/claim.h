@@ -30,7 +30,7 @@ struct Claim {
 /// cannot be found or the id is no longer the one that the day listed.
 Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed);
 
-/// The hashes of a claim's recordings and of what else import reads, by name in the run folder.
+/// SHA-256 hashes of all files that import reads for a claim, by name in the run folder.
 FileHashes recording_hashes(const Claim& claim);
 
 /// About how many epochs a claim's recordings hold together, without reading them.

@@ -21,7 +21,7 @@ using Paths = std::vector<fs::path>;
 
 constexpr const char* day_file_name = "day.yaml";
 
-/// The name of a day whose file gives none: that of its folder.
+/// The id of a day that no day file names: made from its folder's name.
 std::string name_of_folder(const fs::path& folder) {
     std::error_code error;
     const fs::path path = fs::weakly_canonical(fs::absolute(folder, error), error);
@@ -102,8 +102,8 @@ Day day_of_file(const fs::path& file, const std::string& text, const fs::path& o
                       attempts_of_day(day, file));
 }
 
-/// The text of a folder's day file; nothing where there is none, or one of another schema. Failure
-/// where it cannot be parsed: the folder is not searched instead, which would give another day.
+/// The text of a folder's day file; nothing if there is none, or one of another schema. Failure
+/// if it cannot be parsed: the folder is not searched instead, which would give another day.
 std::optional<std::string> day_text_in(const fs::path& folder) {
     std::error_code error;
     const fs::path file = folder / day_file_name;

@@ -14,9 +14,9 @@ struct DayAttempt {
     /// Names the run folder. Where it could not be read, a label made of the file's name that no
     /// other attempt of the day has.
     std::string id;
-    std::string source;               ///< for people: "heats/run-1.yaml", "day.yaml:14"
-    std::filesystem::path file = {};  ///< the attempt's own; empty where the day file made the text
-    std::string text = {};            ///< the attempt, as `read_attempt` takes it
+    std::string source;                 ///< for people: "heats/run-1.yaml", "day.yaml:14"
+    std::filesystem::path file = {};    ///< the attempt's own; empty if the day file made the text
+    std::string text = {};              ///< the attempt, as `read_attempt` takes it
     std::filesystem::path folder = {};  ///< that its recordings are relative to
     std::optional<Failure> refused = {};
 };
@@ -36,7 +36,7 @@ struct Day {
 /// What is wrong with one attempt is in its `refused`: a file that cannot be read, an entry of the
 /// day file that no attempt can be made of, an id that two attempts have (regardless of case, as on
 /// some file systems). An attempt's own file is read only as far as its id needs: the caller must
-/// compare the id that `read_attempt` finds. Failure where there is no day: nothing given, no
+/// compare the id that `read_attempt` finds. Failure if there is no day: nothing given, no
 /// attempt found, a day file that is not one, the results' folder being the day's own.
 Day read_day(const std::vector<std::filesystem::path>& given, const std::filesystem::path& out);
 

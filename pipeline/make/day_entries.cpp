@@ -198,7 +198,7 @@ class EntryReader {
                  "Write * in it, for the text that the recording's * stands for, or leave it out");
     }
 
-    /// Failure where a pattern of the entry cannot be filled in with what the leading one stands
+    /// Failure if a pattern of the entry cannot be filled in with what the leading one stands
     /// for.
     void require_fitting(const Files& files, const NamedFile& leading) const {
         const std::size_t wanted = wildcard_count(leading.name);

@@ -24,7 +24,7 @@ struct AttemptSearch {
 /// say what was passed over and what could not be read.
 AttemptSearch find_attempts(const std::filesystem::path& folder, const std::filesystem::path& out);
 
-/// The schema that a YAML text names: "attempt/1.0", "day/1.0"; empty where it names none or cannot
+/// The schema that a YAML text names: "attempt/1.0", "day/1.0"; empty if it names none or cannot
 /// be parsed. Quick: parsed only where the schema does not stand on a line of its own.
 std::string written_schema(std::string_view text);
 
@@ -39,7 +39,7 @@ struct ListedAttempt {
 };
 
 /// An attempt that has a file of its own; the whole of it is read and checked only where its id
-/// does not stand on a line of its own. Refused where it cannot be read.
+/// does not stand on a line of its own. Refused if it cannot be read.
 ListedAttempt attempt_of_file(const std::filesystem::path& file, const std::string& source);
 
 /// A list in the making, and what people should know of it.

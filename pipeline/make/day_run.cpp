@@ -127,7 +127,7 @@ void refuse_inner(const Folder& folder, const std::string& name) {
         if (inner.kind_of(each) == EntryKind::link) (void)inner.open(each);  // which refuses it
 }
 
-/// Failure where a part of a folder of results, which may come from elsewhere, is a symbolic link.
+/// Failure if a part of a folder of results, which may come from elsewhere, is a symbolic link.
 void refuse_links(const Folder& folder) {
     for (const std::string& name : folder.names())
         if (folder.kind_of(name) == EntryKind::folder || folder.kind_of(name) == EntryKind::link)

@@ -33,12 +33,12 @@ struct AttemptOutcome {
     bool foreign_record = false;  ///< its record was not this user's
 };
 
-/// The lock of the folder of results; nothing where a stop is requested while it waits for it.
-/// Failure where another batch has it and `wait` is false.
+/// The lock of the folder of results; nothing if a stop is requested while it waits for it.
+/// Failure if another batch has it and `wait` is false.
 std::optional<FolderLock> lock_day(const std::filesystem::path& out, LockKind kind, bool wait,
                                    const std::stop_token& stop);
 
-/// Which attempts some patterns of ids choose: all where there are no patterns. Failure where one
+/// Which attempts some patterns of ids choose: all if there are no patterns. Failure if one
 /// chooses none: it is mistyped.
 std::vector<bool> chosen_of(const Day& day, const std::vector<std::string>& only);
 
@@ -61,12 +61,12 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
                           const std::string& otherwise);
 
 /// Writes the day's results (day.yaml, day.csv, day.html) by runcert-day, unless they are those of
-/// these outcomes already. Failure where they cannot be written.
+/// these outcomes already. Failure if they cannot be written.
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
                       const BatchContext& context);
 
 /// Writes the day's results of how its runs stand, and says how many are done, after some words.
-/// The exit status: 0 where all attempts are done, else 2.
+/// The exit status: 0 if all attempts are done, else 2.
 int write_results_of(const Day& day, const std::vector<RunState>& states,
                      const BatchContext& context, std::string_view words_before = "");
 

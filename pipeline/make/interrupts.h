@@ -19,7 +19,7 @@ enum class Interruption {
 class Interrupts {
   public:
     /// `told` is called for each change, before the tokens see it, in a thread of this object: not
-    /// in a signal handler, so it may do anything but throw. Failure where no pipe can be opened.
+    /// in a signal handler, so it may do anything but throw. Failure if no pipe can be opened.
     explicit Interrupts(std::function<void(Interruption, int signal)> told = {});
     /// The handlers that were there before are there again.
     ~Interrupts();

@@ -92,7 +92,7 @@ std::vector<std::string> frame_lines(const FrameContents& contents, const Termin
 /// breaks those that have become too long.
 std::size_t rows_of(const std::vector<std::string>& lines, std::size_t columns);
 
-/// Of the style `terminal`; for `make_progress` alone.
+/// Progress in the style `terminal`. Only `make_progress` calls this.
 std::unique_ptr<Progress> make_terminal_progress(const ProgressOptions& options);
 
 }  // namespace runcert

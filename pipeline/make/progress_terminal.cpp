@@ -134,7 +134,7 @@ class TerminalProgress : public Progress {
         return text + "\x1b[J";
     }
 
-    /// What erases the frame that is drawn and draws the next one; empty where nothing changed.
+    /// What erases the frame that is drawn and draws the next one; empty if nothing changed.
     std::string next_frame() {
         const TerminalSize terminal = size();
         const double now = now_s();

@@ -51,7 +51,7 @@ class RunFiles {
     const std::filesystem::path& run_dir() const { return run_dir_; }
     const std::filesystem::path& work_dir() const { return work_dir_; }
 
-    /// Where a file of that name and SHA-256 is; nothing where neither folder holds it.
+    /// Where a file of that name and SHA-256 is; nothing if neither folder holds it.
     std::optional<std::filesystem::path> find(const std::string& name, const std::string& sha256);
 
     /// Whether the run folder holds a file of that name and SHA-256.
@@ -61,7 +61,7 @@ class RunFiles {
     bool exists(const std::string& name) const;
 
     /// Removes what a killed program left half written in either folder, and beside the run folder.
-    /// Failure where another program writes in the run folder.
+    /// Failure if another program writes in the run folder.
     void remove_left() const;
 
     /// Makes the work folder, and removes from it all but the files that `known` names with their
@@ -73,7 +73,7 @@ class RunFiles {
     /// folder: as a hard link where the file system has links.
     void bring_to_work(const std::string& name, const std::string& sha256);
 
-    /// The SHA-256 of a file that was just written in the work folder. Failure where there is none.
+    /// The SHA-256 of a file that was just written in the work folder. Failure if there is none.
     std::string written(const std::string& name);
 
     /// Puts the files of these names and SHA-256, each of which is in one of the two folders, into

@@ -18,7 +18,7 @@ namespace runcert {
 using StepPrograms = std::map<std::string, std::string>;
 
 /// The programs of every step (`steps`), in the given folder and in those of the system. Failure
-/// where a stage's own is missing.
+/// if a stage's own is missing.
 std::map<std::string, StepPrograms> programs_of_steps(const std::filesystem::path& folder);
 
 /// The SHA-256 of a program: of the file of that path or, where it holds no slash, of the first of
@@ -62,11 +62,11 @@ struct RecordPlace {
     const RecordKey& key;
 };
 
-/// Reads a record; empty where there is none. One that the key did not seal, byte for byte and
+/// Reads a record; empty if there is none. One that the key did not seal, byte for byte and
 /// about this very thing, is not read: anyone could have written it, and the run is recomputed.
 RunRecord read_run_record(const RecordPlace& place);
 
-/// Seals and writes a record, and syncs it where files were published. Failure where it cannot be
+/// Seals and writes a record, and syncs it if files were published. Failure if it cannot be
 /// written.
 void write_run_record(const RecordPlace& place, const RunRecord& record);
 
@@ -75,7 +75,7 @@ void write_run_record(const RecordPlace& place, const RunRecord& record);
 inline constexpr std::size_t most_output_of_step = std::size_t{16} << 20;
 
 /// In what the present programs, settings and inputs of a step differ from those before, in words
-/// ("parameters: seed 1 -> 2"); empty where they do not. Outputs are not compared.
+/// ("parameters: seed 1 -> 2"); empty if they do not. Outputs are not compared.
 std::string what_changed(const StepRecord& before, const StepRecord& now);
 
 /// The failure of a step whose program did not end well: what it said itself in three lines, or

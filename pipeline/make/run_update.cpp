@@ -89,7 +89,7 @@ StepRecord RunMaking::expected(const std::string& step) const {
     return record;
 }
 
-/// Why a step must be done again; empty where it need not.
+/// Why a step must be done again; empty if it need not.
 std::string RunMaking::why(const std::string& step, const StepRecord& now) {
     if (!looking_ && context_.force) return "--force";
     if (!looking_ && !context_.from.empty() &&

@@ -32,7 +32,7 @@ struct SlurmJobs {
 /// Writes the file; Failures as for write_file_atomically.
 void write_slurm_jobs(const std::filesystem::path& file, const SlurmJobs& jobs);
 
-/// What write_slurm_jobs wrote; nothing where there is no such file. Failure, which says to remove
+/// What write_slurm_jobs wrote; nothing if there is no such file. Failure, which says to remove
 /// it, where it holds anything else.
 std::optional<SlurmJobs> read_slurm_jobs(const std::filesystem::path& file);
 
@@ -56,7 +56,7 @@ std::string submission_text(const SlurmJobs& jobs);
 /// How both jobs stand; lines for people, each ended.
 std::string status_text(const SlurmJobs& jobs, const JobState& array, const JobState& gatherer);
 
-/// Checks that Slurm can be used. Failure where sbatch, squeue, scontrol or scancel is missing (it
+/// Checks that Slurm can be used. Failure if sbatch, squeue, scontrol or scancel is missing (it
 /// says what to install) or the cluster's controller does not answer (in its words).
 void slurm_ready();
 
@@ -68,14 +68,14 @@ struct ArrayLimits {
         std::nullopt;  ///< max_array_tasks of SchedulerParameters
 };
 
-/// The limits in the output of `scontrol show config`. Failure where they are not in it.
+/// The limits in the output of `scontrol show config`. Failure if they are not in it.
 ArrayLimits read_array_limits(std::string_view configuration);
-/// The limits of the cluster at hand. Failure where its controller does not answer.
+/// The limits of the cluster at hand. Failure if its controller does not answer.
 ArrayLimits array_limits();
 
 /// How many tasks an array of so many runs has: one for each run as far as the limits allow, and at
 /// most half of MaxJobCount, because sbatch waits for minutes where the cluster's table of jobs is
-/// full. Task i of N takes the runs i, i + N, i + 2N, ... Failure where no arrays are allowed.
+/// full. Task i of N takes the runs i, i + N, i + 2N, ... Failure if no arrays are allowed.
 std::size_t tasks_for(std::size_t runs, const ArrayLimits& limits);
 
 /// `PROGRAM batch DAY... --out OUT` for another machine: the running program and absolute paths.
@@ -97,17 +97,17 @@ struct ArrayJob {
 };
 
 /// Submits the array, and the job after it that begins when all tasks have ended, however they did.
-/// Both are begun again where a node fails. Failure where Slurm refuses either, in its words: then
+/// Both are begun again if a node fails. Failure if Slurm refuses either, in its words: then
 /// nothing is left submitted.
 SlurmJobs submit(const ArrayJob& job);
 
 /// How the tasks of a job stand; `tasks` is how many it was submitted with. A job that Slurm no
-/// longer knows is over. Failure where the controller does not answer.
+/// longer knows is over. Failure if the controller does not answer.
 JobState job_state(const std::string& id, const std::string& cluster, std::size_t tasks);
 
 /// The words of what the user gave as --slurm-args, e.g. "--partition=lake --comment 'day 1'", as a
 /// shell would see them: quotes, $VARIABLES, ~ and patterns of file names; no commands. Failure
-/// where quotes do not end, a variable is not set, or the text holds a command or what steers one
+/// if quotes do not end, a variable is not set, or the text holds a command or what steers one
 /// (`...`, $(...), |, ;, and the like).
 std::vector<std::string> split_slurm_args(std::string_view text);
 

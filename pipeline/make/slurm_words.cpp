@@ -55,7 +55,7 @@ void check_expansion(int error, std::string_view text) {
 
 struct ReservedOption {
     std::string_view name;    ///< long form
-    std::string_view letter;  ///< short form; empty where there is none
+    std::string_view letter;  ///< short form; empty if there is none
     std::string_view remedy;
 };
 

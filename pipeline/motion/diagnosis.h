@@ -90,7 +90,7 @@ class ArcDiagnosis {
 
     /// Tests for time stamps of all measurements from epoch k on that are late by a constant time
     /// (s). The positions then jump along the motion, with the speed and acceleration predicted
-    /// from the epochs before k. Empty where that prediction leaves the speed uncertain by more
+    /// from the epochs before k. Empty if that prediction leaves the speed uncertain by more
     /// than a tenth.
     std::optional<ScoreTest<1>> time_shift(std::size_t k) const;
 

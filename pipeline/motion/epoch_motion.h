@@ -13,7 +13,7 @@ struct EpochMotion {
     Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
     Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Identity();
     Eigen::Matrix2d acceleration_covariance = Eigen::Matrix2d::Identity();
-    std::optional<double> vertical_rate_m_s;  ///< empty where no heights were measured
+    std::optional<double> vertical_rate_m_s;  ///< empty if no heights were measured
     double sigma_vertical_rate_m_s = 0.0;
 };
 

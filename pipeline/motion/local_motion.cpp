@@ -9,8 +9,8 @@ namespace {
 
 constexpr double block_s = 2.0;
 constexpr std::size_t blocks_beside = 5;  // on each side: 22 s in all
-constexpr double prior_sd = 2.0;          // of the logarithm of a local density minus that of the
-                                          // whole recording
+constexpr double prior_sd = 2.0;          // of the logarithm of the ratio of a local density to
+                                          // that of the whole recording
 
 // The grid of densities, in units of the measurement scale, evenly spaced in the logarithm.
 constexpr double log_least = -4.6;  // 0.01 m s^-2.5

@@ -28,7 +28,7 @@ struct LocalMotion {
 /// A single density fails for a craft that waits for twenty minutes and sails for one. It would say
 /// that the craft hardly ever moves, and an estimate based on it smooths the run away.
 ///
-/// `jerk_density` is empty where no innovation tests a model.
+/// `jerk_density` is empty if no innovation tests a model.
 template <int Axes>
 LocalMotion local_motion(std::span<const std::span<const ArcEpoch<Axes>>> arcs);
 

@@ -26,7 +26,7 @@ using PositionMatrix = Eigen::Matrix<double, Axes, Axes>;
 /// [Singer70].
 struct MotionModel {
     double jerk_density = 1.0;  ///< root spectral density of the driving noise, m s^-2.5
-    /// Correlation time of the acceleration, s. Infinite where the acceleration persists.
+    /// Correlation time of the acceleration, s. Infinite if the acceleration persists.
     double acceleration_time_s = std::numeric_limits<double>::infinity();
 };
 

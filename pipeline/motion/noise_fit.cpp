@@ -328,7 +328,7 @@ class Fit {
     }
 
     /// Covariance of the parameters in `among`, all others being known, from their joint
-    /// information. Empty where that information is not positive definite.
+    /// information. Empty if that information is not positive definite.
     static std::optional<Eigen::MatrixXd> covariance_among(const Eigen::MatrixXd& information,
                                                            const std::vector<Eigen::Index>& among) {
         const Eigen::MatrixXd of_these = information(among, among);

@@ -25,7 +25,7 @@ struct NoiseFitOptions {
 struct FittedParameter {
     double value = 0.0;
     /// Standard uncertainty of the natural logarithm of the parameter, from the curvature of the
-    /// likelihood. Infinite where the likelihood does not limit it.
+    /// likelihood. Infinite if the likelihood does not limit it.
     double relative_uncertainty = 0.0;
     bool at_bound = false;  ///< the search ended at one of its limits
 };

@@ -77,11 +77,11 @@ class Ephemerides {
 
     explicit Ephemerides(std::vector<Ephemeris> all);
 
-    /// The index (in `all`) of the satellite's ephemeris at an instant. Empty where none is valid.
+    /// The index (in `all`) of the satellite's ephemeris at an instant. Empty if none is valid.
     /// Calls must be in order of time.
     std::optional<std::size_t> choose(Satellite satellite, GpsTime time);
 
-    /// The index (in `all`) of the satellite's ephemeris nearest in time, valid or not. Empty where
+    /// The index (in `all`) of the satellite's ephemeris nearest in time, valid or not. Empty if
     /// the satellite has none.
     std::optional<std::size_t> nearest(Satellite satellite, GpsTime time) const;
 

@@ -13,7 +13,7 @@ struct ReceiverPlace {
     double height_m = 0.0;          ///< ellipsoidal height
 };
 
-/// The place with these WGS 84 Earth-centred coordinates (m). Failure where one is not finite.
+/// The place with these WGS 84 Earth-centred coordinates (m). Failure if one is not finite.
 ReceiverPlace receiver_place(const Eigen::Vector3d& position_m);
 
 /// A satellite as a receiver sees it.

@@ -87,7 +87,7 @@ class PhasePairs {
     double geometry_free_change_m(const PhasePair& pair) const;
 
     /// Changes of the phases minus those predicted by the Doppler shifts, in cycles. Their median
-    /// over the satellites, which is the clock's, is removed. Empty where too few satellites have
+    /// over the satellites, which is the clock's, is removed. Empty if too few satellites have
     /// one.
     std::vector<std::optional<double>> beyond_doppler_cycles(const std::vector<PhasePair>& pairs,
                                                              double step_s) const;

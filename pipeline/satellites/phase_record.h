@@ -14,7 +14,7 @@ namespace runcert {
 // Each level is one array, ordered by time, satellite and signal. A signal takes 24 bytes and a
 // satellite 56, because millions of epochs are held.
 
-/// The measurements of one signal at an epoch. NaN where missing.
+/// The measurements of one signal at an epoch. NaN if missing.
 struct PhaseSignal {
     double phase_cycles = std::numeric_limits<double>::quiet_NaN();
     double pseudorange_m = std::numeric_limits<double>::quiet_NaN();

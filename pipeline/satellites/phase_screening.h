@@ -33,7 +33,7 @@ enum class PhaseBreak : std::uint8_t {
 
 /// The result of screening for one phase.
 struct PhaseFinding {
-    std::int32_t arc = 0;         ///< arc of the signal, counted from 1; 0 where it is not used
+    std::int32_t arc = 0;         ///< arc of the signal, counted from 1; 0 if it is not used
     std::int32_t correction = 0;  ///< whole cycles to subtract from the phase: a repaired slip
     PhaseUse use = PhaseUse::no_phase;
     PhaseBreak begins = PhaseBreak::none;
@@ -110,7 +110,7 @@ struct PhaseScreening {
     std::vector<PhaseRefusal> refusals;
     std::vector<DisturbedPair> disturbed;
     std::vector<ClockJump> jumps;
-    /// Receiver clock offset from GPS time by pseudoranges at each epoch, times c. NaN where
+    /// Receiver clock offset from GPS time by pseudoranges at each epoch, times c. NaN if
     /// unknown.
     std::vector<double> clock_m;
     PhaseNoiseFigures noise;
@@ -121,7 +121,7 @@ struct PhaseScreening {
 double wavelength_m(Satellite satellite, SignalCode code);
 
 /// Receiver clock offset from GPS time at each epoch, times c. It is the median of the pseudorange
-/// remainders of the satellites above the mask. NaN where fewer than four have one.
+/// remainders of the satellites above the mask. NaN if fewer than four have one.
 std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg);
 
 /// Screens the phases of a record for cycle slips, one pair of epochs after the other. The

@@ -63,7 +63,7 @@ SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const Pha
                       const ChiSquaredBounds& bounds, double doppler_sigma_cycles);
 
 /// The slips of a given set of at most three satellites, in ascending order, estimated from the
-/// others. Empty where the others alone fail the test, or do not determine the slips.
+/// others. Empty if the others alone fail the test, or do not determine the slips.
 std::optional<std::vector<EstimatedSlip>> slips_of_set(const PhaseDisplacement& displacement,
                                                        std::span<const PhaseHint> hints,
                                                        std::span<const std::size_t> set,
@@ -73,7 +73,7 @@ std::optional<std::vector<EstimatedSlip>> slips_of_set(const PhaseDisplacement& 
 bool are_small(std::span<const EstimatedSlip> slips);
 
 /// For each satellite of a displacement, the standard deviation (m) with which the others' phases
-/// would estimate its slip. Infinite where they would not determine it.
+/// would estimate its slip. Infinite if they would not determine it.
 std::vector<double> slip_deviations_m(const PhaseDisplacement& displacement);
 
 }  // namespace runcert

@@ -23,7 +23,7 @@ struct PointSolution {
 };
 
 /// The receiver's position from pseudoranges alone, good to some metres: least squares weighted by
-/// elevation, with one clock for each system and a troposphere model. Empty where there are too few
+/// elevation, with one clock for each system and a troposphere model. Empty if there are too few
 /// satellites, or they do not determine it. A nearby start saves iterations.
 std::optional<PointSolution> point_solution(
     std::span<const CodeMeasurement> measurements,

@@ -44,7 +44,7 @@ NoiseFitOptions::Motion motion_of(MotionChoice choice);
 NoiseBasis basis_of(NoiseFit::Status status);
 
 /// The horizontal (Axes 2) or vertical (1) noise with which a trajectory says it was estimated.
-/// Failure where the vertical one is requested and the trajectory has no heights.
+/// Failure if the vertical one is requested and the trajectory has no heights.
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory);
 
@@ -59,7 +59,7 @@ std::vector<WeightedModel> posterior_of(const NoiseSummary& noise);
 /// The noise model of screening's tests.
 EstimationModel model_of(const ScreeningModel& noise);
 
-/// Factors on the stated variances of each fix type, in addition to the model's scale. Empty where
+/// Factors on the stated variances of each fix type, in addition to the model's scale. Empty if
 /// there was only one fix type, whose scale is the model's.
 std::map<FixType, double> kind_factors(const ScreeningBasis& basis, TestedAxes axes);
 
@@ -78,7 +78,7 @@ template <int Axes>
 std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationModel& model,
                                    const std::map<FixType, double>& factors);
 
-/// The manoeuvre (m/s^2) found just before an epoch, horizontal (Axes 2) or vertical (1). 0 where
+/// The manoeuvre (m/s^2) found just before an epoch, horizontal (Axes 2) or vertical (1). 0 if
 /// there is none.
 template <int Axes>
 double manoeuvre_before(const ScreenedEpoch& row) {

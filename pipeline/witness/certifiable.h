@@ -17,8 +17,8 @@ struct EpochPair {
     std::size_t last = 0;
 };
 
-/// For each epoch, the first later one at least `duration_s` away (to the tolerance). Empty where
-/// there is none, or where it is more than one nominal interval beyond. Times must increase. The
+/// For each epoch, the first later one at least `duration_s` away (to the tolerance). Empty if
+/// there is none, or if it is more than one nominal interval beyond. Times must increase. The
 /// cost is linear.
 std::vector<std::optional<std::size_t>> window_ends(std::span<const ElapsedTime> times,
                                                     double duration_s, double duration_tolerance_s,

@@ -44,20 +44,20 @@ bool are_from_positions(std::span<const TimedValue> speeds,
 /// That is so where the positions' white noise would allow it only once in a hundred times.
 bool are_between_positions(std::span<const Way> ways, std::span<const TimedPosition<2>> positions);
 
-/// The integral of the recorded velocities. Empty where screening did not determine their errors.
+/// The integral of the recorded velocities. Empty if screening did not determine their errors.
 std::optional<WitnessSource> source_by_velocities(const ScreenedTable& screened,
                                                   const Directions& directions);
-/// The positions of another receiver. Empty where the times of the two cannot be compared.
+/// The positions of another receiver. Empty if the times of the two cannot be compared.
 std::optional<WitnessSource> source_by_receiver(const ScreenedTable& screened,
                                                 const ScreenedTable& other);
 
 /// The name of the source that speeds delayed by `delay_s` are a difference or filter of. Empty
-/// where they were measured independently.
+/// if they were measured independently.
 std::optional<std::string> source_of_speeds(std::span<const TimedValue> speeds_m_s,
                                             std::span<const WitnessSource> sources, double delay_s,
                                             double scale);
 
-/// The name of the source between whose positions the lengths of these ways were taken. Empty where
+/// The name of the source between whose positions the lengths of these ways were taken. Empty if
 /// they were measured independently.
 std::optional<std::string> source_of_ways(std::span<const Way> ways,
                                           std::span<const WitnessSource> sources);

@@ -28,7 +28,7 @@ double least_displacement_m(double speed_m_s, double time_s);
 double seconds_between(const EnuEpoch& earlier, const EnuEpoch& later);
 
 /// The velocity (m/s) between two positions: east, north and up, where up is 0 without heights.
-/// Empty where a position is missing, or the time between them is not above 0 and at most
+/// Empty if a position is missing, or the time between them is not above 0 and at most
 /// `longest_s`.
 std::optional<Eigen::Vector3d> velocity_between(const EnuEpoch& from, const EnuEpoch& to,
                                                 double longest_s);

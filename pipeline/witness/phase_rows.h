@@ -16,7 +16,7 @@ class PhaseRecordBuilder {
     /// `head` identifies the ephemerides of the rows' positions.
     explicit PhaseRecordBuilder(const PhaseTable& head);
 
-    /// Failure where the rows are not ordered by time, satellite and signal.
+    /// Failure if the rows are not ordered by time, satellite and signal.
     void add(const PhaseRow& row);
 
     PhaseRecord take() && { return std::move(record_); }

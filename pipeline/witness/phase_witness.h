@@ -15,13 +15,13 @@ namespace runcert {
 /// none yet. Where there are too few, the last computed place is used.
 void locate_by_pseudoranges(PhaseRecord& record);
 
-/// The place at one epoch from its pseudoranges, starting from a nearby one. Empty where there are
+/// The place at one epoch from its pseudoranges, starting from a nearby one. Empty if there are
 /// too few.
 std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
                                                      const PhaseEpoch& epoch,
                                                      const Eigen::Vector3d& near_m);
 
-/// The first epoch `length_ns` after another, to 20 ms. Empty where there is none.
+/// The first epoch `length_ns` after another, to 20 ms. Empty if there is none.
 std::optional<std::size_t> epoch_after(const PhaseRecord& record, std::size_t first,
                                        std::int64_t length_ns);
 
@@ -44,7 +44,7 @@ struct PhaseResidual {
     double sigma_m = 0.0;  ///< standard deviation with which the phase was weighted
 };
 
-/// The residuals of the displacement between two epochs. Empty where there is none.
+/// The residuals of the displacement between two epochs. Empty if there is none.
 std::vector<PhaseResidual> residuals_between(const PhaseRecord& record,
                                              const PhaseScreening& screening, std::size_t first,
                                              std::size_t second);
@@ -53,7 +53,7 @@ std::vector<PhaseResidual> residuals_between(const PhaseRecord& record,
 inline constexpr std::size_t least_witnesses = 6;
 
 /// The displacement between two epochs (indices into the record) from the first-band phases whose
-/// arcs span both. Empty where fewer than `least_witnesses` do, or where the place is unknown.
+/// arcs span both. Empty if fewer than `least_witnesses` do, or if the place is unknown.
 std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
                                                           const PhaseScreening& screening,
                                                           std::size_t first, std::size_t second);

@@ -55,7 +55,7 @@ class ReceiverWitness final : public Witness<Axes> {
 /// Another receiver of the same craft as a witness of the positions of `own`. The vector between
 /// the antennas is assumed to turn with the craft, which points along the other receiver's track to
 /// 0.015 rad. With antennas more than 50 m apart it is assumed not to turn. Nothing is known
-/// between two epochs more than one and a half intervals apart. Empty where a time is relative,
+/// between two epochs more than one and a half intervals apart. Empty if a time is relative,
 /// only one of the two has geodetic coordinates, or the other has no estimate.
 template <int Axes>
 std::optional<ReceiverWitness<Axes>> receiver_witness(const Track& other, const Track& own);

@@ -9,11 +9,11 @@
 
 namespace runcert {
 
-/// The direction of travel (unit vector, east and north) at each row of a table. Empty where
+/// The direction of travel (unit vector, east and north) at each row of a table. Empty if
 /// unknown. A speed recorded without a course is a velocity in this direction.
 using Directions = std::vector<std::optional<Eigen::Vector2d>>;
 
-/// The direction of a velocity (m/s) with this covariance. Empty where the craft is slower than
+/// The direction of a velocity (m/s) with this covariance. Empty if the craft is slower than
 /// 1 m/s or three standard deviations.
 std::optional<Eigen::Vector2d> direction_of(const Eigen::Vector2d& velocity,
                                             const Eigen::Matrix2d& covariance);
@@ -46,12 +46,12 @@ template <int Axes>
 std::vector<TimedPosition<Axes>> timed_positions(const std::vector<ScreenedEpoch>& rows);
 
 /// Median of the stated standard deviations (m/s, each axis) of the recorded velocities. Empty
-/// where most do not state one.
+/// if most do not state one.
 template <int Axes>
 std::optional<double> stated_velocity_sigma(const std::vector<ScreenedEpoch>& rows);
 
 /// The recorded velocities of a screened table as a witness, with the errors that screening found.
-/// Empty where there are none, or nothing bounds their errors.
+/// Empty if there are none, or nothing bounds their errors.
 template <int Axes>
 std::optional<VelocityWitness<Axes>> velocity_witness(const ScreenedTable& table,
                                                       const Directions& directions);

@@ -32,7 +32,7 @@ struct HeardWitness {
     std::shared_ptr<const Witness<Axes>> motion;
     std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same witness, where it
                                                                  ///< consists of phases
-    std::string note = {};  ///< a sentence on the estimated parameters; empty where there are none
+    std::string note = {};  ///< a sentence on the estimated parameters; empty if there are none
     /// It was made from the positions or from another witness, and says nothing about any window.
     bool is_copy = false;
     bool confirms = true;  ///< false: it can only contradict
@@ -74,7 +74,7 @@ struct WitnessEntry {
     FaultPrior (*fault)(const FaultPrior& positions);
     std::string_view silent;  ///< why an existing witness may say nothing; printed after a colon
     std::optional<ScreeningTest> screening = {};
-    /// Makes a witness from a series. Empty where the series determines no motion. Null if a
+    /// Makes a witness from a series. Empty if the series determines no motion. Null if a
     /// receiver records this kind.
     std::optional<HeardWitness<2>> (*make)(const HandedInSeries& given) = nullptr;
 };
@@ -88,7 +88,7 @@ const std::vector<WitnessEntry>& witness_roster();
 /// The entry of a kind of witness. `WitnessKind::positions` has none.
 const WitnessEntry& witness_entry(WitnessKind kind);
 
-/// The witness of an entry. Empty where its series was not handed in or determines no motion.
+/// The witness of an entry. Empty if its series was not handed in or determines no motion.
 std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,

@@ -14,7 +14,7 @@ namespace runcert {
 /// Whether the positions of two receivers have the same errors. That is so where the white noise of
 /// their difference is less than half that of either; with independent errors it is larger than
 /// both. The first receiver's positions are interpolated linearly, so that a copy at other instants
-/// is also found. `offset_s` is added to the second's times. False where fewer than 30 rows of the
+/// is also found. `offset_s` is added to the second's times. False if fewer than 30 rows of the
 /// second have neighbours in the first.
 bool share_errors(std::span<const velocities::SpeedBesidePosition> first,
                   std::span<const velocities::SpeedBesidePosition> second, double offset_s);
@@ -26,7 +26,7 @@ bool share_errors(std::span<const velocities::SpeedBesidePosition> first,
 /// Independently measured speeds leave residuals of at least the white noise that their differences
 /// show (0.4 to 10 times it on recordings of receivers). Speeds made from positions leave a
 /// hundredth of it. The limit is a fifth. Only rows where the craft moves at half the speed of its
-/// fastest tenth or more count. False where there are too few.
+/// fastest tenth or more count. False if there are too few.
 bool are_filtered_positions(std::span<const velocities::SpeedBesidePosition> rows);
 
 /// Whether integrated speeds follow the positions more closely than any measured ones do. Errors of

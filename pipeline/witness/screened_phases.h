@@ -19,13 +19,13 @@
 
 namespace runcert {
 
-/// The table's word for what begins an arc of phases. Empty where no arc begins.
+/// The table's word for what begins an arc of phases. Empty if no arc begins.
 std::optional<ArcStart> start_of(PhaseBreak begins);
 
 /// The place of a receiver over GPS time, from its recorded positions.
 class ReceiverPlaces {
   public:
-    /// Empty where the positions have no times or no geodetic origin. `Rows` holds EnuEpoch or a
+    /// Empty if the positions have no times or no geodetic origin. `Rows` holds EnuEpoch or a
     /// type derived from it.
     template <class Rows>
     ReceiverPlaces(const std::optional<FrameOrigin>& origin,
@@ -55,7 +55,7 @@ class ReceiverPlaces {
 struct PlacesSet {
     bool by_positions = false;
     /// Median distance (m) between the places by pseudoranges and by recorded positions. Empty
-    /// where no epoch has both.
+    /// if no epoch has both.
     std::optional<double> apart_m;
 };
 
@@ -71,10 +71,10 @@ class PhaseScreeningBuilder {
     PhaseScreeningBuilder(const PhaseRecord& record, const ScreenedPhaseTable& head,
                           double mask_deg);
 
-    /// Failure where the row's signal differs from the record's.
+    /// Failure if the row's signal differs from the record's.
     void add(const ScreenedPhase& row);
 
-    /// Failure where rows are missing.
+    /// Failure if rows are missing.
     PhaseScreening take() &&;
 
   private:
@@ -111,7 +111,7 @@ JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
     return judged;
 }
 
-/// The phases as a witness of positions. Empty where the positions have no times or no geodetic
+/// The phases as a witness of positions. Empty if the positions have no times or no geodetic
 /// origin.
 template <int Axes>
 std::optional<PhaseWitness<Axes>> phase_witness(std::shared_ptr<const JudgedPhases> phases,

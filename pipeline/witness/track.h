@@ -31,7 +31,7 @@ struct Track {
     std::vector<TrackEpoch> epochs;  ///< in order of time
 };
 
-/// The epoch of the track nearest to a time. Null where none is within 0.6 nominal intervals.
+/// The epoch of the track nearest to a time. Null if none is within 0.6 nominal intervals.
 const TrackEpoch* epoch_near(const Track& track, double time_s);
 
 /// The track of the smoothed trajectory.

@@ -45,7 +45,7 @@ double median_step_s(const Places& places) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
-/// Both speeds averaged in bins of equal length, NaN where there is none.
+/// Both speeds averaged in bins of equal length, NaN if there is none.
 struct Binned {
     double interval_s = 1.0;  ///< between rows
     double step_s = 1.0;
@@ -108,7 +108,7 @@ std::vector<double> means(Pairs pairs, const Places& places, double step_s,
     return sums;
 }
 
-/// The binned speeds. Empty where there is too little to compare.
+/// The binned speeds. Empty if there is too little to compare.
 std::optional<Binned> binned(Pairs pairs, const Places& places) {
     Binned bins;
     bins.interval_s = median_step_s(places);
@@ -182,7 +182,7 @@ struct Run {
     std::ptrdiff_t delay = 0;
 };
 
-/// The mean differences of a run, where the motion at its delay is known. Empty where they
+/// The mean differences of a run, where the motion at its delay is known. Empty if they
 /// determine no delay.
 std::optional<DelayStretch> stretch_of(const Binned& bins, const Run& run, double limit_s) {
     const auto limit = static_cast<std::ptrdiff_t>(std::ceil(limit_s / bins.step_s));
@@ -229,7 +229,7 @@ std::optional<double> speed_at(Pairs pairs, const Places& places, double place_s
 }
 
 /// Mean square of a stretch's differences at a delay, at a few thousand rows that are evenly
-/// spread. Empty where the motion there is unknown.
+/// spread. Empty if the motion there is unknown.
 std::optional<double> mean_square(Pairs pairs, const Places& places, const DelayStretch& stretch,
                                   double delay_s, double gap_s) {
     constexpr std::size_t enough = 4000;

@@ -70,8 +70,8 @@ Vectors differences_of(const Vectors& backward, Difference kind) {
     return result;
 }
 
-/// The white noise of the positions (m, each coordinate): the smallest that the differences of any
-/// order show. A difference of order k has binomial(2 k, k) times their variance.
+/// The white noise of the positions (m, each coordinate): the smallest estimate from differences of
+/// orders 3 to 6. White noise gives a difference of order k binomial(2 k, k) times its variance.
 double position_noise_m(const Vectors& backward, double step_s) {
     constexpr std::array<double, 4> gain{20.0, 70.0, 252.0, 924.0};  // orders 3 to 6
     double noise_m = std::numeric_limits<double>::infinity();

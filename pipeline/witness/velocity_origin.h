@@ -37,7 +37,7 @@ struct OriginFound {
 };
 
 /// The white noise of the positions (m, each coordinate), from their differences of third to sixth
-/// order. The smallest counts, so that motion is not taken for noise. 0 where there are too few.
+/// order. The smallest counts, so that motion is not taken for noise. 0 if there are too few.
 double white_noise_m(std::span<const SpeedBesidePosition> rows);
 
 /// The step (m/s) that all speeds are multiples of. 0.01 where it is finer, or cannot be seen.

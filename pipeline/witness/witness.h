@@ -33,14 +33,14 @@ class Witness {
     virtual ~Witness() = default;
 
     /// Displacement from one instant (s) to a later one, on the time scale of the positions. Empty
-    /// where the witness does not cover all of it.
+    /// if the witness does not cover all of it.
     virtual std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const = 0;
 
     /// The first and the last instant (s) that it knows anything about.
     virtual TimeSpan covered() const = 0;
 
     /// Length (m) of the path between two instants, as uncertain as the displacement along it.
-    /// Empty where the witness does not determine it.
+    /// Empty if the witness does not determine it.
     virtual std::optional<double> path_between(double from_s, double to_s) const = 0;
 };
 

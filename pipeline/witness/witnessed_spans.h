@@ -30,7 +30,7 @@ struct DisplacementSpread {
 };
 
 /// The spread over spans of `span_s` in which the craft moved at half the speed of its fastest
-/// tenth or more. Empty where these cover less than five span lengths.
+/// tenth or more. Empty if these cover less than five span lengths.
 template <int Axes>
 std::optional<DisplacementSpread> displacement_spread(
     const Witness<Axes>& witness, std::span<const TimedPosition<Axes>> positions, double span_s);

@@ -29,7 +29,7 @@ std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirem
     return failed;
 }
 
-/// Why unreadable records rule a certificate out. Empty where they do not.
+/// Why unreadable records rule a certificate out. Empty if they do not.
 std::string refused_for_records(const RecordCount& records, const WindowSpan& window) {
     if (100 * records.bad > records.total)
         return fmt::format(
@@ -51,7 +51,7 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
     return {};
 }
 
-/// Why the robust estimate of a window of the speed rules a certificate out. Empty where it does
+/// Why the robust estimate of a window of the speed rules a certificate out. Empty if it does
 /// not.
 std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
                                const EstimationSummary& estimation, const SpeedUnit& unit) {
@@ -78,7 +78,7 @@ std::string differences_text(const std::vector<WitnessedSpeed>& witnesses, const
     return fmt::format("{}", fmt::join(all, ", "));
 }
 
-/// Why witnesses that contradict a window, or one another, rule a certificate out. Empty where they
+/// Why witnesses that contradict a window, or one another, rule a certificate out. Empty if they
 /// do not.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
                                   const std::optional<SpeedEvidence>& evidence,
@@ -170,7 +170,7 @@ std::string refused_for_unfit(const ClauseContext& context,
     return "Not met: " + asked->clause + ": " + asked->evidence + ".";
 }
 
-/// Why nothing can be certified. Empty where something can.
+/// Why nothing can be certified. Empty if something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const ReceiverFindings& judged = context.input.judged;
     const auto& best = context.windows.best;
@@ -351,7 +351,7 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         Outcome outcome = decide(*context.speed, *context.required_speed, context.decision->level);
         if (outcome == Outcome::not_beaten && fastest_might_reach(context))
             outcome = Outcome::not_proven;
-        // A speed below the required one proves nothing where the recording shows more.
+        // A speed below the required one proves nothing if the recording shows more.
         if (outcome == Outcome::not_beaten && !shown.empty()) {
             verdict.outcome = Outcome::not_certifiable;
             verdict.reason = fmt::format(

@@ -63,7 +63,7 @@ struct CheckInput {
     const std::vector<Profile>& profiles;
     const ReceiverFindings& judged;
     const ReceiverFindings* secondary = nullptr;  ///< null if there is only one receiver
-    const MeasuredSeries* wind = nullptr;         ///< null where the attempt gives none
+    const MeasuredSeries* wind = nullptr;         ///< null if the attempt gives none
     const MeasuredSeries* current = nullptr;
 };
 

@@ -32,7 +32,7 @@ Threshold required_speed_over(const Profile& profile, const Record& record) {
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
 
-/// The row of an epoch. Empty where the trajectory is missing or has no such row.
+/// The row of an epoch. Empty if the trajectory is missing or has no such row.
 std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std::int64_t epoch) {
     const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
     if (row == rows.end() || !row->arc) return std::nullopt;
@@ -83,7 +83,7 @@ std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                           heading_of(course).value_or(0.0));
 }
 
-/// The speed that counts, with its uncertainty; nothing where a current to subtract is not known.
+/// The speed that counts, with its uncertainty; nothing if a current to subtract is not known.
 void set_speed(ClauseContext& context) {
     std::optional<SpeedPosterior> found = posterior_of(context.windows);
     if (!found) return;

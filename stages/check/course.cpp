@@ -20,7 +20,7 @@ using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// An estimate of the run: east, north, height. NaN where missing.
+/// An estimate of the run: east, north, height. NaN if missing.
 struct Place {
     std::size_t row = 0;
     double time_s = 0.0;

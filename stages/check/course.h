@@ -68,7 +68,7 @@ struct CourseFacts {
 /// direction is noise. Those of angles are at most 180 degrees, where nothing is known. At bridged
 /// steps the offset is removed using the velocity, whose uncertainty is added.
 ///
-/// Failure where a given row is not in the trajectory, the window is not in the run, or an end of
+/// Failure if a given row is not in the trajectory, the window is not in the run, or an end of
 /// either has no estimate.
 CourseFacts course_facts(std::span<const TrajectoryEpoch> rows, const CraftRun& run,
                          std::size_t window_first_row, std::size_t window_last_row,

@@ -56,7 +56,7 @@ Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
                          clause);
 }
 
-/// Standard uncertainty of the recorded velocity, all axes together. NaN where not stated.
+/// Standard uncertainty of the recorded velocity, all axes together. NaN if not stated.
 double velocity_accuracy(const ScreenedEpoch& row) {
     double sum = 0.0;
     for (const OptionalReal& sigma :

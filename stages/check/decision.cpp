@@ -80,7 +80,7 @@ double probability_below_zero(const Difference& d) {
     return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
-/// Probabilities by the mixture, with this bias. Empty where there is no evidence for a mixture.
+/// Probabilities by the mixture, with this bias. Empty if there is no evidence for a mixture.
 struct MixtureTails {
     double not_below = 0.0, below = 0.0;
 };
@@ -94,8 +94,8 @@ std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
         .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
 }
 
-/// How much faster the positions of the windows are than the weighted mean with their witnesses.
-/// For several windows it is the mean, which counts only if none lies on the other side.
+/// How much faster the positions of the window are than the weighted mean with its witnesses, if
+/// the budget contains that difference (row e). 0 for a speed from several windows.
 double remaining_difference_m_s(const ProfileWindows& windows) {
     if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
         return 0.0;

@@ -32,13 +32,13 @@ struct MarginRule {
 /// The standing record.
 struct StandingRecord {
     double speed_m_s = 0.0;
-    double expanded_uncertainty_m_s = 0.0;  ///< k = 2; 0 where none is stated
+    double expanded_uncertainty_m_s = 0.0;  ///< k = 2; 0 if none is stated
 };
 
 /// The required speed.
 struct Threshold {
     double speed_m_s = 0.0;
-    /// From the record's own. 0 where it has none or its upper limit was used.
+    /// From the record's own. 0 if it has none or its upper limit was used.
     double standard_uncertainty_m_s = 0.0;
 };
 
@@ -80,7 +80,7 @@ struct SpeedPosterior {
     std::optional<SpeedEvidence> evidence = std::nullopt;
 };
 
-/// The rule's speed from the windows of a profile. Empty where there are too few.
+/// The rule's speed from the windows of a profile. Empty if there are too few.
 std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows);
 
 /// The witnesses behind a distribution of the speed: all that have a share in it, or only the
@@ -101,14 +101,13 @@ struct Conformance {
 };
 
 /// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3), where y is the
-/// lowest location that the bias allows. A difference from the witnesses counts where they are
+/// lowest location that the bias allows. A difference from the witnesses counts only if they are
 /// slower.
 ///
 /// The threshold's own uncertainty is independent and normal, and is combined with the speed's.
 /// Student's t of the combination has the degrees of freedom of Welch and Satterthwaite ([GUM]
-/// (G.2b)). That is exact for normal distributions. Where the threshold is uncertain and the speed
-/// has few degrees of freedom, it overstates a probability near 0.95 by up to 0.005 for 10 and 0.02
-/// for 3.
+/// (G.2b)). That is exact for normal distributions. With an uncertain threshold and few degrees of
+/// freedom, it overstates a probability near 0.95: by up to 0.005 for 10, and 0.02 for 3.
 ///
 /// Without any uncertainty the probability is 0 or 1, and a speed equal to the threshold reaches
 /// it. Speeds that differ only by errors of binary fractions (kBinaryNoise) are equal. Failure (at
@@ -120,7 +119,7 @@ Conformance conformance(const SpeedPosterior& posterior, const Threshold& thresh
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
 
 /// P(lower <= speed <= upper) ([JCGM106] 7.4), with both limits known exactly, without a bias.
-/// Failure as for `conformance`, or where lower > upper.
+/// Failure as for `conformance`, or if lower > upper.
 double conformance_probability(const SpeedPosterior& posterior, double lower_m_s, double upper_m_s);
 
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at

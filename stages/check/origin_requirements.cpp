@@ -67,7 +67,7 @@ std::string evidence_of_measuring(const ClauseContext& context) {
     return text;
 }
 
-/// How the steps of the time stamps differ from a receiver's. Empty where they do not.
+/// How the steps of the time stamps differ from a receiver's. Empty if they do not.
 std::string unusual_steps(const ReceiverFindings& judged) {
     const TimeStampSummary& time = judged.tests.time;
     constexpr double allowed_s = 2e-3;

@@ -15,7 +15,7 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
     return std::ranges::find(clauses, computation, &Clause::decided_by) != clauses.end();
 }
 
-/// Whether there are data from which to compute an own clause.
+/// Whether the data allow a clause of the program's own to be computed.
 bool is_computed(const Clause& own, const Profile& profile, const Attempt& attempt) {
     if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
     if (own.decided_by == Computation::recorded_speeds)
@@ -23,7 +23,7 @@ bool is_computed(const Clause& own, const Profile& profile, const Attempt& attem
     return own.decided_by != Computation::claims;
 }
 
-/// The clauses that can be computed or that the rule requires.
+/// The rule's clauses, and those of the program's own that the data allow and the rule lacks.
 std::vector<const Clause*> clauses_without_claims(const Profile& profile, const Attempt& attempt) {
     std::vector<const Clause*> clauses;
     for (const Clause& of_rule : profile.clauses)

@@ -13,7 +13,7 @@ namespace runcert {
 /// Comparison of the judged speed with a second method whose result the attempt states.
 struct DeclaredAgreement {
     std::string method;
-    std::string missing;  ///< why it gives no result; empty where it does
+    std::string missing;  ///< why it gives no result; empty if it does
     double judged_m_s = 0.0;
     double other_m_s = 0.0;
     double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
@@ -97,7 +97,7 @@ ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
                                double other_expanded_uncertainty_m_s, double judged_m_s);
 
 /// The current that is subtracted, as it is shown: what lies between the speed over the ground and
-/// the measured one. Empty where none is.
+/// the measured one. Empty if none is.
 struct SubtractedCurrent {
     std::string over_ground;  ///< "54.40 kn"
     std::string current;      ///< "+0.10 kn"
@@ -136,11 +136,11 @@ std::string witness_name(const WitnessedSpeed& one);
 std::string indicated_text(const ClauseContext& context);
 
 /// The smallest drift (m/s) of the positions over the window that their tests would have detected
-/// with the stated power. Empty where a witness was evaluated, or the rule uses recorded
+/// with the stated power. Empty if a witness was evaluated, or the rule uses recorded
 /// velocities.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 
-/// The windows of a profile in 5-windows. Failure where they were searched under another rule than
+/// The windows of a profile in 5-windows. Failure if they were searched under another rule than
 /// the profile now has.
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
 

@@ -25,7 +25,7 @@ std::vector<std::vector<ScreenedEpoch>> samples_of(const ClauseContext& context)
     return windows;
 }
 
-/// The recorded horizontal speed; NaN where the recording has none.
+/// The recorded horizontal speed; NaN if the recording has none.
 double recorded_speed_m_s(const ScreenedEpoch& row) {
     if (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s)
         return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);

@@ -138,7 +138,7 @@ void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
             noise.stated_sigma_m * 1e3);
 }
 
-/// Adds where [GUM] and [GUM-S1] disagree.
+/// Adds rules under which [GUM] and [GUM-S1] disagree, or [GUM-S1] did not converge.
 void add_propagation(const ReceiverFindings& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
@@ -257,7 +257,7 @@ void add_displacements(const DisplacementComparison& found, Statements& statemen
     statements.push_back(displacement_comparison_text(found) + ".");
 }
 
-/// Tests for slow drifts other than those by positions, in words. Empty where there are none.
+/// Tests for slow drifts other than those by positions, in words. Empty if there are none.
 std::string slow_drift_tests(const ScreeningBasis& tests) {
     std::vector<std::string> names;
     if (tests.velocity && tests.velocity->compared > 0)

@@ -36,7 +36,7 @@ FlowAt between(const SeriesSample& a, const SeriesSample& b, FlowKind kind, doub
     return {time_s, (1.0 - part) * velocity_of(a, kind) + part * velocity_of(b, kind)};
 }
 
-/// Why the series does not cover the window. Empty where it does. `from` is the last sample at or
+/// Why the series does not cover the window. Empty if it does. `from` is the last sample at or
 /// before the window's start, `to` the first at or after its end.
 std::string gap_in(const MeasuredSeries& series, double start_s, double end_s, std::size_t from,
                    std::size_t to, double max_spacing_s) {

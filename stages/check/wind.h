@@ -18,7 +18,7 @@ struct FlowInWindow {
     double along_m_s = 0.0;      ///< component in the craft's direction; negative against it
     double across_m_s = 0.0;     ///< component to the craft's right
     std::int64_t samples = 0;    ///< in the window, ends included
-    std::string missing;         ///< why there is no result; empty where there is one
+    std::string missing;         ///< why there is no result; empty if there is one
 };
 
 /// The vector mean of a flow over the window's time, linear between samples, with its components

@@ -169,8 +169,8 @@ std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
     return least;
 }
 
-/// The delay of the speeds relative to the positions over the stretch that contains the window, in
-/// words. Empty where it is undetermined.
+/// In words, the delay of the speeds relative to the positions over the stretch with the window, or
+/// that they were computed from the positions. Empty if neither is known.
 std::string delay_there(const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     if (!velocity) return {};
@@ -187,7 +187,7 @@ std::string delay_there(const ClauseContext& context) {
                        there->first_epoch, there->last_epoch, delay_words(there->delay_s));
 }
 
-/// Why the velocities cannot be used for any speed. Empty where they can.
+/// Why the velocities cannot be used for any speed. Empty if they can.
 std::string unfit(const ClauseContext& context) {
     const auto& velocity = context.input.judged.tests.velocity;
     if (!velocity || !velocity->unfit) return {};

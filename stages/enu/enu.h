@@ -85,7 +85,7 @@ class ToLocalFrame {
     /// say.
     EnuEpoch operator()(const Observation& row);
 
-    /// To be called after the last row. Failure where more than half of the positions, and all but
+    /// To be called after the last row. Failure if more than half of the positions, and all but
     /// few, lie more than 100 km from the origin.
     void finish() const;
 

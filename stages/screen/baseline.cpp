@@ -106,7 +106,8 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
     return series;
 }
 
-/// Noise estimated from what remains after a first adaptation with the stated noise.
+/// The noise, fitted to the epochs that a first adaptation with the stated noise keeps. Without a
+/// fit it is the stated noise.
 template <int Axes>
 EstimationModel estimate_model(const Series& series, double length_m, const TestPlan& plan,
                                ScreenConfig config) {

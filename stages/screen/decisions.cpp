@@ -96,7 +96,7 @@ std::optional<Eigen::Vector3d> recorded_velocity(const ScreenedEpoch& row, Teste
 }
 
 /// Velocity of the positions between two rows of the arc, minus the mean of the velocities recorded
-/// `lag` rows later. Empty where a value is missing, or there are too few rows.
+/// `lag` rows later. Empty if a value is missing, or there are too few rows.
 std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpoch>& rows,
                                                    std::span<const std::size_t> arc_rows,
                                                    EpochRange part, std::size_t lag,

@@ -16,7 +16,7 @@ namespace runcert {
 ///   expected number is estimated from the scatter of the third differences and reported beside
 ///   them.
 ///
-/// `position_resolution_m` is the smallest step of the coordinates, 0 where unknown. The cost is
+/// `position_resolution_m` is the smallest step of the coordinates, 0 if unknown. The cost is
 /// linear in the rows. Marks nothing.
 DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
                               double position_resolution_m);

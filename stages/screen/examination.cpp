@@ -15,7 +15,7 @@
 namespace runcert {
 namespace {
 
-// Larger errors of an epoch are not reported as detectable.
+// Minimal detectable biases above these limits are not reported.
 constexpr double largest_detectable_m = 1000.0;
 constexpr double largest_detectable_s = 100.0;
 

@@ -13,7 +13,7 @@ namespace runcert {
 /// addition to it.
 struct ScreeningNoises {
     ScreeningNoise horizontal;
-    std::optional<ScreeningNoise> vertical;  ///< empty where no heights were measured
+    std::optional<ScreeningNoise> vertical;  ///< empty if no heights were measured
     std::map<FixType, double> horizontal_factors;
     std::map<FixType, double> vertical_factors;
 };

@@ -20,7 +20,7 @@ struct ScreenedPhases {
     ScreenedPhaseTable head;  ///< without the rows; the caller sets the header
     std::shared_ptr<const JudgedPhases> phases;
 
-    /// The phases as a witness of a table's positions, by its first epoch and frame. Empty where
+    /// The phases as a witness of a table's positions, by its first epoch and frame. Empty if
     /// the positions have no times or no geodetic origin. Where the motion of phases and positions
     /// differs, every use of the witness shows the contradiction.
     template <int Axes>

@@ -18,7 +18,7 @@ struct ReceiverPair {
     double variance_of_direction = 0.0;    ///< rad^2
 };
 
-/// The pairs of usable rows within a microsecond of each other, in order of time. Empty where a
+/// The pairs of usable rows within a microsecond of each other, in order of time. Empty if a
 /// recording's time is relative, or only one of the two is georeferenced. Differences include
 /// heights where both recordings have them. Directions are as `compare_receivers` describes.
 std::vector<ReceiverPair> pairs_of(const ScreenedTable& first, const ScreenedTable& second,

@@ -36,7 +36,7 @@ struct ScreenConfig : ScreenParameters {
 
 /// Data recorded in addition to a receiver's positions that are not in its table.
 struct ScreeningWitnesses {
-    const Witness<2>* phases = nullptr;  ///< null where there are none
+    const Witness<2>* phases = nullptr;  ///< null if there are none
     HandedIn handed_in = {};
 };
 

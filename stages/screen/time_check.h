@@ -55,7 +55,7 @@ struct TimeCheckOptions {
 /// stamps of a fast clock. The nominal interval is the nearest that receivers offer (1/n s, n to
 /// 100, and whole seconds to 10), if it is within 2 % and within a quarter of the distance to the
 /// next. Otherwise it is `options.nominal_interval_s`. `jitter_s` is the standard deviation of the
-/// regular steps, rounding of the stamps included. Both are 0 where too few steps are regular.
+/// regular steps, rounding of the stamps included. Both are 0 if too few steps are regular.
 ///
 /// `usual_interval_s` is the interval in common use on receivers that is nearest to the mean
 /// regular step, `interval_s`, however far. `departure_s` is how far consecutive regular steps lead

@@ -272,7 +272,7 @@ bool is_speed_only(const std::vector<ScreenedEpoch>& rows) {
         rows, [](const ScreenedEpoch& row) { return row.recorded_velocity_east_m_s.has_value(); });
 }
 
-/// The velocities as a witness, with only the delay in their errors. Empty where there are none.
+/// The velocities as a witness, with only the delay in their errors. Empty if there are none.
 template <int Axes>
 std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<ScreenedEpoch>& rows,
                                                          const Directions& directions,
@@ -329,7 +329,7 @@ struct Ratio {
 };
 
 /// Ratio of the recorded velocities to the smoothed ones, along the motion, where the craft moves
-/// at half the speed of its fastest tenth or more. Empty where too few rows do.
+/// at half the speed of its fastest tenth or more. Empty if too few rows do.
 std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
     std::vector<double> speeds, ratios;
     for (const Comparison& one : gathered.comparisons)

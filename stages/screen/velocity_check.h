@@ -52,7 +52,7 @@ struct VelocityFindings {
 /// `share_max` of all, the velocities limit no errors and are not a witness.
 ///
 /// `motion` has one element for each row, smoothed from the usable rows. `delay_s` of the
-/// comparison is empty where the motion does not determine it: hardly any acceleration, an estimate
+/// comparison is empty if the motion does not determine it: hardly any acceleration, an estimate
 /// at the end of the range, or a standard uncertainty over half an interval. The motion is then
 /// compared undelayed, with the change of the recorded velocity within delay_max added to the
 /// standard deviation.

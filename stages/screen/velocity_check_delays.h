@@ -16,12 +16,13 @@ std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& row
 /// The magnitude of the horizontal recorded velocity, or the recorded speed (m/s).
 std::optional<double> recorded_length(const RecordedVelocity& row);
 
-/// Fraction of the rows with a recorded velocity that are chosen. 0 where there are none.
+/// Fraction of the rows with a recorded velocity that are chosen. 0 if there are none.
 double share_of(const std::vector<ScreenedEpoch>& rows, const std::vector<bool>& chosen);
 
-/// Fraction of the rows with a recorded velocity and known motion that contradict it. These are
-/// rows of other moments, rows marked for it, and rows whose speed is not found in the motion
-/// within a second and a half, by more than receivers' velocities have been seen to err.
+/// Fraction of the rows with a recorded velocity that contradict the motion. Rows of other moments
+/// and rows marked for their velocity do. So do rows whose speed lies outside the range of the
+/// smoothed speeds within 1.5 s. That range is widened by 3 standard deviations and by twice what
+/// receivers showed. Rows without known motion count only if they contradict it.
 double contradicted_share(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
                           const std::vector<bool>& of_other_moments);
 

@@ -51,7 +51,7 @@ struct BatchSolution {
 /// Longer arcs are solved in overlapping stretches, each starting with the vague prior at a
 /// measured epoch. Each state is taken from the stretch in which it lies farthest from a cut.
 ///
-/// Times must increase strictly, and the first epoch must have a measurement. Failure where Ceres
+/// Times must increase strictly, and the first epoch must have a measurement. Failure if Ceres
 /// reports no convergence.
 template <int Axes>
 BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
@@ -61,7 +61,7 @@ template <int Axes>
 struct RobustSolution {
     std::vector<StateVector<Axes>> states;  ///< one for each epoch
     /// The Cauchy weight 1 / (1 + r'r / scale^2), in (0, 1], of each epoch's whitened residual r at
-    /// the solution. Empty where the epoch has no measurement.
+    /// the solution. Empty if the epoch has no measurement.
     std::vector<std::optional<double>> weights;
     std::int64_t stretches = 1;
     std::int64_t iterations = 0;  ///< total over all stretches

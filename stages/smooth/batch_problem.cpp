@@ -106,7 +106,7 @@ class MeasurementCost final : public ceres::CostFunction {
 
 ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
-    // Each block is added once and not shared, so Ceres need not keep track of them.
+    // No parameter block overlaps another or repeats in a residual, so Ceres need not check.
     options.disable_all_safety_checks = true;
     options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

@@ -54,7 +54,7 @@ struct Gain {
                          ///< K = L L'
 };
 
-/// The closed form subtracts nothing where M is positive definite. M need have no inverse, and K
+/// The closed form subtracts nothing if M is positive definite. M need have no inverse, and K
 /// may be large where little is known. For 2 x 2 matrices,
 /// inverse(inverse(M) + K) = (M + det(M) adj(K)) / det(C), det(C) = 1 + tr(M K) + det(M) det(K).
 template <int Axes>

@@ -24,7 +24,7 @@ SmoothConfig smooth_config(const Attempt& attempt);
 /// are added.
 ///
 /// Horizontal and vertical are estimated separately, each with its own noise; the stated
-/// correlations between them are not used. Failure where smoother and batch differ by more than
+/// correlations between them are not used. Failure if smoother and batch differ by more than
 /// 1e-6 m or 1e-5 m/s. The caller sets the header.
 TrajectoryTable smooth_trajectory(const ScreenedTable& table, const SmoothConfig& config);
 

@@ -135,7 +135,7 @@ AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const W
     const std::vector<SummedSeries> sums = summed_all(series);
     AllowedWindows windows{.all = all_windows(sums, rule).windows, .best = {}};
     make_allowances(windows.all, allowance);
-    // Avoids a copy of all where only one is wanted.
+    // Avoids copying all windows if only one is requested.
     if (count == 1 && !windows.all.empty())
         windows.best = {*std::ranges::min_element(windows.all, preferred)};
     else

@@ -19,7 +19,7 @@ struct SampleSeries {
     std::vector<double> speeds_m_s;          ///< needed only for means
     std::vector<double> path_m;              ///< up to each sample; if empty, measured along the
                                              ///< positions
-    /// Running count of obstacles. A window contains none where the counts at its ends are equal.
+    /// Running count of obstacles. A window contains none if the counts at its ends are equal.
     std::vector<std::int64_t> obstacles;  ///< if empty, there are none
     std::vector<bool> bounds;  ///< whether a window may begin or end here; if empty, everywhere
 };
@@ -68,7 +68,7 @@ struct FoundWindow {
     double assured_m_s() const { return speed_m_s - allowance_m_s; }
 };
 
-/// The reduction of a window's speed. Infinite where no speed can be claimed.
+/// The reduction of a window's speed. Infinite if no speed can be claimed.
 using Allowance = std::function<double(const FoundWindow&)>;
 
 /// The result of a search, and the number of samples and pairs of samples it examined.

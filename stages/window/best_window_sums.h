@@ -46,12 +46,12 @@ std::int64_t time_of(const SummedSeries& series, SeriesInstant instant);
 /// Path length (m) up to an instant.
 double path_at(const SummedSeries& series, SeriesInstant instant);
 
-/// The window between two instants, with its speed. Empty where it is not allowed. Means need
+/// The window between two instants, with its speed. Empty if it is not allowed. Means need
 /// instants at samples.
 std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInstant start,
                                           SeriesInstant end, SpeedDefinition definition);
 
-/// The window between two samples, with its speed. Empty where it is not allowed.
+/// The window between two samples, with its speed. Empty if it is not allowed.
 std::optional<FoundWindow> window_between(const SummedSeries& series, std::size_t first,
                                           std::size_t last, SpeedDefinition definition);
 

@@ -62,7 +62,7 @@ BudgetRow time_row(const BudgetInput& input);
 /// steered by satellites.
 BudgetRow clock_row(const BudgetInput& input);
 
-/// Row q: what the receiver's certificate of calibration states of a speed. Empty where it states
+/// Row q: what the receiver's certificate of calibration states of a speed. Empty if it states
 /// nothing. Witnesses do not reduce it: it is not known what of it they share.
 std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 
@@ -112,7 +112,7 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
 
 /// Row f: the remaining uncertainty of the bias (m/s) of choosing the fastest window. `between`
 /// describes its limits. The bias itself is not a row; any remainder of it is added to the expanded
-/// uncertainty. `subtracted_m_s` is what was subtracted from the speed, empty where the rule
+/// uncertainty. `subtracted_m_s` is what was subtracted from the speed, empty if the rule
 /// includes the bias in the uncertainty.
 BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
                      const std::optional<double>& subtracted_m_s);

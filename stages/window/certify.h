@@ -27,7 +27,7 @@ struct AxesEstimate {
     double unexplained_m_s = 0.0;  ///< as from `unexplained_by_velocities_m_s`
 };
 
-/// Gathers these data. Heights must have been measured for Axes 1. Failure where the trajectory
+/// Gathers these data. Heights must have been measured for Axes 1. Failure if the trajectory
 /// does not have the arcs of the screened epochs, or does not state the noise with which it was
 /// estimated.
 template <int Axes>
@@ -50,7 +50,7 @@ SpeedQuantity quantity_of(const Profile& profile);
 
 /// The measured speed of a window with all sources of uncertainty. A vertical speed is of
 /// ellipsoidal heights. Speeds by witnesses are given beside it. Where they agree, the budget
-/// contains the uncertainty that they leave (`condition_on`). Failure where the trajectory is not
+/// contains the uncertainty that they leave (`condition_on`). Failure if the trajectory is not
 /// the estimate from these screened epochs.
 template <int Axes>
 CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);

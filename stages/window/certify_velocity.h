@@ -25,12 +25,12 @@ struct VelocityEstimate {
 /// of the speeds, d undetected error, f choice of the fastest window. The smoothed positions serve
 /// as a witness.
 ///
-/// Failure where an epoch inside states no standard deviation of its velocity.
+/// Failure if an epoch inside states no standard deviation of its velocity.
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
                                         const FoundWindow& found,
                                         const std::vector<FoundWindow>& all);
 
-/// Predicts the uncertainty of other windows from a certified one. Infinite where an epoch inside
+/// Predicts the uncertainty of other windows from a certified one. Infinite if an epoch inside
 /// states no standard deviation.
 Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
                              const FoundWindow& reference);

@@ -48,7 +48,7 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
 /// Standard deviation (m/s, each axis) of a lasting error, from the difference of displacements of
 /// up to 10 s by recorded velocities and by positions. It is what remains unexplained by twice the
 /// positions' stated errors, the white noise of the velocities and the velocities' stated errors. 0
-/// where all is explained, and up to 0.07 m/s (vertically 0.1), which good receivers leave.
+/// if all is explained, and up to 0.07 m/s (vertically 0.1), which good receivers leave.
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes);
 
 /// A window's speed by positions, by source of error, m/s.

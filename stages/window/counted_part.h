@@ -16,7 +16,7 @@ struct PartStatements {
     std::optional<StatedPart> part = std::nullopt;
 };
 
-/// The part of a recording in which the windows of a rule may lie. Empty where the rule counts all
+/// The part of a recording in which the windows of a rule may lie. Empty if the rule counts all
 /// of it.
 ///
 /// Its ends are events of the usable epochs (of all, where none is usable), by their recorded
@@ -26,8 +26,8 @@ struct PartStatements {
 /// recording's last epoch.
 ///
 /// The ground's height is the attempt's, else that where the craft stood longest near its lowest
-/// point, after the part begins if it stood there (median of the heights there). Whatever was not found is said in
-/// `missing`. Failure, at "attempt", where the rule needs a part that the attempt must state.
+/// point, after the part begins if it stood there (median of the heights there). `missing` says
+/// what was not found. Failure (at "attempt") if the rule needs a part that the attempt must state.
 std::optional<WindowPart> counted_part(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile,
                                        const PartStatements& stated,

@@ -106,7 +106,7 @@ bool between_ends(const SurveyedLine& gate, const Eigen::Vector2d& position) {
 }
 
 /// The crossing within the step after a sample, given the signed distances `before` and `after` of
-/// its two ends. It is at the sample itself where `before` is 0.
+/// its two ends. It is at the sample itself if `before` is 0.
 Crossing crossing_in(const SampleSeries& series, std::size_t sample, double before, double after) {
     Crossing crossing;
     crossing.after = sample;

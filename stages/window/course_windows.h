@@ -33,13 +33,13 @@ struct Crossing {
 /// A track crosses at a sample on the line, the first if there are several, if the samples before
 /// and after them lie on different sides. A track that touches the line and goes back does not
 /// cross. Nor does one that is first or last seen on the line. Obstacles and bounds of the series
-/// are ignored. Failure where the ends of the gate coincide.
+/// are ignored. Failure if the ends of the gate coincide.
 std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const SurveyedLine& gate);
 
 /// A passage from the start line to the finish line in the course's direction.
 struct Passage {
     Crossing start, finish;
-    std::string refusal;  ///< empty where it is unambiguous, otherwise sentences
+    std::string refusal;  ///< empty if it is unambiguous, otherwise sentences
 };
 
 /// The passages in order of time. A passage is a forward crossing of the start line directly
@@ -58,7 +58,7 @@ struct Passage {
 std::vector<Passage> passages(const std::vector<SampleSeries>& series, const SurveyedLine& start,
                               const SurveyedLine& finish);
 
-/// The reason why there is no passage, as one sentence without a full stop. Empty where there is
+/// The reason why there is no passage, as one sentence without a full stop. Empty if there is
 /// one.
 std::string why_no_passage(const std::vector<SampleSeries>& series, const SurveyedLine& start,
                            const SurveyedLine& finish);
@@ -71,8 +71,8 @@ struct SurveyedCourse {
 };
 
 /// The course in the frame with that origin, or in the recording's engineering CRS without one.
-/// Failure where its points have geodetic coordinates and the recording does not, or the reverse.
-/// Failure also where a line's ends coincide, or the distance between the lines' middles differs
+/// Failure if its points have geodetic coordinates and the recording does not, or the reverse.
+/// Failure also if a line's ends coincide, or the distance between the lines' middles differs
 /// from the stated length by more than 1 m plus 2 %.
 SurveyedCourse surveyed_course(const Course& course, const std::optional<FrameOrigin>& origin);
 
@@ -82,7 +82,7 @@ std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
                                         const SurveyedCourse& gates);
 
 /// The reason why there is no window: the track does not cross a line, or crosses it so often that
-/// it is ambiguous which crossing counts. Empty where there is an unambiguous passage.
+/// it is ambiguous which crossing counts. Empty if there is an unambiguous passage.
 std::string why_no_course_window(const std::vector<SampleSeries>& series,
                                  const SurveyedCourse& gates);
 

@@ -30,7 +30,7 @@ struct CrossingTimes {
 };
 
 /// The crossings of the two gates by the smoothed track, starting from `straight`, those of
-/// straight lines between its epochs (three Newton iterations). Failure where the track runs along
+/// straight lines between its epochs (three Newton iterations). Failure if the track runs along
 /// a gate there.
 CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
                                  const EstimationModel& model, const CrossingTimes& straight,

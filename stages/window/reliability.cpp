@@ -12,7 +12,7 @@
 namespace runcert {
 namespace {
 
-/// The model of screening's tests on these axes. Null where there is none.
+/// The model of screening's tests on these axes. Null if there is none.
 template <int Axes>
 const ScreeningModel* tested_model(const ScreenedTable& screened) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;

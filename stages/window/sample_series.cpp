@@ -95,8 +95,8 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
     return series;
 }
 
-/// For each row of the table, the number of obstacles up to it. Every row counts, also one that
-/// belongs to no arc. A row out of time, however, counts as missing, and the gap counts.
+/// For each row of the table, the number of obstacles up to it. Rows that belong to no arc are
+/// included. A row out of time is skipped as if missing, and may leave a gap, which is an obstacle.
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);

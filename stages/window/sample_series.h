@@ -18,18 +18,18 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
 /// The longest time step (s) allowed in a window of the profile, in addition to screening's limit.
 /// It follows from the rule's rate of epochs, where a clause requires one. Regular steps are also
 /// needed where the speed is a mean of the epochs' speeds, which gaps would weight unevenly. Empty
-/// where there is no such limit.
+/// if there is no such limit.
 std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s);
 
 /// The horizontal speed, vertical speed or speed in space of a velocity, with its first-order
-/// standard uncertainty. The latter is empty where a standard deviation is missing.
+/// standard uncertainty. The latter is empty if a standard deviation is missing.
 struct RecordedSpeed {
     double speed_m_s = 0.0;
     std::optional<double> standard_uncertainty_m_s;
 };
 
 /// The speed from an epoch's recorded velocity, or its recorded speed where it has no course. Empty
-/// where a needed value is missing.
+/// if a needed value is missing.
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension);
 
 /// Which positions a series has: those of the smoothed trajectory, or those recorded at the same
@@ -60,13 +60,13 @@ struct IndicatedSeries {
 
 /// Series in order of time: one of all rows that are in time, plus one for each run of far
 /// positions, of positions without a fix, and of those with absurd standard deviations, for as long
-/// as these continue steadily. Empty where no row shows anything.
+/// as these continue steadily. Empty if no row shows anything.
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile,
                                  double gap_factor);
 
 /// Series in the order of the recording, epochs out of time included, with clock jumps removed. A
 /// step of the stamps counts as one interval where the positions continue as in one
-/// (`clock_jumped`; from and to an epoch out of time `goes_on`). Empty where the clock does not
+/// (`clock_jumped`; from and to an epoch out of time `goes_on`). Empty if the clock does not
 /// jump.
 IndicatedSeries indicated_by_pace(const ScreenedTable& screened, const Profile& profile,
                                   double gap_factor);

@@ -25,7 +25,7 @@ struct WindowCluster {
     std::vector<EpochPair> windows;  ///< in order of their beginning
     /// Reductions of the windows' speeds before they are compared, m/s. Empty: none.
     std::vector<double> allowances_m_s;
-    /// Index of the chosen window, empty where it is in another cluster.
+    /// Index of the chosen window, empty if it is in another cluster.
     std::optional<std::size_t> chosen = std::nullopt;
 };
 

@@ -36,8 +36,8 @@ WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
                       .largest_m_s = one.fault_m_s.value_or(0.0)}};
 }
 
-/// The joint evidence of these terms. `evidence` receives what they may share with the positions in
-/// addition.
+/// The joint evidence of these terms. The shared uncertainty in `evidence` is raised to the further
+/// part that their mean may share with the positions.
 WitnessEvidence evidence_of(const PositionTerms& positions, const std::vector<WitnessTerm>& terms,
                             SpeedEvidence& evidence) {
     const WitnessMean mean = mean_of_witnesses(positions, terms);

@@ -23,7 +23,7 @@ struct HeardTogether {
 };
 
 /// Weights the positions, as in the budget, and the witnesses that agree and confirm, and sets the
-/// shares. All shares are 0 where a witness contradicts the positions, or the witnesses contradict
+/// shares. All shares are 0 if a witness contradicts the positions, or the witnesses contradict
 /// one another. The joint result is stored in `evidence`.
 HeardTogether hear_together(const PositionTerms& positions, double correlated_m_s,
                             std::vector<WitnessedSpeed>& witnesses, SpeedEvidence& evidence);
@@ -46,7 +46,8 @@ void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlate
 double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
                                   double bias_limit_m_s, double duration_s, double interval_s);
 
-/// The rows of the positions grouped by what witnesses share.
+/// The budget rows of the positions, combined into errors that no witness shares, time-correlated
+/// errors (row b) and undetected errors (row d). Other rows are left out.
 PositionTerms position_terms(const std::vector<BudgetRow>& rows);
 
 }  // namespace runcert

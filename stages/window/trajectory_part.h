@@ -46,12 +46,12 @@ struct CheckedPart {
 };
 
 /// The part of the arc that determines the window, confirmed to agree with the trajectory at the
-/// window's epochs. Failure where it does not, even with the whole arc.
+/// window's epochs. Failure if it does not, even with the whole arc.
 template <int Axes>
 CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const FoundWindow& found);
 
 /// Compares the robust batch's speed between the epochs that enclose a window with the screened
-/// solution's (`smoothed`, for the part of the arc), which has the same noise model. Empty where
+/// solution's (`smoothed`, for the part of the arc), which has the same noise model. Empty if
 /// the trajectory has no robust solution there.
 ///
 /// They agree within twice the sum of the screened speed's standard uncertainty and `model_m_s`,

@@ -37,7 +37,7 @@ struct TrackMoment {
     double step_m = 0.0;
 };
 
-/// One for each sample of an arc. Empty where its moment lies before the first position or after
+/// One for each sample of an arc. Empty if its moment lies before the first position or after
 /// the last.
 std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& screened,
                                                          const TrajectoryTable& trajectory,

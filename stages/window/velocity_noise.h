@@ -44,7 +44,7 @@ struct SpeedSpread {
 /// differences between neighbours of recorded minus smoothed speed, and from third differences of
 /// the recorded speeds. The first contain the positions' noise, the second the craft's motion.
 /// Samples are those within 30 s of `from_s` to `to_s`, or all where fewer than 30 differences lie
-/// there. Empty where these are also too few.
+/// there. Empty if these are also too few.
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s);
 

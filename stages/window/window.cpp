@@ -61,8 +61,8 @@ class Certifier {
     }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
-    /// Notes on the parameters estimated for witnesses of horizontal motion, and on what they do
-    /// not cover.
+    /// Notes on the witnesses of horizontal motion: those that were not used, the parameters
+    /// estimated for them, and windows that they do not cover, contradict or fail to confirm.
     std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
                                            const std::vector<ProfileWindows>& windows,
                                            const WitnessRecords& beside) const {
@@ -256,7 +256,7 @@ Choice choose(const Candidates& among, const Allowance& allowance = {}) {
     return choice;
 }
 
-/// A reason, in the recording as a whole, why no window under the rule is possible. Empty where
+/// A reason, in the recording as a whole, why no window under the rule is possible. Empty if
 /// there is none.
 std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
     if (profile.speed_source == SpeedSource::velocity &&
@@ -400,7 +400,7 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
         entry.further.push_back(beside(windows[i]));
 }
 
-/// The mean speed of windows, and the span of the first. Empty where there are too few.
+/// The mean speed of windows, and the span of the first. Empty if there are too few.
 std::optional<RuleScore> score_over(const ScreenedTable& screened,
                                     const std::vector<FoundWindow>& chosen,
                                     const std::vector<std::size_t>& rows, std::int64_t count) {

@@ -22,7 +22,7 @@ struct WindowConfig : WindowParameters {
     double gap_factor = 1.5;               ///< or one of more intervals, if that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
-    /// Of a speed, by the receiver's certificate of calibration. Empty where it states none.
+    /// Of a speed, by the receiver's certificate of calibration. Empty if it states none.
     std::optional<double> calibration_standard_uncertainty_m_s = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, because the recording states none
     PartStatements part = {};                ///< what the attempt states of the part that counts
@@ -44,8 +44,8 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by
 /// the robust batch are given beside it.
 ///
-/// `course` comes from the attempt; `beside` are other witnesses of the positions. Failure where a
-/// profile needs a course and there is none, or where the trajectory is not the estimate from these
+/// `course` comes from the attempt; `beside` are other witnesses of the positions. Failure if a
+/// profile needs a course and there is none, or if the trajectory is not the estimate from these
 /// screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,

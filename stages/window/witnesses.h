@@ -47,7 +47,7 @@ template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const WitnessRecords& beside, double jerk_density);
 
-/// The reason why a witness that agrees with a window does not confirm it. Empty where it does.
+/// The reason why a witness that agrees with a window does not confirm it. Empty if it does.
 std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
                               const std::string& profile);
 
@@ -55,7 +55,7 @@ std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& 
 bool counts_path(SpeedDefinition definition);
 
 /// How far a contradicting witness shows another motion than the positions over the whole
-/// recording, and by how many seconds a clock may be off. Empty where it does not, and for phases,
+/// recording, and by how many seconds a clock may be off. Empty if it does not, and for phases,
 /// about which screening reports.
 std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened);
 
@@ -80,7 +80,7 @@ template <int Axes>
 double displacement_ratio(const WitnessedMotion<Axes>& moved,
                           const PositionFigures<Axes>& positions);
 
-/// The speed of a window by a witness, compared with that by positions. Empty where the witness
+/// The speed of a window by a witness, compared with that by positions. Empty if the witness
 /// does not cover the window.
 ///
 /// The two contradict each other where an error of either is more probable than none

@@ -18,7 +18,7 @@ constexpr double pi = std::numbers::pi;
 
 using Acceleration = std::function<double(double time_s)>;
 
-/// A trajectory towards north-east with this acceleration along it, from this speed.
+/// A trajectory towards the north-east, with a given initial speed and along-track acceleration.
 std::vector<TrajectoryEpoch> moving(double length_s, double speed_m_s, const Acceleration& along) {
     std::vector<TrajectoryEpoch> rows;
     const auto count = static_cast<std::int64_t>(std::llround(length_s / interval_s));

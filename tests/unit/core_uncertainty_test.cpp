@@ -196,8 +196,9 @@ TEST(Combine, RefusesWhatIsNoCorrelationMatrix) {
 }
 
 TEST(CoverageFactor, GivesTheTableOfTheGuide) {
-    // [GUM] table G.2; an empty number of degrees is its last line. Its 68.27 %, 95.45 % and
-    // 99.73 % are those of k = 1, 2, 3 of the normal distribution, to more digits than printed.
+    // [GUM] table G.2. Its last line has infinite degrees of freedom, which are empty here. Its
+    // 68.27 %, 95.45 % and 99.73 % stand for k = 1, 2, 3 of the normal distribution, given here
+    // to more digits.
     struct Row {
         std::optional<double> degrees;
         std::array<double, 6> factors;

@@ -321,14 +321,14 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
 
 TEST(DayPage, IsItsOwnAndNeedsNoScript) {
     const std::string page = day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1)}));
-    // The namespaces of HTML and SVG are names, not places.
+    // The namespace URIs of HTML and SVG are identifiers: nothing is fetched from them.
     EXPECT_EQ(count_of(page, "http://"), count_of(page, "'http://www.w3.org/2000/svg'") +
                                              count_of(page, "xmlns=\"http://www.w3.org/"));
     EXPECT_EQ(page.find("https://"), std::string::npos);
     EXPECT_EQ(page.find(" src="), std::string::npos);
     EXPECT_EQ(count_of(page, " style="), count_of(page, "<col style=\"width: "));
     EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
-    // The policy's hash is that of the script, by another program.
+    // The policy's hash equals that of the script as computed by another program.
     const TemporaryFolder folder;
     const std::size_t begin = page.find("<script>") + 8;
     write_file_atomically(folder.path() / "script",

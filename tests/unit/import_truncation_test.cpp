@@ -63,7 +63,7 @@ TEST_P(Truncation, AtEveryByte) {
             ++refused;
             ASSERT_FALSE(failure.where().empty() || failure.remedy().empty()) << length;
         }
-    // What is left without its first epoch is refused, and with it is read.
+    // A file cut before the end of its first epoch is refused; one cut later is read.
     EXPECT_GT(refused, 20u);
     EXPECT_GT(read, bytes.size() / 10);
 }

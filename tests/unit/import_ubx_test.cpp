@@ -382,7 +382,7 @@ TEST(Ubx, InstrumentIsWhatVersionAndIdentitySay) {
     EXPECT_EQ(read_ubx(frame(0x27, 0x03, std::string("\x02\0\0\0\1\2\3\4\5\6", 10)) + pvt_frame())
                   .instrument,
               (Instrument{.make = "u-blox", .serial = "010203040506"}));
-    // Cut off, or of a version that is not known: nothing is said of it.
+    // Truncated, of an unknown version or empty: no serial number is read.
     for (const std::string& odd : {std::string("\x01\0\0\0\xf9\x0a", 6),
                                    std::string("\x07\0\0\0\1\2\3\4\5\6", 10), std::string()})
         EXPECT_EQ(read_ubx(frame(0x27, 0x03, odd) + pvt_frame()).instrument->serial, "");

@@ -122,7 +122,7 @@ TEST(ExpectedMemory, IsAboveWhatWasMeasuredAndNotFarAbove) {
         std::uint64_t epochs;
         double mebibytes;
     };
-    // The largest process of a run with its pages, in the table of `expected_memory`.
+    // The largest process of each run, pages included, from the table of `expected_memory`.
     for (const Measured& run : {Measured{451, 116}, Measured{3000, 117}, Measured{28'200, 377},
                                 Measured{28'200, 293}, Measured{100'000, 878}}) {
         const double expected = static_cast<double>(expected_memory(run.epochs)) / (1 << 20);

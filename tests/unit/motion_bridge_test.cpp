@@ -150,8 +150,8 @@ TEST(Bridge, StatesAreThoseOfLeastSquaresWithOffsetsAsUnknowns) {
     }
 }
 
-/// Largest relative differences of displacements and of their covariances from those of the
-/// positions free of offsets, between any two epochs.
+/// Largest differences from least squares with the offsets as unknowns, between any two epochs: of
+/// displacements, relative to their standard uncertainty, and of their covariances, relative.
 template <int Axes>
 std::pair<double, double> displacement_differences(std::span<const ArcEpoch<Axes>> arc,
                                                    const EstimationModel& model) {

@@ -68,7 +68,7 @@ inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least
         std::vector<Injected> all;
         for (std::size_t epoch = 2 + below(8); epoch < clean.epochs.size(); epoch += 4 + below(8)) {
             if (!is_clean[epoch]) continue;
-            // Signals whose arcs go on here.
+            // Signals whose arcs continue at this epoch.
             std::vector<std::size_t> going;
             for (const PhaseSatellite& satellite : clean.of(clean.epochs[epoch]))
                 for (std::size_t i = 0; i < satellite.signals; ++i) {

@@ -442,7 +442,7 @@ inline Run make_run(const Options& options = {}) {
     return run;
 }
 
-/// The run as claimed by the first of its rules alone.
+/// The run as claimed under only the first of its rules.
 inline Run with_one_rule(Run run) {
     run.inputs.attempt.profiles.resize(1);
     run.inputs.profiles.resize(1);

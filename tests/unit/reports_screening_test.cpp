@@ -49,7 +49,7 @@ std::string page_of(const sample::Run& run) {
 
 const Place undetected{"uncertainty", "Undetected errors", "nalsa"};
 
-/// What is said of the worst error, and of the risk that the interval carries.
+/// The report's sentences on the worst undetected error and on the remaining risk.
 std::string words(const sample::Run& run) {
     return sentences_at(report_json(run.inputs), undetected);
 }

@@ -286,7 +286,7 @@ TEST(ProfileRule, SaysWhoAnswersForAClause) {
     };
     EXPECT_EQ(answerer(", answered_by: {role: board, count: 3}"), (Answerer{"board", 3}));
     EXPECT_EQ(answerer(", answered_by: {role: board}"), (Answerer{"board", 1}));
-    // A silent rule has what the schema says, which is the same for a report without the field.
+    // Omitted fields take the schema's defaults, as does a report without the field.
     EXPECT_EQ(answerer(", answered_by: {count: 2}"), (Answerer{"judge", 2}));
     EXPECT_EQ(answerer(""), Answerer());
     EXPECT_EQ(Answerer(), (Answerer{"judge", 1}));

@@ -120,7 +120,7 @@ TEST(RuleInput, OneNameClaimsAllOfGpsSpeedSailing) {
     for (std::string& name : on_ice)
         name.replace(0, std::string("gps-speed").size(), "gps-ice");
     EXPECT_EQ(profiles("[gps-ice-sailing]"), on_ice);
-    // A record, and a figure, belong to one of the seven.
+    // A record belongs to one of the seven rules.
     const Attempt attempt = read_attempt(
         replaced(with("records:\n  - {profile: gps-speed-sailing-1h, speed: 30, unit: km/h, "
                       "source: s}\n"),

@@ -427,7 +427,7 @@ double seconds_after_zero(const ScreenedTable& table) {
     return static_cast<double>(table.facts.first_epoch->nanoseconds_since(time_zero)) * 1e-9;
 }
 
-/// Positions that drift from 15 s on for ten seconds, and keep the offset.
+/// Makes the positions drift north for ten seconds from 15 s on, and keep the offset.
 void drift_north(ScreenedTable& table, double rate_m_s) {
     for (ScreenedEpoch& row : table.rows) {
         const double since_s = seconds_after_zero(table) + row.time.seconds() - 15.0;

@@ -36,7 +36,7 @@ inline std::vector<NamedModel> models() {
     return all;
 }
 
-/// Hard motion for a while between quiet, in steps of one length.
+/// Sets jerk factors of quiet, hard and moderate motion in turn, every 150 epochs.
 template <int Axes>
 void change_motion(std::vector<ArcEpoch<Axes>>& arc) {
     for (std::size_t k = 0; k < arc.size(); ++k)

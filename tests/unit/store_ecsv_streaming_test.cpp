@@ -60,7 +60,7 @@ TEST(EcsvStreaming, ATableWithoutRowsIsWhole) {
 
 TEST(EcsvStreaming, RowsInOnePassReadAsAnyOthers) {
     const std::string text = whole_table();
-    // With CR LF every row takes the way that can read any row.
+    // No row with CR LF is plain, so each is read by the code for any row.
     std::string other;
     for (const char c : text) {
         if (c == '\n') other += '\r';

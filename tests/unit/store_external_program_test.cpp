@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 using test::failure_of;
 
-/// A program of ours in place of gpsbabel.
+/// Puts a script of the test in place of gpsbabel.
 class ExternalProgramTest : public testing::Test {
   protected:
     void SetUp() override {

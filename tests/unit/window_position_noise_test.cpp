@@ -222,7 +222,7 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
 }
 
 TEST(PositionNoise, TheBoundedPartIsTheLargestOfAnyCorrelationTime) {
-    // Whatever the weights came from: 0.5 s to tau_max^2 / tau_min.
+    // For any correlation time from 0.5 s to tau_max^2 / tau_min, whatever model gave the weights.
     const WindowStretch<2> stretch = irregular_stretch();
     for (const SpeedDefinition definition :
          {SpeedDefinition::displacement, SpeedDefinition::path_length, SpeedDefinition::mean_n}) {

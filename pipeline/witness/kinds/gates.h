@@ -28,7 +28,7 @@ struct GatePassage {
     double variance_m2 = 0.0;
 };
 
-/// The craft's passage at a time, with distance 0. Empty where the track has no epoch near it.
+/// The craft's passage at a time, with distance 0. Empty if the track has no epoch near it.
 std::optional<GatePassage> passage_at(const Track& track, double time_s);
 
 /// The ways between neighbouring passages of the same stretch.
@@ -68,7 +68,7 @@ class GateWitness final : public Witness<2> {
 };
 
 /// Timing gates as a witness. `passages` are times and distances (m). Gates outside the arcs of the
-/// track are left out. Empty where fewer than two are left.
+/// track are left out. Empty if fewer than two are left.
 std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
                                         const GateErrors& errors, const Track& track);
 

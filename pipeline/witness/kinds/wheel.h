@@ -75,7 +75,7 @@ struct WheelSpeeds {
 /// way, is that with which its speeds best fit those of the track. Its scale is the calibrated one
 /// or that of other runs (`WheelMotion`). Its errors are estimated against the positions, as for
 /// recorded velocities. Without a calibration it cannot reveal a lasting scale error of the
-/// positions. Empty where fewer than 30 epochs of the track have a wheel speed, or nothing bounds
+/// positions. Empty if fewer than 30 epochs of the track have a wheel speed, or nothing bounds
 /// its errors.
 std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,

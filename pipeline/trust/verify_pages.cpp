@@ -59,12 +59,15 @@ std::vector<std::string> pictures_of(const fs::path& pdf) {
     return hashes;
 }
 
-/// The names of the fonts in a PDF, each once.
+/// The names of the fonts in a PDF, each once, without the tags of their subsets
+/// ("IHAPJL+FreeSans").
 std::set<std::string> fonts_of(const fs::path& pdf) {
     std::set<std::string> names;
     const std::vector<std::string> lines = lines_of(poppler({"pdffonts"}, pdf));
-    for (std::size_t i = 2; i < lines.size(); ++i)  // below the head of the table
-        names.insert(lines[i].substr(0, lines[i].find(' ')));
+    for (std::size_t i = 2; i < lines.size(); ++i) {  // below the head of the table
+        const std::string name = lines[i].substr(0, lines[i].find(' '));
+        names.insert(name.substr(name.find('+') + 1));
+    }
     return names;
 }
 

@@ -124,13 +124,28 @@ TEST_F(ForgedReport, WhoseDocumentSaysOtherThanItsVerdictIsFound) {
         predicate["document"]["sections"][0]["blocks"].push_back(
             {{"kind", "headline"}, {"text", "255.50 km/h ± 0.01 km/h"}});
     });
-    expect_no("report", "headline is \\\"255.50 km/h ± 0.01 km/h\\\"");
+    expect_no("report", "its headline is \\\"255.50 km/h");
     write_file_atomically(run() / "report.json", whole);
     // All else of it is found where the report is made again.
     forge_predicate([](Json& predicate) {
         predicate["document"]["sections"][1]["blocks"][1]["text"] = "Everybody saw it.";
     });
     expect_no("contents", "Everybody saw it.");
+}
+
+// A signer may send readers to a verifier of the signer's own.
+TEST_F(ForgedReport, WhereItSaysThatTheProgramIsIsSaidToBeItsWord) {
+    const std::string whole = read_file(run() / "report.json");
+    forge_predicate(
+        [](Json& predicate) { predicate["program"]["home"] = "https://example.org/other"; });
+    EXPECT_TRUE(says(layer(found(), "report"),
+                     "note: it says that its program is to be had at https://example.org/other; "
+                     "of this one, "));
+    for (const char* home : {"runcert", "https://a b", "https://a\nb", "javascript:x", ""}) {
+        write_file_atomically(run() / "report.json", whole);
+        forge_predicate([&](Json& predicate) { predicate["program"]["home"] = home; });
+        expect_refused("no address of a program");
+    }
 }
 
 TEST_F(ForgedReport, ThatLeavesARuleOutIsFound) {

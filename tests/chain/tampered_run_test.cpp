@@ -285,7 +285,6 @@ TEST_F(TamperedPages, OfAnotherProgramAreNotCheckable) {
         fix_hash(file);
     }
     const std::string page = read_file(run() / "report.html");
-    const std::string report = read_file(run() / "report.json");
     change("report.json", "\"source_revision\": \"", "\"source_revision\": \"f");
     change("report.json", "\"template_sha256\": \"", "\"template_sha256\": \"f");
     const auto found_of = [&](const std::string& html) {
@@ -300,7 +299,10 @@ TEST_F(TamperedPages, OfAnotherProgramAreNotCheckable) {
     EXPECT_TRUE(says(said, "report.pdf: the report attached to it is not report.json")) << said;
     keep_only("report.html");
     std::string carrying = page;
-    carrying.replace(carrying.find(report), report.size(), read_file(run() / "report.json"));
+    const std::string mark = "id=\"report-json\">";
+    const std::size_t carried = carrying.find(mark) + mark.size();
+    carrying.replace(carried, carrying.find("</script>", carried) - carried,
+                     read_file(run() / "report.json"));
     const auto result = found_of(carrying);
     said = layer(result, "pages");
     EXPECT_EQ(said["answer"], "not checkable here");

@@ -100,7 +100,7 @@ struct VerificationResult {
             if (step.is(LayerAnswer::not_checkable)) names.push_back(step.what);
         return names;
     }
-    /// Where a layer that decides says no, 1; where one could not be checked, 2. Without the others
+    /// Where a layer says no, 1; where one that decides could not be checked, 2. Without the others
     /// the rest stands: `verdict` names them.
     int exit_status() const {
         if (!passed()) return 1;
@@ -275,7 +275,7 @@ int verify(const VerifyOptions& options) {
     const SignatureRules rules = read_rules(options);
     const ReportFacts report = read_report_facts(run_dir);
     VerificationResult result;
-    if (auto sums = verify_bundle(run_dir)) {
+    if (auto sums = verify_bundle(run_dir, bundle.has_value())) {
         if (bundle) add_deviation(*sums, deviation_of_bundle(options.run_dir, run_dir), report);
         result.layers.push_back(std::move(*sums));
     }

@@ -182,8 +182,10 @@ std::vector<SumProblem> check_sums(const std::filesystem::path& folder) {
     return problems;
 }
 
-std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_dir) {
-    if (!std::filesystem::exists(std::filesystem::symlink_status(run_dir / bundle_sums_file)))
+std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_dir,
+                                              bool is_bundle) {
+    if (!is_bundle &&
+        !std::filesystem::exists(std::filesystem::symlink_status(run_dir / bundle_sums_file)))
         return std::nullopt;
     VerificationStep step{.what = "bundle", .answer = LayerAnswer::verified};
     for (const SumProblem& one : check_sums(run_dir))

@@ -77,8 +77,9 @@ bool is_made_here(const ReportFacts& report);
 std::string made_by_another(const ReportFacts& report);
 
 /// Whether the SHA256SUMS that a bundle brings names every file in the folder, at any depth, with
-/// its hash. Nothing where there is no such file.
-std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_dir);
+/// its hash. Nothing where there is no such file, unless the folder is that of a bundle, which must
+/// have one.
+std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_dir, bool is_bundle);
 
 /// Whether every subject of the report is there with the bytes the report names, and nothing else
 /// but its companions: pages, signatures, time stamps, run.yaml, and what a bundle adds. Symbolic

@@ -280,6 +280,18 @@ TEST_F(BundleTest, OfAnotherFormIsSeenWhateverItHolds) {
     says(repacked("true", ""), "not the bundle that is made of what it holds");
     says(repacked("true", as_here + " --sort=name"), "not the bundle that is made");
     says(repacked("echo 'All of it was verified.' >> VERIFY.txt", as_here), "VERIFY.txt");
+    // Without its list nobody looked at the form.
+    ASSERT_EQ(shell(there.path(),
+                    "rm salt-lake/SHA256SUMS; tar --zstd -cf none.tar.zst salt-lake; "
+                    "mv none.tar.zst other.tar.zst; zip -q -r other.zip salt-lake")
+                  .exit_status,
+              0);
+    for (const char* name : {"other.tar.zst", "other.zip"}) {
+        const ProcessResult result =
+            runcert({"verify", (there.path() / name).string(), "--pubkey", signed_->public_key()});
+        EXPECT_EQ(result.exit_status, 1) << result.output;
+        EXPECT_TRUE(holds(result.output, "SHA256SUMS is missing")) << result.output;
+    }
 }
 
 TEST_F(BundleTest, SupersededSignaturesStayBehind) {

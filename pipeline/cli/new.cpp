@@ -57,7 +57,10 @@ std::vector<GivenAnswer> answers_of(const NewOptions& options) {
     add("--class", "craft.class", options.kind);
     add("--pilot", "pilot", options.pilot);
     add("--place", "place", options.place);
-    add("--official", "officials", fmt::format("{}", fmt::join(options.officials, ",")));
+    std::string officials;
+    for (const std::string& one : options.officials)
+        officials += one + ";";
+    add("--official", "officials", officials);
     add("--record", "record.speed", options.record);
     add("--source", "record.source", options.source);
     add("--rule", "profiles", fmt::format("{}", fmt::join(options.rules, ",")));
@@ -370,7 +373,8 @@ void add_new(CLI::App& app, Command& chosen) {
         app.add_subcommand("new", "Write an attempt from recordings: asks what they do not say");
     CLI::Option* recordings =
         command->add_option("RECORDING", options->recordings,
-                            "recordings of one attempt: of its receivers, or following each other");
+                            "recordings of one attempt: of its receivers, or following each other; "
+                            "with orbits, raw signals and series that belong to it");
     CLI::Option* day = command->add_option(
         "--day", options->day, "write a day instead: each recording in this folder is an attempt");
     recordings->excludes(day);

@@ -34,9 +34,9 @@ class Draft {
     std::vector<Gap> gaps() const;
 
     /// Takes an answer, as a person writes it: "202.9 km/h" for record.speed, "measurer Ann Lee,
-    /// judge" for officials, else the value as YAML has it. A key that is of receivers alone is the
-    /// primary one's. Failure, with nothing taken, for a key that there is none of and for what it
-    /// cannot be.
+    /// judge" or "measurer Lee, Ann; judge" for officials, else the value as YAML has it. A key
+    /// that is of receivers alone is the primary one's. Failure, with nothing taken, for a key that
+    /// there is none of and for what it cannot be.
     void set(const std::string& key, const std::string& answer);
 
     /// Takes proposals for what is not answered. What was taken so, a line each, which stands in

@@ -24,10 +24,10 @@ constexpr const char* answer = "the answer";
     throw Failure(answer, what, remedy);
 }
 
-std::vector<std::string> parted(std::string_view text) {
+std::vector<std::string> parted(std::string_view text, char separator = ',') {
     std::vector<std::string> parts;
     while (true) {
-        const std::size_t comma = std::min(text.find(','), text.size());
+        const std::size_t comma = std::min(text.find(separator), text.size());
         if (const std::string_view part = trim(text.substr(0, comma)); !part.empty())
             parts.emplace_back(part);
         if (comma == text.size()) return parts;
@@ -51,10 +51,11 @@ Json record_of(std::string_view text) {
     return {{"speed", speed}, {"unit", std::string(unit)}};
 }
 
-/// "measurer Ann Lee, judge".
+/// "measurer Ann Lee, judge"; or with semicolons between them, so that a name may hold a comma.
 Json officials_of(std::string_view text) {
     Json officials = Json::array();
-    for (const std::string& one : parted(text)) {
+    const char separator = text.find(';') == std::string_view::npos ? ',' : ';';
+    for (const std::string& one : parted(text, separator)) {
         const std::size_t blank = std::min(one.find(' '), one.size());
         Json official{{"role", lower_case(one.substr(0, blank))}};
         if (blank < one.size()) official["name"] = std::string(trim(one.substr(blank)));

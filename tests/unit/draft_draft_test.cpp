@@ -91,6 +91,8 @@ TEST(Draft, WrittenWithItsAnswersItIsAnAttempt) {
     ASSERT_EQ(attempt.officials.size(), 2U);
     EXPECT_EQ(attempt.officials[0].name, "Ann Lee");
     EXPECT_EQ(attempt.officials[1].role, "judge");
+    draft.set("officials", "judge Lee, Ann;");
+    EXPECT_EQ(read_attempt(draft.text(), "attempt.yaml").officials.at(0).name, "Lee, Ann");
     EXPECT_EQ(attempt.receivers[0].antenna_height_m, 1.2);
     EXPECT_EQ(attempt.profiles, std::vector<std::string>{"nalsa"});
     EXPECT_NE(draft.text().find("\n# pilot: \"...\"  # "), std::string::npos) << draft.text();

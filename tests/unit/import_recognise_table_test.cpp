@@ -124,6 +124,11 @@ TEST(RecogniseTable, SaysWhyATableIsNotRead) {
     const Recognition commas = recognised(written_by("german_sheet"));
     EXPECT_EQ(commas.kind, RecordingKind::table);
     EXPECT_NE(commas.problem.find("has a decimal comma"), std::string::npos) << commas.problem;
+    const std::string grid = written_by("utm_survey");
+    EXPECT_NE(
+        fmt::format("{}", fmt::join(csv::propose({.name = "log.csv", .bytes = grid})->unsure, " "))
+            .find("zone and hemisphere in place of"),
+        std::string::npos);
     const std::string sheet = written_by("german_sheet");
     const auto unsure = csv::propose({.name = "log.csv", .bytes = sheet})->unsure;
     EXPECT_NE(fmt::format("{}", fmt::join(unsure, " ")).find("decimal commas (\"52,1000000\")"),

@@ -118,6 +118,9 @@ class Proposing {
         proposal_.receiver.frame = StatedFrame{frame};
         if (frame == CoordinateFrame::utm) {
             proposal_.receiver.frame->utm_zone = UtmZone{.zone = 31, .northern = true};
+            proposal_.unsure.emplace_back(
+                "The coordinates look like those of a UTM grid: write its zone and hemisphere in "
+                "place of ...");
             need("frame",
                  "The coordinates look like those of a UTM grid, and no column says its zone.");
             return;
@@ -303,9 +306,8 @@ std::string yaml_name(const std::string& name) {
 }
 
 bool lacks_columns(const Proposal& proposal) {
-    return std::ranges::any_of(proposal.needed, [](const NeededKey& one) {
-        return one.key.starts_with("columns.");
-    });
+    return std::ranges::any_of(
+        proposal.needed, [](const NeededKey& one) { return one.key.starts_with("columns."); });
 }
 
 /// The dates that a first date may be, as the importer finds that no row shows which.

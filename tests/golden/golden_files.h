@@ -41,7 +41,8 @@ inline std::string field_table(const std::string& schema) {
     const std::string folder = std::string(RUNCERT_SOURCE_DIR) + "/schemas";
     const std::string path = folder + "/" + schema + "/v1.yaml";
     std::string text = slurp(path);
-    if (text.find("\nuses:") == std::string::npos) return text;
+    if (text.find("\nuses:") == std::string::npos && text.find("\nmaps:") == std::string::npos)
+        return text;
     return field_table_text(Declaration(path, folder));
 }
 

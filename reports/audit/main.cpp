@@ -15,6 +15,7 @@
 #include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
+#include "trust/verification.h"
 
 using namespace runcert;
 
@@ -72,25 +73,6 @@ class Witnesses {
     std::map<std::string, std::vector<std::string>> named_by_;
 };
 
-/// The files by which the audit of screening goes: those of the attempt, the products up to its
-/// own, and what its table names.
-std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
-    std::vector<std::string> files{std::string(attempt_copy_name)};
-    const auto add = [&](const std::string& file) {
-        if (std::ranges::find(files, file) == files.end()) files.push_back(file);
-    };
-    for (const AttemptFile& file : files_of_receiver(one.receiver))
-        add(file.name);
-    for (const AttemptFile& file : solution_files(one.receiver))
-        add(file.name);
-    for (const std::string& file : {one.observations_file, one.enu_file, one.screened_file})
-        add(file);
-    if (one.screened)
-        for (const InputFile& input : one.screened->header.inputs)
-            add(input.file);
-    return files;
-}
-
 /// Both tables of phases, row by row: their heads, the slips, and the lines of those.
 void read_phases(Witnesses& witnesses, ReceiverRecord& one) {
     one.screened_phase =
@@ -140,7 +122,6 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
     if (has_phases(receiver)) read_phases(witnesses, one);
     one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);
     one.windows = witnesses.read("windows", one.windows_file, read_windows);
-    one.witnesses = witnesses_of(one);
     return one;
 }
 
@@ -152,6 +133,27 @@ std::vector<std::string> signatures_in(const std::filesystem::path& run_dir) {
             files.push_back(entry.path().filename().string());
     std::ranges::sort(files);
     return files;
+}
+
+/// What report.json says of itself: its subjects are what it was made from.
+struct AuditedReport {
+    Header header;
+    std::string id;
+};
+
+AuditedReport read_audited_report(const std::filesystem::path& run_dir) {
+    const ReportFacts facts = read_report_facts(run_dir);
+    AuditedReport report{.header = {}, .id = facts.report_id};
+    report.header.stage = "report";
+    report.header.program_version = facts.program_version;
+    report.header.source_revision = facts.source_revision;
+    for (const std::string& name : facts.subject_names)
+        report.header.inputs.push_back({.role = "subject",
+                                        .file = name,
+                                        .sha256 = facts.subjects.at(name),
+                                        .bytes = 0,
+                                        .original = {}});
+    return report;
 }
 
 RunRecord read_run(const std::filesystem::path& run_dir) {
@@ -166,7 +168,9 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
     for (const Receiver& receiver : record.attempt.receivers)
         record.receivers.push_back(read_receiver(witnesses, receiver));
     record.verdict = witnesses.read("verdict", record.verdict_file, read_verdict);
-    if (const auto report = witnesses.read("report", "report.json", read_report_record)) {
+    if (const auto report = witnesses.read(
+            "report", "report.json",
+            [&](std::string_view, const std::string&) { return read_audited_report(run_dir); })) {
         record.report = report->header;
         record.report_id = report->id;
     }

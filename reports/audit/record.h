@@ -43,7 +43,6 @@ struct ReceiverRecord {
     std::optional<PhaseTable> phase = {};                   ///< without its rows
     std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
     std::vector<SlipRecord> slips = {};
-    std::vector<std::string> witnesses = {};  ///< files that the audit of screening goes by
 };
 
 /// A run folder as an audit finds it; all hashes that its files name of one another hold.

@@ -223,18 +223,7 @@ std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubje
                                     bool all) {
     std::vector<Block> blocks{heading("Basis of the tests")};
     add(blocks, screening_results(table, table.basis.time.faults.size()));
-    Block told = facts({{.name = "Tests", .value = tests_text(table.basis)}});
-    if (!subject.checked.empty())
-        add_fact(
-            told, "Files",
-            fmt::format("The hashes (SHA-256) of {} are those that the files made from them name.",
-                        listed(subject.checked)));
-    if (!subject.unchecked.empty())
-        add_fact(told, "Files",
-                 fmt::format("Not checked, because the folder lacks the file or the one that names "
-                             "its hash: {}.",
-                             listed(subject.unchecked)));
-    blocks.push_back(std::move(told));
+    blocks.push_back(facts({{.name = "Tests", .value = tests_text(table.basis)}}));
     blocks.push_back(heading("Decisions"));
     add(blocks, decision_blocks(table, subject, all));
     blocks.push_back(heading("Minimal detectable biases"));

@@ -56,10 +56,7 @@ struct AuditedWindow {
 
 /// What an audit is about, beside the table itself.
 struct AuditSubject {
-    std::string recording;                  ///< name of the file that was handed in
-    std::vector<std::string> checked = {};  ///< files whose hash is the one that another file names
-    std::vector<std::string> unchecked =
-        {};  ///< files that are not there, or that none there names
+    std::string recording;  ///< name of the file that was handed in
     std::vector<AuditedWindow> windows = {};
 };
 

@@ -61,11 +61,6 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverRecord
 /// What the audit of screening is about beside its table.
 AuditSubject subject_of(const RunRecord& record, const ReceiverRecord& one) {
     AuditSubject subject{.recording = one.recording};
-    for (const std::string& file : one.witnesses) {
-        const auto named = record.named_by.find(file);
-        const bool checked = record.files.contains(file) && named != record.named_by.end();
-        (checked ? subject.checked : subject.unchecked).push_back(file);
-    }
     if (!one.windows) return subject;
     for (const ProfileWindows& windows : one.windows->profiles)
         if (const auto rule = rule_view(record, windows.profile, &windows); rule && rule->best())

@@ -66,10 +66,7 @@ Json average_figure(const ReportInputs& inputs, Dimension dimension) {
         const ProfileVerdict& verdict = inputs.verdict.profiles[i];
         if (verdict.window)
             add_window_span(figure["spans"], *verdict.window, "window, " + profile.id, "window");
-        if (!verdict.required_speed_m_s) continue;
-        const double required_speed = *verdict.required_speed_m_s * unit.per_m_s;
-        speeds.widen(required_speed);
-        add_level(figure, "required speed, " + profile.id, required_speed);
+        add_required_speed(figure, speeds, verdict, unit);
     }
     if (drawn.empty()) return nullptr;
     set_axes(figure, *times.least, *times.most, *speeds.least, *speeds.most);

@@ -12,6 +12,7 @@
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/run_speeds/run_speeds.h"
 
 namespace runcert {
 namespace {
@@ -158,9 +159,8 @@ void add_counting_speeds(Json& figure, Range& speeds, const RuleView& rule) {
     if (!rule.verdict.required_speed_m_s || !speeds.least) return;
     const double required_speed = *rule.verdict.required_speed_m_s * per_m_s;
     const double room = std::max(speeds.span(), 0.1);
-    if (required_speed < *speeds.least - room || required_speed > *speeds.most + room) return;
-    speeds.widen(required_speed);
-    add_level(figure, "required speed, " + rule.profile.id, required_speed);
+    if (required_speed >= *speeds.least - room && required_speed <= *speeds.most + room)
+        add_required_speed(figure, speeds, rule.verdict, rule.unit());
 }
 
 /// The horizontal speed over the whole run.
@@ -187,12 +187,8 @@ Json speed_figure(const ReceiverResults& results, const std::vector<RuleView>& r
             curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * unit.per_m_s);
     }
     figure["curves"].push_back(curve.json());
-    for (const RuleView& rule : rules) {
-        if (!rule.verdict.required_speed_m_s || !is_horizontal(rule)) continue;
-        const double required_speed = *rule.verdict.required_speed_m_s * unit.per_m_s;
-        speeds.widen(required_speed);
-        add_level(figure, "required speed, " + rule.profile.id, required_speed);
-    }
+    for (const RuleView& rule : rules)
+        if (is_horizontal(rule)) add_required_speed(figure, speeds, rule.verdict, unit);
     figure["spans"] = window_spans(rules);
     add_unused_spans(figure["spans"], results.screened.rows);
     const auto& screened = results.screened.rows;
@@ -202,32 +198,30 @@ Json speed_figure(const ReceiverResults& results, const std::vector<RuleView>& r
     return figure;
 }
 
+/// The time around a window that its figures show.
+std::pair<double, double> around(const WindowSpan& window) {
+    const double start = rounded(window.start.seconds(), 9);
+    const double end = start + rounded(window.duration.seconds(), 9);
+    const double pad = std::max(0.5 * (end - start), 1.0);
+    return {start - pad, end + pad};
+}
+
 /// Around the window of one profile, with all methods.
 Json window_figure(const TrajectoryTable& table, const RuleView& rule) {
     const WindowSpan& window = *rule.verdict.window;
     const SpeedUnit& unit = rule.unit();
-    const double start = rounded(window.start.seconds(), 9);
-    const double end = start + rounded(window.duration.seconds(), 9);
-    const double pad = std::max(0.5 * (end - start), 1.0);
+    const auto [from, to] = around(window);
     Json figure =
         empty_figure("window", "The window under the rule " + rule.profile.id, window_caption(rule),
                      time_label, fmt::format("horizontal speed ({})", unit.name));
     figure["figure_profile"] = rule.profile.id;
-    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad), unit);
+    MethodCurves methods = method_curves(rows_around(table, from, to), unit);
     figure["curves"] = std::move(methods.curves);
     add_window_span(figure["spans"], window, "window, " + rule.profile.id, "window");
     if (is_horizontal(rule)) add_counting_speeds(figure, methods.speeds, rule);
-    set_axes(figure, start - pad, end + pad, methods.speeds.least.value_or(0.0),
+    set_axes(figure, from, to, methods.speeds.least.value_or(0.0),
              methods.speeds.most.value_or(0.0));
     return figure;
-}
-
-/// Of a row, the speed that the rule counts.
-std::optional<double> counted_speed_m_s(const TrajectoryEpoch& row, Dimension dimension) {
-    if (dimension == Dimension::horizontal || !row.speed_m_s) return row.speed_m_s;
-    if (!row.velocity_up_m_s) return std::nullopt;
-    return dimension == Dimension::vertical ? std::abs(*row.velocity_up_m_s)
-                                            : std::hypot(*row.speed_m_s, *row.velocity_up_m_s);
 }
 
 /// The angle of the path below the horizontal.
@@ -243,9 +237,7 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     const Dimension dimension = rule.profile.dimension;
     const std::string quantity =
         dimension == Dimension::horizontal ? "speed" : std::string(words_of(dimension));
-    const double start = rounded(window.start.seconds(), 9);
-    const double end = start + rounded(window.duration.seconds(), 9);
-    const double pad = std::max(0.5 * (end - start), 1.0);
+    const auto [from, to] = around(window);
     Json figure = empty_figure(
         "result", capitalised(quantity) + " around the window",
         "Shaded: the window; black: the speed that counts; dashed: the required speed, where "
@@ -254,8 +246,8 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     Curve curve({"smoothed", "line", "blue"});
     Curve angle({"dive angle (°)", "dashed", "green"});
     Range speeds;
-    for (const TrajectoryEpoch* row : rows_around(table, start - pad, end + pad)) {
-        const auto speed = counted_speed_m_s(*row, dimension);
+    for (const TrajectoryEpoch* row : rows_around(table, from, to)) {
+        const auto speed = speed_in(*row, dimension);
         if (!speed) continue;
         curve.add(row->time.seconds(), *speed * unit.per_m_s);
         speeds.widen(*speed * unit.per_m_s);
@@ -268,7 +260,7 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
     add_window_span(figure["spans"], window, "window", "window");
     add_counting_speeds(figure, speeds, rule);
     if (!figure["levels"].empty()) figure["levels"][0]["level_name"] = "required speed";
-    set_axes(figure, start - pad, end + pad, speeds.least.value_or(0.0), speeds.most.value_or(0.0));
+    set_axes(figure, from, to, speeds.least.value_or(0.0), speeds.most.value_or(0.0));
     return figure;
 }
 
@@ -352,6 +344,14 @@ void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_m
 
 void add_level(Json& figure, const std::string& name, double level) {
     figure["levels"].push_back({{"level_name", name}, {"level", level}});
+}
+
+void add_required_speed(Json& figure, Range& speeds, const ProfileVerdict& verdict,
+                        const SpeedUnit& unit) {
+    if (!verdict.required_speed_m_s) return;
+    const double required_speed = *verdict.required_speed_m_s * unit.per_m_s;
+    speeds.widen(required_speed);
+    add_level(figure, "required speed, " + verdict.profile, required_speed);
 }
 
 void add_mark(Json& figure, const std::string& name, double x, double y) {

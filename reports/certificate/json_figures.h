@@ -82,6 +82,9 @@ void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_m
 void add_window_span(Json& spans, const WindowSpan& window, const std::string& name,
                      const char* kind);
 void add_level(Json& figure, const std::string& name, double level);
+/// Adds the required speed of a rule, where it has one, as a level that widens the range.
+void add_required_speed(Json& figure, Range& speeds, const ProfileVerdict& verdict,
+                        const SpeedUnit& unit);
 void add_mark(Json& figure, const std::string& name, double x, double y);
 
 /// A line is thinned to about as many points as a page can show: of so many rows one is drawn.

@@ -9,15 +9,6 @@
 namespace runcert {
 namespace {
 
-/// A row's speed of a dimension.
-std::optional<double> speed_in(const TrajectoryEpoch& row, Dimension dimension) {
-    if (dimension == Dimension::horizontal) return row.speed_m_s;
-    if (!row.velocity_up_m_s) return std::nullopt;
-    if (dimension == Dimension::vertical) return std::abs(*row.velocity_up_m_s);
-    if (!row.speed_m_s) return std::nullopt;
-    return std::hypot(*row.speed_m_s, *row.velocity_up_m_s);
-}
-
 /// The way (m) between two rows that have a speed of the dimension.
 double way_m(const TrajectoryEpoch& from, const TrajectoryEpoch& to, Dimension dimension) {
     const double level_m = std::hypot(*to.east_m - *from.east_m, *to.north_m - *from.north_m);
@@ -94,6 +85,14 @@ constexpr std::array<std::pair<std::string_view, SpeedColumn>, 5> methods{
      {"forward filter of [DHD22]", &TrajectoryEpoch::speed_kalman_m_s}}};
 
 }  // namespace
+
+std::optional<double> speed_in(const TrajectoryEpoch& row, Dimension dimension) {
+    if (dimension == Dimension::horizontal) return row.speed_m_s;
+    if (!row.velocity_up_m_s) return std::nullopt;
+    if (dimension == Dimension::vertical) return std::abs(*row.velocity_up_m_s);
+    if (!row.speed_m_s) return std::nullopt;
+    return std::hypot(*row.speed_m_s, *row.velocity_up_m_s);
+}
 
 std::vector<std::optional<double>> speeds_over_length(const TrajectoryTable& table,
                                                       const Profile& profile) {

@@ -10,6 +10,9 @@
 
 namespace runcert {
 
+/// A row's speed (m/s) of a dimension.
+std::optional<double> speed_in(const TrajectoryEpoch& row, Dimension dimension);
+
 /// The speed (m/s) over a rule's length that ends at each row, from the smoothed trajectory.
 ///
 /// Over a time it is the mean of the epochs' speeds, both ends included, labelled with the last

@@ -91,7 +91,7 @@ TEST(Audit, TheStepOfTheRejectedExampleIsListed) {
     for (std::string line; std::getline(entries, line);)
         listed = listed || std::regex_match(line, step) || std::regex_match(line, shift);
     EXPECT_TRUE(listed) << text;
-    EXPECT_EQ(text.find("Not checked"), std::string::npos) << text;
+    EXPECT_EQ(text.find("not checked"), std::string::npos) << text;
 }
 
 TEST(Audit, ARealRecording) {
@@ -153,7 +153,7 @@ TEST(Audit, WhatIsMissingIsNamedAndTheRestIsShown) {
          {"MISSING from the folder: 4-trajectory.ecsv (smooth), 5-windows.yaml (window), "
           "6-verdict.yaml (check) and report.json (report).",
           "4-trajectory.ecsv is MISSING", "6-verdict.yaml is MISSING",
-          "names its hash: attempt.yaml and 3-screened.ecsv.", "before epoch 541", "rtklib-pos"})
+          "these files name are not checked", "before epoch 541", "rtklib-pos"})
         EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     fs::remove(run / "3-screened.ecsv");
     result = runcert({"audit", run.string()});

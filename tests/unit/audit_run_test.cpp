@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "core/failure.h"
 #include "reports/audit/record.h"
 #include "reports/audit/sections.h"
 #include "reports/document/document_text.h"
@@ -197,20 +196,6 @@ TEST(WalkThrough, WithoutTheTextOfItsRuleAVerdictIsNotShown) {
     const std::string text = text_of(record, {.stages = {"check"}});
     expect_in(text, {"The text of the rule nalsa is MISSING from the folder"});
     EXPECT_EQ(text.find("Measured speed"), std::string::npos) << text;
-}
-
-TEST(ReportRecord, IsReadOrRefused) {
-    const std::string text = R"({"subject": [{"name": "a", "digest": {"sha256": "00"}}],
-        "predicate": {"report_id": "77", "schema": {"version": "1.0"},
-                      "program": {"version": "1.0.0", "source_revision": "abc"}}})";
-    const ReportRecord report = read_report_record(text, "report.json");
-    EXPECT_EQ(report.id, "77");
-    EXPECT_EQ(report.header.source_revision, "abc");
-    ASSERT_EQ(report.header.inputs.size(), 1U);
-    EXPECT_EQ(report.header.inputs[0].sha256, "00");
-    for (const std::string& bad :
-         {std::string(), std::string("[]"), std::string("{\"predicate\": 1}"), text.substr(0, 90)})
-        EXPECT_THROW((void)read_report_record(bad, "report.json"), Failure) << bad;
 }
 
 }  // namespace

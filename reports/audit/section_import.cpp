@@ -75,13 +75,12 @@ std::vector<Block> imported_phases(const RunRecord& record, const ReceiverRecord
 std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     const Observations& observations = *one.observations;
     const auto& rows = observations.rows;
-    std::vector<Block> blocks =
-        product_blocks(record, observations.header, one.observations_file,
-                       fmt::format("{}, {} with a position", counted(std::ssize(rows), "epoch"),
-                                   counted(positions_of(rows))),
-                       all);
-    blocks.push_back(recording_facts(observations, one.receiver, std::ssize(rows),
-                                     rows.empty() ? ElapsedTime{} : rows.back().time));
+    std::vector<Block> blocks = product_blocks(record, observations.header, one.observations_file,
+                                               counted(std::ssize(rows), "epoch"), all);
+    Block recorded = recording_facts(observations, one.receiver, std::ssize(rows),
+                                     rows.empty() ? ElapsedTime{} : rows.back().time);
+    add_fact(recorded, "With a position", counted(positions_of(rows), "epoch"));
+    blocks.push_back(std::move(recorded));
     blocks.push_back(left_out_block(observations.records, all));
     add(blocks, parameter_blocks(record.attempt, observations.header, all));
     add(blocks, imported_phases(record, one, all));

@@ -67,7 +67,7 @@ TEST(WalkThrough, WhatIsThereIsShownAndWhatIsNotIsNamed) {
     expect_in(text,
               {"Audit of the attempt small", "yacht, class land-yacht",
                "recording  recording.primary.pos  1,234  aaaaaaaaaaaa  yes handed in as a.pos",
-               "1-observations.ecsv: 2 epochs, 0 with a position, 99 bytes",
+               "1-observations.ecsv: 2 epochs, 99 bytes", "0 epochs\n",
                "by no file of the folder: nothing shows that it was not changed",
                "line 7 (at epoch 2): cut", "1 of 3 could not be read",
                "rtklib-pos, recognised by the recording's content",

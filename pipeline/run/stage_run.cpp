@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "run/attempt_files.h"
-#include "run/report_record.h"
+#include "run/reported_files.h"
 #include "run/steps.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -150,8 +150,7 @@ StageRun open_run(const std::string& program, const std::filesystem::path& run_d
     StageRun run(program, run_dir / attempt_copy_name, run_dir);
     const std::filesystem::path report = run_dir / "report.json";
     if (std::filesystem::exists(report))
-        run.note_expected("report.json",
-                          read_report_record(read_file(report), report.string()).header);
+        run.note_expected("report.json", reported_files(read_file(report), report.string()));
     return run;
 }
 

@@ -10,7 +10,6 @@
 #include "reports/document/document_html.h"
 #include "reports/document/document_text.h"
 #include "run/attempt_files.h"
-#include "run/report_record.h"
 #include "run/stage_main.h"
 #include "schemas/common/product_files.h"
 #include "store/atomic_file.h"

@@ -10,7 +10,7 @@
 #include "reports/document/document_text.h"
 #include "reports/explain/explain.h"
 #include "run/attempt_files.h"
-#include "run/report_record.h"
+#include "run/reported_files.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -38,8 +38,7 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
     std::vector<InputFile> inputs = verdict.header.inputs;
     const std::filesystem::path report = run.run_dir() / "report.json";
     if (std::filesystem::exists(report))
-        for (const InputFile& subject :
-             read_report_record(read_file(report), report.string()).header.inputs)
+        for (const InputFile& subject : reported_files(read_file(report), report.string()).inputs)
             if (std::ranges::find(inputs, subject.file, &InputFile::file) == inputs.end())
                 inputs.push_back(subject);
     for (const InputFile& input : inputs) {

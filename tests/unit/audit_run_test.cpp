@@ -7,7 +7,6 @@
 #include "reports/audit/record.h"
 #include "reports/audit/sections.h"
 #include "reports/document/document_text.h"
-#include "run/report_record.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

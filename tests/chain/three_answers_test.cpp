@@ -5,6 +5,7 @@
 #include "handover_support.h"
 #include "store/external_program.h"
 #include "store/sha256.h"
+#include "trust/verification.h"
 
 // Verification where a program is missing, or is another than made the run: what holds is said to
 // hold, and what could not be checked is said in the last line.
@@ -73,7 +74,7 @@ class ProgramsHere {
 /// A signed run with its pages, made once; each test has a copy.
 class ThreeAnswers : public testing::Test {
   protected:
-    static void SetUpTestSuite() { original_ = new SignedRun("land_yacht", true); }
+    static void SetUpTestSuite() { original_ = new SignedRun("land_yacht", "--brief"); }
     static void TearDownTestSuite() { delete original_; }
     void SetUp() override {
         for (const char* program : {"gnuplot", "weasyprint", "pdfinfo"})
@@ -96,7 +97,8 @@ class ThreeAnswers : public testing::Test {
     }
     /// A page as WeasyPrint makes it of that text, which carries the run's report.
     void forge_pdf(const std::string& html) const {
-        write_quickly(path("page.html"), html);
+        write_quickly(path("page.html"), R"(<meta name="description" content=")" +
+                                             std::string(first_page_subject) + "\">" + html);
         const ProcessResult made = run_process(
             {"weasyprint", "--pdf-variant", "pdf/ua-1", "-a", (run() / "report.json").string(),
              path("page.html").string(), (run() / "report.pdf").string()});
@@ -235,9 +237,10 @@ TEST_F(ThreeAnswers, APdfOfAnotherRendererIsNotCheckable) {
                    "/usr/bin/weasyprint \"$@\" && sed -i 's/(WeasyPrint [0-9]/(WeasyPrint 9/' "
                    "report.pdf");
     const auto render = [&](const Environment& env) {
-        return run_process({RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--attempt",
-                            (run() / "attempt.yaml").string(), "--run-dir", run().string()},
-                           {.environment = env});
+        return run_process(
+            {RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--brief", "--attempt",
+             (run() / "attempt.yaml").string(), "--run-dir", run().string()},
+            {.environment = env});
     };
     const ProcessResult made = render(others.env());
     ASSERT_EQ(made.exit_status, 0) << made.errors;
@@ -271,9 +274,9 @@ class OtherGnuplot : public ThreeAnswers {
                         "/usr/bin/gnuplot \"$@\" || exit 1; for f in *.svg; do sed -i "
                         "'s/stroke-width=\"1.00\"/stroke-width=\"1.01\"/' $f; done");
         fs::remove_all(run());
-        const ProcessResult made =
-            certify(examples / "land_yacht" / "attempt.yaml", run(),
-                    {"--key", (original_->path() / "measurer.key").string()}, others_.env());
+        const ProcessResult made = certify(
+            examples / "land_yacht" / "attempt.yaml", run(),
+            {"--brief", "--key", (original_->path() / "measurer.key").string()}, others_.env());
         ASSERT_LT(made.exit_status, 2) << made.errors;
     }
     ProgramsHere others_;

@@ -133,7 +133,7 @@ void print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const 
     for (const std::string& witness : verdict.witnesses)
         say("witness", witness);
     if (verdict.unseen_drift_m_s)
-        say("witness", "none. " + positions_alone_text(*verdict.unseen_drift_m_s));
+        say("witness", "none. " + positions_alone_text(verdict));
     say("why", verdict.reason);
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);

@@ -211,7 +211,7 @@ void add_requirements(Section& page, const RuleView& rule) {
 }
 
 std::string witnesses_text(const RuleView& rule) {
-    if (rule.verdict.unseen_drift_m_s) return positions_alone_text(*rule.verdict.unseen_drift_m_s);
+    if (rule.verdict.unseen_drift_m_s) return positions_alone_text(rule.verdict);
     if (rule.verdict.witnesses.empty()) return {};
     return fmt::format("Beside the positions, {}.", fmt::join(rule.verdict.witnesses, "; "));
 }

@@ -9,6 +9,7 @@
 
 #include "core/prose.h"
 #include "core/rounding.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
@@ -149,10 +150,11 @@ std::string rule_identity_text(const ProfileVerdict& verdict) {
                        verdict.rule.revision);
 }
 
-std::string positions_alone_text(double unseen_drift_m_s) {
+std::string positions_alone_text(const ProfileVerdict& verdict) {
+    const SpeedUnit& unit = speed_unit(verdict.shown ? verdict.shown->unit : "km/h");
     return fmt::format(
-        "The result rests on positions alone: a drift below {} m/s could not have been seen.",
-        uncertainty_rounded_up(unseen_drift_m_s));
+        "The result rests on positions alone: a drift below {} {} could not have been seen.",
+        uncertainty_rounded_up(*verdict.unseen_drift_m_s * unit.per_m_s), unit.name);
 }
 
 std::string standing_text(const Standing& standing) {

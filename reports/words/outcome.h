@@ -41,8 +41,9 @@ OutcomeWords outcome_words(const OutcomeState& state);
 /// "rule “nalsa”, revision 1", "the attempt's own rule “x”, revision 1".
 std::string rule_identity_text(const ProfileVerdict& verdict);
 
-/// "The result rests on positions alone: a drift below 0.46 m/s could not have been seen."
-std::string positions_alone_text(double unseen_drift_m_s);
+/// "The result rests on positions alone: a drift below 1.7 km/h could not have been seen." Of a
+/// verdict that has such a drift, in its rule's unit.
+std::string positions_alone_text(const ProfileVerdict& verdict);
 
 /// "complete", or "awaiting 5 attestations and 2 signatures; 1 requirement answered no".
 std::string standing_text(const Standing& standing);

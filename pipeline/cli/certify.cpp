@@ -117,7 +117,9 @@ std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementSt
 /// The command that explains what decided.
 std::string explain_command(const ProfileVerdict& verdict, const fs::path& run_dir) {
     const auto failed = clauses_of(verdict, RequirementStatus::not_met);
-    const bool by_clause = !failed.empty() && verdict.reason.starts_with("Not met");
+    // What is refused for another reason than a clause is explained by that.
+    const bool by_clause = !failed.empty() && (verdict.outcome != Outcome::not_certifiable ||
+                                               verdict.reason.starts_with("Not met"));
     return fmt::format("runcert explain {} {}", shell_word(run_dir.string()),
                        by_clause ? shell_word(verdict.profile + "/" + failed.front())
                                  : "decision --profile " + shell_word(verdict.profile));
@@ -132,8 +134,7 @@ void print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const 
     if (verdict.window) say("window", window_text(*verdict.window));
     for (const std::string& witness : verdict.witnesses)
         say("witness", witness);
-    if (verdict.unseen_drift_m_s)
-        say("witness", "none. " + positions_alone_text(verdict));
+    if (verdict.unseen_drift_m_s) say("witness", "none. " + positions_alone_text(verdict));
     say("why", verdict.reason);
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);

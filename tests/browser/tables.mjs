@@ -29,7 +29,7 @@ async function sortColumn(cells) {
     }, cells);
     const table = page.locator("main table");
     const orders = [];
-    for (let click = 0; click < 3; ++click) {
+    for (let turn = 0; turn < 3; ++turn) {
       await click(table.locator("thead button"));
       orders.push((await stateOf(table)).rows.map(([text]) => text));
     }

@@ -11,7 +11,8 @@ using Json = nlohmann::ordered_json;
 Header reported_files(std::string_view text, const std::string& where) {
     try {
         Header header;
-        for (const Json& subject : Json::parse(text).at("subject"))
+        const Json report = Json::parse(text);
+        for (const Json& subject : report.at("subject"))
             header.inputs.push_back({.role = "subject",
                                      .file = subject.at("name").get<std::string>(),
                                      .sha256 = subject.at("digest").at("sha256").get<std::string>(),

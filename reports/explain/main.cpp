@@ -37,10 +37,12 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
     std::vector<std::string> missing;
     std::vector<InputFile> inputs = verdict.header.inputs;
     const std::filesystem::path report = run.run_dir() / "report.json";
-    if (std::filesystem::exists(report))
-        for (const InputFile& subject : reported_files(read_file(report), report.string()).inputs)
+    if (std::filesystem::exists(report)) {
+        const Header reported = reported_files(read_file(report), report.string());
+        for (const InputFile& subject : reported.inputs)
             if (std::ranges::find(inputs, subject.file, &InputFile::file) == inputs.end())
                 inputs.push_back(subject);
+    }
     for (const InputFile& input : inputs) {
         const std::filesystem::path name(input.file);
         if (name.has_parent_path() || !std::filesystem::is_regular_file(run.run_dir() / name))

@@ -24,7 +24,7 @@ TEST(CommandLine, AMistypedCommandIsAnsweredWithTheNearest) {
         EXPECT_NE(result.errors.find("Did you mean " + one.meant + "?"), std::string::npos)
             << result.errors;
     }
-    EXPECT_NE(runcert({"\x1b[31m"}).errors.find("\\x1B[31m"), std::string::npos);
+    EXPECT_NE(runcert({"\x1b[31m"}).errors.find("\\x1b[31m"), std::string::npos);
 }
 
 TEST(CommandLine, HelpAndVersionAreCommandsToo) {

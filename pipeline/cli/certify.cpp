@@ -247,10 +247,8 @@ int certify(const CertifyOptions& options) {
                           }};
     std::vector<StageDone> stages;
     Verdict verdict;
-    MovingLine line(
-        options.json || options.quiet ? nullptr : stdout,
-        seconds_of_steps(fs::exists(run_dir / run_times_name) ? read_file(run_dir / run_times_name)
-                                                              : std::string()));
+    MovingLine line(options.json || options.quiet ? nullptr : stdout,
+                    seconds_of_steps(run_dir / run_times_name));
     const bool says_stages = !options.json && !options.quiet;
     const auto show = [&](const StageDone& stage) {
         StageDone shown = stage;

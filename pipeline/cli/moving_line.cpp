@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/failure.h"
+#include "store/atomic_file.h"
 #include "store/yaml_input.h"
 
 namespace runcert {
@@ -84,11 +85,12 @@ void MovingLine::draw() {
     is_drawn_ = true;
 }
 
-std::map<std::string, double> seconds_of_steps(const std::string& run_times) {
+std::map<std::string, double> seconds_of_steps(const std::filesystem::path& run_times) {
     std::map<std::string, double> seconds;
     try {
-        const YamlNode root = parse_yaml(run_times, "run.yaml");
-        for (const YamlValue& stage : YamlValue(root, "run.yaml")["stages"].list())
+        const YamlValue times(parse_yaml(read_file(run_times), run_times.string()),
+                              run_times.string());
+        for (const YamlValue& stage : times["stages"].list())
             seconds[stage["stage"].text()] = stage["seconds"].real();
         // Report and pages are one to whoever reads it, and pages take nearly all of it.
         if (auto report = seconds.extract("report")) {

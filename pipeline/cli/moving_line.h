@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <string>
@@ -40,7 +41,8 @@ class MovingLine {
     std::thread drawer_;
 };
 
-/// Seconds of each step in the text of a run.yaml; none where it cannot be read so.
-std::map<std::string, double> seconds_of_steps(const std::string& run_times);
+/// Seconds of each step in a run.yaml, by its name; none if there is no such file, or it cannot be
+/// read.
+std::map<std::string, double> seconds_of_steps(const std::filesystem::path& run_times);
 
 }  // namespace runcert

@@ -59,6 +59,14 @@ TEST(CommandLine, QuietCertifySaysTheVerdictAlone) {
     EXPECT_TRUE(result.output.starts_with("\nnalsa: ")) << result.output;
     for (const char* stage : {"\nimport ", "\nsmooth ", "\nreport "})
         EXPECT_EQ(result.output.find(stage), std::string::npos) << stage;
+    // Times of the run before that cannot be read are no reason to refuse.
+    for (const char* times : {"{[", "stages: 1", "stages: [{stage: check, seconds: soon}]", ""}) {
+        write_file_atomically(folder.path() / "run" / "run.yaml", times);
+        const ProcessResult again = certify(examples / "land_yacht" / "attempt.yaml",
+                                            folder.path() / "run", {"--quiet", "--no-render"});
+        EXPECT_EQ(again.exit_status, 0) << times << again.errors;
+        EXPECT_EQ(again.output, result.output) << times;
+    }
 }
 
 TEST(CommandLine, ARefusalEndsWithReasonPlaceAndTheCommandThatExplainsIt) {

@@ -15,12 +15,17 @@ using namespace runcert;
 
 namespace {
 
-/// Failure where the first word is no command.
-void require_command(const CLI::App& app, const std::string& word) {
+/// Failure if the first word is missing or no command.
+void require_command(const CLI::App& app, const std::vector<std::string>& words) {
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands(nullptr))
         names.push_back(command->get_name());
-    if (std::ranges::find(names, word) != names.end()) return;
+    if (words.empty())
+        throw Failure("the command line", "it names no command",
+                      fmt::format("Name one: {}. runcert --help says what each does",
+                                  fmt::join(names, ", ")));
+    const std::string& word = words[0];
+    if (word.starts_with('-') || std::ranges::find(names, word) != names.end()) return;
     const std::vector<std::string_view> known(names.begin(), names.end());
     throw Failure("the command line", fmt::format("\"{}\" is no command", escape_for_message(word)),
                   fmt::format("Did you mean {}? Commands are {}", nearest(word, known),
@@ -29,7 +34,7 @@ void require_command(const CLI::App& app, const std::string& word) {
 
 /// "help", "help certify" and "version" as options say them.
 std::vector<std::string> as_options(std::vector<std::string> words) {
-    if (words.empty()) return {"--help"};
+    if (words.empty()) return words;
     if (words[0] == "version") words[0] = "--version";
     if (words[0] == "help") {
         words.erase(words.begin());
@@ -72,7 +77,7 @@ int main(int argc, char** argv) {
         add_bundle(app, chosen);
         add_export(app, chosen);
         std::vector<std::string> words = as_options({argv + 1, argv + argc});
-        if (!words[0].starts_with('-')) require_command(app, words[0]);
+        require_command(app, words);
         std::ranges::reverse(words);  // as CLI11 takes them
         try {
             app.parse(words);

@@ -17,13 +17,13 @@ namespace {
 
 /// Failure if the first word is missing or no command.
 void require_command(const CLI::App& app, const std::vector<std::string>& words) {
+    if (words.empty()) {
+        fmt::print("{}", app.help());
+        throw Failure("the command line", "it names no command", "Give one of those above");
+    }
     std::vector<std::string> names;
     for (const CLI::App* command : app.get_subcommands(nullptr))
         names.push_back(command->get_name());
-    if (words.empty())
-        throw Failure("the command line", "it names no command",
-                      fmt::format("Name one: {}. runcert --help says what each does",
-                                  fmt::join(names, ", ")));
     const std::string& word = words[0];
     if (word.starts_with('-') || std::ranges::find(names, word) != names.end()) return;
     const std::vector<std::string_view> known(names.begin(), names.end());

@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "make/day_run.h"
 #include "make/run_files.h"
+#include "make/run_marks.h"
 #include "make/run_record.h"
 #include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
@@ -71,8 +72,12 @@ bool are_as_written(const fs::path& out, const FileHashes& files) {
 
 /// What became of each attempt, as runcert-day reads it.
 std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                              const fs::path& out) {
+                              const BatchContext& context) {
+    const fs::path& out = context.out;
     Json list{{"day", day.name}, {"attempts", Json::array()}, {"notes", day.notes}};
+    for (const std::string& id : mark_runs(day, outcomes, context))
+        list["notes"].push_back(
+            fmt::format("The folder {} holds a run that no attempt of this day makes", id));
     for (std::size_t i = 0; i < outcomes.size(); ++i)
         list["attempts"].push_back(attempt_json(day.attempts[i], outcomes[i], out));
     return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -83,7 +88,7 @@ std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>&
 void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
                       const BatchContext& context) {
     const BatchFolders folders(context.out);
-    const std::string list = results_list_text(day, outcomes, context.out);
+    const std::string list = results_list_text(day, outcomes, context);
     const std::string program = (context.program_folder / "runcert-day").string();
     StepRecord now{.programs = {{"runcert-day", program_hash(program)}},
                    .settings = Json::object(),

@@ -103,7 +103,8 @@ void carry_own_files(const Folder& run, const Folder& made) {
     const auto named = named_by_report(run);
     for (const std::string& name : run.names()) {
         const EntryKind kind = run.kind_of(name);
-        if (is_made_anew(name) || kind == EntryKind::folder || belongs_to_signatures(name))
+        if (is_made_anew(name) || kind == EntryKind::folder || belongs_to_signatures(name) ||
+            name == not_current_file)
             continue;
         const auto of_run = named.find(name);
         const bool is_new = made.kind_of(name) == EntryKind::none;

@@ -40,6 +40,9 @@ bool is_file_of_a_run(const std::string& name);
 /// so that each can still be verified there; and files that somebody had changed in that run.
 inline constexpr const char* superseded_folder = "superseded";
 
+/// The file by which a batch marks a run that it could not make again, and says why.
+inline constexpr const char* not_current_file = "NOT_CURRENT.txt";
+
 /// The folder in `to`/superseded for the report of `run`, whose report.json it holds.
 Folder superseded_of(const Folder& run, const Folder& to);
 

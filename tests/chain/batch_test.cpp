@@ -225,5 +225,47 @@ TEST_F(Batches, AReceiverThatIsTakenOutLeavesTheRunFolder) {
     EXPECT_EQ(verified.output.find("spare"), std::string::npos) << verified.output;
 }
 
+TEST_F(Batches, ARunThatCannotBeMadeAgainIsMarkedUntilItCan) {
+    const std::string before = read_file(day() / "two.yaml");
+    const auto made_before = made("two");
+    const fs::path mark = out() / "two" / "NOT_CURRENT.txt";
+    const std::vector<std::string> verify{"verify", (out() / "two").string()};
+    EXPECT_EQ(runcert(verify).output.find("NOT_CURRENT"), std::string::npos);
+    // A recording that is gone, an attempt that cannot be read, one that no rule is given for.
+    for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+             {"recordings/0003.pos", "recordings/gone.pos"},
+             {"receivers:", "receivers: {"},
+             {"profiles: [own.yaml]", "profiles: [no-such-rule]"}}) {
+        edit(day() / "two.yaml", from, to);
+        EXPECT_EQ(again().exit_status, 2);
+        ASSERT_TRUE(fs::exists(mark)) << to;
+        const std::string text = read_file(mark);
+        EXPECT_NE(text.find("what to do: "), std::string::npos) << text;
+        for (const auto& [name, bytes] : made_before)
+            EXPECT_EQ(made("two")[name], bytes) << name;
+        const ProcessResult verified = runcert(verify);
+        EXPECT_EQ(verified.exit_status, 1);
+        EXPECT_NE(verified.output.find("could not make this run again"), std::string::npos)
+            << verified.output;
+        EXPECT_EQ(again().exit_status, 2);
+        EXPECT_EQ(read_file(mark), text);
+        EXPECT_FALSE(fs::exists(out() / "one" / "NOT_CURRENT.txt"));
+        write_file_atomically(day() / "two.yaml", before);
+        EXPECT_EQ(again().exit_status, 0);
+        EXPECT_FALSE(fs::exists(mark));
+        EXPECT_EQ(made("two"), made_before);
+    }
+}
+
+TEST_F(Batches, ARunWhoseAttemptIsGoneIsNamed) {
+    edit(day() / "day.yaml", "  - {attempt: two.yaml}\n", "");
+    EXPECT_EQ(again().exit_status, 0);
+    EXPECT_NE(read_file(out() / "day.html").find("The folder two holds a run that no attempt of this day"),
+              std::string::npos);
+    fs::create_directory(out() / "three");  // not a batch's
+    EXPECT_EQ(again().exit_status, 0);
+    EXPECT_EQ(read_file(out() / "day.html").find("The folder three"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

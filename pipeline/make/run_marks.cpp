@@ -16,17 +16,17 @@ std::string mark_text(const RunFailure& failure) {
     return fmt::format(
         "This run is not current: the last batch could not make it again.\n\n"
         "step: {}\nproblem: {}\nwhere: {}\nwhat to do: {}\n\n"
-        "The other files here are of an earlier batch, and of what its report names. Once the cause "
+        "The other files here are of an earlier batch, and of what its report names. Once the "
+        "cause "
         "is mended, the same batch makes the run again and removes this file.\n",
         failure.step, failure.problem, failure.where, failure.remedy);
 }
 
 /// Whether a batch of this user put a run there.
 bool was_published(const BatchContext& context, const std::string& id) {
-    const RunRecord record =
-        read_run_record({.file = BatchFolders(context.out).record(id),
-                         .of = "run " + id,
-                         .key = context.record_key});
+    const RunRecord record = read_run_record({.file = BatchFolders(context.out).record(id),
+                                              .of = "run " + id,
+                                              .key = context.record_key});
     return !record.published.empty();
 }
 
@@ -55,7 +55,8 @@ std::vector<std::string> mark_runs(const Day& day, const std::vector<AttemptOutc
     std::vector<std::string> without_attempt;
     const Folder results(context.out);
     for (const std::string& name : results.names())
-        if (!ids.contains(name) && results.kind_of(name) == EntryKind::folder && was_published(context, name))
+        if (!ids.contains(name) && results.kind_of(name) == EntryKind::folder &&
+            was_published(context, name))
             without_attempt.push_back(name);
     return without_attempt;
 }

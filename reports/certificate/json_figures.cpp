@@ -243,6 +243,7 @@ Json result_figure(const TrajectoryTable& table, const RuleView& rule) {
         "Shaded: the window; black: the speed that counts; dashed: the required speed, where "
         "it is near.",
         time_label, fmt::format("{} ({})", quantity, unit.name));
+    figure["figure_profile"] = rule.profile.id;
     Curve curve({"smoothed", "line", "blue"});
     Curve angle({"dive angle (°)", "dashed", "green"});
     Range speeds;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,9 +39,21 @@ DayCounts counts_of(const std::vector<AttemptResult>& attempts);
 /// Text that a spreadsheet would take for a formula gets an apostrophe before it.
 std::string day_csv(const DayResults& results);
 
+/// The smoothed speed around the window of an attempt, as its report draws it.
+struct WindowCurve {
+    std::string profile;
+    std::string quantity;                           ///< "speed (km/h)"
+    double duration_s = 0.0;                        ///< of the window
+    std::vector<double> time_s = {};                ///< from the window's start
+    std::vector<std::optional<double>> speed = {};  ///< nothing where the recording is broken
+};
+
+/// Such curves by the id of the attempt.
+using WindowCurves = std::map<std::string, std::vector<WindowCurve>>;
+
 /// The day as one page, a document of blocks: no network, no other file, no script to be read
 /// (with one, tables sort). It computes nothing but where to draw: every figure stands in the
-/// results. Everything from outside is escaped.
-std::string day_page(const DayResults& results);
+/// results, and every curve in a report. Everything from outside is escaped.
+std::string day_page(const DayResults& results, const WindowCurves& curves = {});
 
 }  // namespace runcert

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "reports/day/day.h"
 #include "schemas/day_list/declared.h"
-#include "schemas/day_results/day_results.h"
 #include "schemas/verdict/declared.h"
 
 namespace runcert {
@@ -15,13 +15,14 @@ namespace runcert {
 /// would lie outside of the day's folder; where two attempts with one id are done.
 DayList read_day_list(std::string_view text, const std::string& where);
 
-/// What the day takes from a report.json.
+/// What the day takes from a report.json, with the speed around the window of each rule.
 struct ReportIdentity {
     std::string report_id;
     std::string attempt;
     std::string craft_name;
     std::string craft_class;
     std::string verdict_sha256 = {};  ///< of the verdict that it reports
+    std::vector<WindowCurve> curves = {};
 };
 
 /// Reads that much of a report, without the rest of it in memory. Failure where it is none.

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/day/day.h"
@@ -117,7 +119,7 @@ Section made_from(const Header& header) {
 
 }  // namespace
 
-std::string day_page(const DayResults& results) {
+std::string day_page(const DayResults& results, const WindowCurves& curves) {
     Document page{.title = results.day, .subtitle = "Results of the day"};
     PageParts parts;
     page.sections.push_back(counts_section(results));
@@ -125,9 +127,9 @@ std::string day_page(const DayResults& results) {
     add_failed(page, failures);
     const AttemptsById attempts = attempts_by_id(results);
     for (const DayProfile& profile : results.profiles) {
-        RankingPart rule = ranking_part(profile, attempts, parts.images.size());
+        RankingPart rule = ranking_part(profile, attempts, curves, parts.images.size());
         page.sections.push_back(std::move(rule.section));
-        parts.images.push_back(std::move(rule.picture));
+        std::ranges::move(rule.pictures, std::back_inserter(parts.images));
     }
     add_if_any(page, "more-failures", "What else could not be processed", failures.below);
     add_if_any(page, "left-out", "Left out", left_out_of(results));

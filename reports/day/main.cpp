@@ -72,21 +72,23 @@ void add_answers(const std::filesystem::path& run_dir, AttemptResult& result) {
 }
 
 /// An attempt that is done: its verdict and its report are read, and let go of.
-AttemptResult read_done(const Options& options, const ListedAttempt& listed, DayResults& results) {
+AttemptResult read_done(const Options& options, const ListedAttempt& listed, DayResults& results,
+                        WindowCurves& curves) {
     const auto where = [&](const ListedFile& file) { return (options.out / file.file).string(); };
     const Verdict verdict = read_verdict(
         read_listed(options, *listed.verdict, "verdict", results.header), where(*listed.verdict));
-    const ReportIdentity report = read_report_identity(
+    ReportIdentity report = read_report_identity(
         read_listed(options, *listed.report, "report", results.header), where(*listed.report));
     for (const ListedFile& file : listed.attestations)
         (void)read_listed(options, file, "attestation", results.header);
     add_rules(results.profiles, verdict);
     AttemptResult result = summary_of(listed, verdict, report);
+    curves[listed.id] = std::move(report.curves);
     if (!listed.attestations.empty()) add_answers(options.out / listed.id, result);
     return result;
 }
 
-DayResults results_of_day(const Options& options) {
+DayResults results_of_day(const Options& options, WindowCurves& curves) {
     const DayList list = read_day_list(read_file(options.list), options.list.string());
     DayResults results{.header = {}, .day = list.day};
     results.header.stage = "day";
@@ -96,8 +98,9 @@ DayResults results_of_day(const Options& options) {
     SharedRecordings shared;
     for (const ListedAttempt& listed : list.attempts) {
         add_recordings(options, listed, results.attempts.size(), results, shared);
-        results.attempts.push_back(listed.state == "done" ? read_done(options, listed, results)
-                                                          : summary_of(listed));
+        results.attempts.push_back(listed.state == "done"
+                                       ? read_done(options, listed, results, curves)
+                                       : summary_of(listed));
     }
     shared.note(results.attempts);
     results.counts = counts_of(results.attempts);
@@ -110,10 +113,11 @@ DayResults results_of_day(const Options& options) {
 }
 
 int write_day(const Options& options) {
-    const DayResults results = results_of_day(options);
+    WindowCurves curves;
+    const DayResults results = results_of_day(options, curves);
     write_file_atomically(options.out / "day.yaml", write_day_results(results));
     write_file_atomically(options.out / "day.csv", day_csv(results));
-    write_file_atomically(options.out / "day.html", day_page(results));
+    write_file_atomically(options.out / "day.html", day_page(results, curves));
     fmt::print("day       {}, {} done, {} failed\n", counted(results.counts.attempts, "attempt"),
                counted(results.counts.done), counted(results.counts.failed));
     return 0;

@@ -79,6 +79,10 @@ void add_place(Block& ranking, const DayProfile& profile, std::size_t i,
     row.further = further_of(result, apart);
 }
 
+std::string place_label(const DayPlace& place) {
+    return place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id;
+}
+
 /// The speeds of a ranking, of the first places that have one.
 Picture picture_of(const DayProfile& profile, const AttemptsById& attempts) {
     Picture picture{.title = fmt::format("Speeds by {} with their expanded uncertainties, in the "
@@ -92,7 +96,7 @@ Picture picture_of(const DayProfile& profile, const AttemptsById& attempts) {
         if (picture.unit.empty()) picture.unit = shown->unit;
         const double unit_m_s = metres_per_second(picture.unit);
         PictureLine line{
-            .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
+            .label = place_label(place),
             .figure = fmt::format("{} ± {}", shown->speed, shown->expanded_uncertainty),
             .tone = outcome_words(state_of(result)).tone,
             .speed = *result.speed_m_s / unit_m_s,
@@ -114,6 +118,22 @@ std::string cut_words(const DayProfile& profile, const AttemptsById& attempts,
     if (drawn == with_speed) return {};
     return fmt::format(" The first {} of {} speeds are drawn; the table below has them all.", drawn,
                        counted(with_speed));
+}
+
+/// The first windows of a ranking; those of another quantity than the first are left out.
+Overlay overlay_of(const DayProfile& profile, const WindowCurves& curves) {
+    Overlay overlay{.title = fmt::format("Smoothed speeds around the windows by {}, each from the "
+                                         "start of its window on",
+                                         profile.profile)};
+    for (const DayPlace& place : profile.ranking) {
+        const auto of_attempt = curves.find(place.id);
+        if (of_attempt == curves.end() || overlay.runs.size() == overlaid_at_most) continue;
+        for (const WindowCurve& curve : of_attempt->second)
+            if (curve.profile == profile.profile &&
+                (overlay.runs.empty() || overlay.runs.front().curve->quantity == curve.quantity))
+                overlay.runs.push_back({.label = place_label(place), .curve = &curve});
+    }
+    return overlay;
 }
 
 Block tally_of(const DayProfile& profile, const AttemptsById& attempts) {
@@ -187,7 +207,7 @@ std::string best_words(const BestOfDay& best) {
 }
 
 RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
-                         std::size_t number) {
+                         const WindowCurves& curves, std::size_t number) {
     const Picture picture = picture_of(profile, attempts);
     Section section{.anchor = fmt::format("rule-{}", number + 1),
                     .title = fmt::format("{} ({})", capitalised(profile.title), profile.profile),
@@ -198,12 +218,22 @@ RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts
                           "Each with its expanded uncertainty; the dashed line is the required "
                           "speed." +
                               cut_words(profile, attempts, picture)));
+    RankingPart part{.section = {}, .pictures = {picture_svg(picture)}};
+    const Overlay overlay = overlay_of(profile, curves);
+    if (overlay.runs.size() > 1) {
+        add(section, plot(number + 1, "Around the windows",
+                          fmt::format("Smoothed speeds from the start of each window on, of the "
+                                      "first {} of the ranking; bold: the window.",
+                                      overlay.runs.size())));
+        part.pictures.push_back(overlay_svg(overlay));
+    }
     Block ranking = table(
-        {"Attempt|17", ">Rank|8", "Craft|17", "Outcome|26", ">Speed ± U|16", "Window from|16"});
+        {"Attempt|16", ">Rank|7", "Craft|15", "Outcome|23", ">Speed ± U|23", "Window from|16"});
     for (std::size_t i = 0; i < profile.ranking.size(); ++i)
         add_place(ranking, profile, i, *attempts.at(profile.ranking[i].id));
     add(section, std::move(ranking));
-    return {.section = std::move(section), .picture = picture_svg(picture)};
+    part.section = std::move(section);
+    return part;
 }
 
 }  // namespace runcert

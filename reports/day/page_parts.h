@@ -6,19 +6,19 @@
 #include <string_view>
 #include <vector>
 
+#include "reports/day/day.h"
 #include "reports/words/outcome.h"
-#include "schemas/day_results/day_results.h"
 #include "schemas/document/document.h"
 
 namespace runcert {
 
-/// One rule: its counts, its picture and its ranking.
+/// One rule: its counts, its pictures and its ranking.
 struct RankingPart {
     Section section;
-    std::string picture;  ///< of that number; empty where there is nothing to draw
+    std::vector<std::string> pictures;  ///< of that number and the next ones
 };
 RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
-                         std::size_t number);
+                         const WindowCurves& curves, std::size_t number);
 
 /// What the title of a result speaks of.
 OutcomeState state_of(const DayResult& result);
@@ -53,5 +53,27 @@ struct Picture {
 /// Speeds with their uncertainties as bars, and required speeds: SVG for a page with the classes of
 /// `template/day.css`, as wide as where it stands, in letters that keep their size.
 std::string picture_svg(const Picture& picture);
+
+/// Windows laid over one another from their starts, with the labels of their runs.
+struct Overlay {
+    struct Run {
+        std::string label;  ///< "1 · sail-3"
+        const WindowCurve* curve = nullptr;
+    };
+    std::string title;           ///< for those who do not see it
+    std::vector<Run> runs = {};  ///< of one quantity
+};
+
+/// So many runs differ in colour and dashes.
+inline constexpr std::size_t overlaid_at_most = 6;
+
+/// The speeds around the windows over time: bold within each window. SVG as `picture_svg`.
+std::string overlay_svg(const Overlay& overlay);
+
+/// Where the lines of an axis stand: 1, 2 or 5 times a power of ten, three to six of them.
+double tick_step(double span);
+
+/// Text as SVG has it.
+std::string svg_text(const std::string& text);
 
 }  // namespace runcert

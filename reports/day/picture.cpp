@@ -15,10 +15,6 @@ constexpr int head = 24, line_height = 36, text_at = 12, bar_at = 24, foot = 34;
 constexpr double left = 1.5, across = 97.0;
 constexpr std::size_t longest_label = 26;
 
-std::string escaped(const std::string& text) {
-    return kainjow::mustache::html_escape(plain_text(text));
-}
-
 /// Cut between characters of UTF-8.
 std::string shortened(const std::string& text) {
     if (text.size() <= longest_label) return text;
@@ -39,13 +35,6 @@ struct Axis {
         return fmt::format("{:.3f}%", left + across * (value - low) / (high - low));
     }
 };
-
-/// 1, 2 or 5 times a power of ten, so that three to six fit in.
-double tick_step(double span) {
-    const double power = std::pow(10.0, std::floor(std::log10(span / 3.0)));
-    const double leading = span / 3.0 / power;
-    return power * (leading >= 5.0 ? 5.0 : leading >= 2.0 ? 2.0 : 1.0);
-}
 
 Axis axis_of(const std::vector<PictureLine>& lines) {
     Axis axis{.low = lines.front().speed, .high = lines.front().speed};
@@ -84,7 +73,7 @@ std::string beside(const Axis& axis, double value, int y, const std::string& tex
     const bool to_the_left = value - axis.low > 0.5 * (axis.high - axis.low);
     return fmt::format("<text x=\"{}\" dx=\"{}\" y=\"{}\" text-anchor=\"{}\">{}</text>\n",
                        axis.at(value), to_the_left ? -5 : 5, y, to_the_left ? "end" : "start",
-                       escaped(text));
+                       svg_text(text));
 }
 
 std::string ticks(const Axis& axis, const std::string& unit, int bottom) {
@@ -100,7 +89,7 @@ std::string ticks(const Axis& axis, const std::string& unit, int bottom) {
     }
     return svg +
            fmt::format("<text class=\"tick\" x=\"50%\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
-                       bottom + 29, escaped(unit));
+                       bottom + 29, svg_text(unit));
 }
 
 /// A sign of another shape for each outcome.
@@ -114,9 +103,9 @@ std::string marker(const std::string& tone) {
 std::string line_svg(const Axis& axis, const PictureLine& line, int top) {
     const int y = top + bar_at;
     std::string svg = fmt::format("<g class=\"of-{}\">\n<text x=\"0\" y=\"{}\">{}</text>\n",
-                                  line.tone, top + text_at, escaped(shortened(line.label)));
+                                  line.tone, top + text_at, svg_text(shortened(line.label)));
     svg += fmt::format("<text class=\"number\" x=\"100%\" y=\"{}\" text-anchor=\"end\">{}</text>\n",
-                       top + text_at, escaped(line.figure));
+                       top + text_at, svg_text(line.figure));
     // A rule above, so that the mark is seen to belong to the words over it.
     svg += fmt::format("<line class=\"rule\" x1=\"0\" x2=\"100%\" y1=\"{0}\" y2=\"{0}\"/>\n", top);
     const std::string from = axis.at(line.speed - line.expanded_uncertainty);
@@ -134,6 +123,16 @@ std::string line_svg(const Axis& axis, const PictureLine& line, int top) {
 
 }  // namespace
 
+double tick_step(double span) {
+    const double power = std::pow(10.0, std::floor(std::log10(span / 3.0)));
+    const double leading = span / 3.0 / power;
+    return power * (leading >= 5.0 ? 5.0 : leading >= 2.0 ? 2.0 : 1.0);
+}
+
+std::string svg_text(const std::string& text) {
+    return kainjow::mustache::html_escape(plain_text(text));
+}
+
 std::string picture_svg(const Picture& picture) {
     if (picture.lines.empty()) return {};
     const Axis axis = axis_of(picture.lines);
@@ -141,7 +140,7 @@ std::string picture_svg(const Picture& picture) {
     std::string svg = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"picture\" width=\"100%\" height=\"{}\" "
         "role=\"img\" aria-label=\"{}\">\n",
-        bottom + foot, escaped(picture.title));
+        bottom + foot, svg_text(picture.title));
     svg += ticks(axis, picture.unit, bottom);
     const std::optional<double> required_speed = common_required_speed(picture.lines);
     if (required_speed)

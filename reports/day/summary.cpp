@@ -44,10 +44,47 @@ DayResult result_of(const ProfileVerdict& verdict) {
 /// Keeps of a report, which holds every curve of its figures, what is read below.
 bool is_kept(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
     static const std::set<std::string> of_statement{"predicate", "subject"};
-    static const std::set<std::string> of_predicate{"report_id", "attempt"};
+    static const std::set<std::string> of_predicate{"report_id", "attempt", "figures"};
+    if (event == nlohmann::json::parse_event_t::object_end && depth == 3 &&
+        parsed.contains("curves"))
+        return parsed.contains("figure_profile");
     if (event != nlohmann::json::parse_event_t::key || depth > 2) return true;
     const std::string key = parsed.get<std::string>();
     return (depth == 1 ? of_statement : of_predicate).contains(key);
+}
+
+/// The smoothed speed around a window; nothing of another figure.
+std::optional<WindowCurve> curve_of(const nlohmann::json& figure) {
+    if (figure["spans"].empty() || figure["segments"].empty() || figure["curves"].empty())
+        return {};
+    const nlohmann::json& span = figure["spans"][0];
+    const double start = span.at("from");
+    WindowCurve curve{.profile = figure["figure_profile"],
+                      .quantity = figure.at("y_label"),
+                      .duration_s = span.at("to").get<double>() - start};
+    for (const nlohmann::json& drawn : figure["curves"]) {
+        const std::string name = drawn.at("curve_name");
+        if (!name.starts_with("smoothed")) continue;
+        for (const nlohmann::json& time : drawn.at("x"))
+            curve.time_s.push_back(time.get<double>() - start);
+        for (const nlohmann::json& speed : drawn.at("y"))
+            curve.speed.push_back(speed.is_null() ? std::optional<double>() : speed.get<double>());
+        return curve;
+    }
+    return std::nullopt;
+}
+
+/// One for each rule: the figure of the result, else that of its window.
+std::vector<WindowCurve> curves_of(const nlohmann::json& figures) {
+    std::vector<WindowCurve> curves;
+    for (const nlohmann::json& figure : figures) {
+        if (!figure.is_object() || !figure.contains("figure_profile")) continue;
+        auto curve = curve_of(figure);
+        if (curve &&
+            std::ranges::find(curves, curve->profile, &WindowCurve::profile) == curves.end())
+            curves.push_back(std::move(*curve));
+    }
+    return curves;
 }
 
 }  // namespace
@@ -60,7 +97,8 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
         ReportIdentity identity{.report_id = predicate.at("report_id").get<std::string>(),
                                 .attempt = attempt.at("id").get<std::string>(),
                                 .craft_name = attempt.at("craft_name").get<std::string>(),
-                                .craft_class = attempt.at("craft_class").get<std::string>()};
+                                .craft_class = attempt.at("craft_class").get<std::string>(),
+                                .curves = curves_of(predicate.at("figures"))};
         for (const nlohmann::json& subject : report.at("subject"))
             if (subject.at("name") == products::verdict_file)
                 identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();

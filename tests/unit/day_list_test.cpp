@@ -84,7 +84,8 @@ TEST(DayList, WhatIsWrongIsNamedByItsPlace) {
     expect_refused(changed("/days", 1), "days");
     expect_refused(changed("/day", ""), "day: is empty");
     expect_refused(changed("/attempts", 1), "attempts: is a single value, not a list");
-    expect_refused(changed("/attempts/0/state", "well"), "attempts[0].state: \"well\" is not one of");
+    expect_refused(changed("/attempts/0/state", "well"),
+                   "attempts[0].state: \"well\" is not one of");
     expect_refused(changed("/attempts/0/id", "../x"), "attempts[0].id: has other characters");
     expect_refused(changed("/attempts/0/verdict/sha256", "AA"), "attempts[0].verdict.sha256");
     expect_refused(changed("/attempts/0/report/bytes", -1), "attempts[0].report.bytes");
@@ -110,6 +111,35 @@ Json good_report() {
          {{"report_id", "0123"},
           {"attempt", {{"id", "run-1"}, {"craft_name", "Ice Bird"}, {"craft_class", "ice-yacht"}}},
           {"figures", {1, 2, 3}}}}};
+}
+
+Json window_figure(const std::string& rule) {
+    return {{"figure", "window"},
+            {"figure_profile", rule},
+            {"y_label", "speed (km/h)"},
+            {"spans", {{{"from", 31.0}, {"to", 34.0}}}},
+            {"segments", {{{"x", {31.0, 34.0}}}}},
+            {"curves",
+             {{{"curve_name", "forward filter"}, {"x", {1.0}}, {"y", {2.0}}},
+              {{"curve_name", "smoothed, ± 2"}, {"x", {30.5, 31.5}}, {"y", {200.5, nullptr}}}}}};
+}
+
+TEST(DaySummary, TakesTheSmoothedSpeedAroundTheWindowOfEachRule) {
+    Json report = good_report();
+    Json no_window = window_figure("c");
+    no_window["segments"] = Json::array();
+    report["predicate"]["figures"] = {{{"figure", "place"}, {"curves", {{{"x", {1.0, 2.0}}}}}},
+                                      window_figure("a"),
+                                      window_figure("b"),
+                                      window_figure("a"),
+                                      no_window};
+    const auto curves = read_report_identity(report.dump(), "report.json").curves;
+    ASSERT_EQ(curves.size(), 2U);
+    EXPECT_EQ(curves[0].profile, "a");
+    EXPECT_EQ(curves[1].profile, "b");
+    EXPECT_EQ(curves[0].duration_s, 3.0);
+    EXPECT_EQ(curves[0].time_s, (std::vector<double>{-0.5, 0.5}));
+    EXPECT_EQ(curves[0].speed, (std::vector<std::optional<double>>{200.5, std::nullopt}));
 }
 
 TEST(DaySummary, TakesIdAndCraftFromTheReport) {

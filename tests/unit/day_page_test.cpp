@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <regex>
 #include <set>
 
@@ -338,6 +339,53 @@ TEST(DayPage, IsItsOwnAndNeedsNoScript) {
                      (folder.path() / "script").string()});
     ASSERT_EQ(hash.output.size(), 45U) << hash.errors;
     EXPECT_NE(page.find("'sha256-" + hash.output.substr(0, 44) + "'"), std::string::npos);
+}
+
+WindowCurve curve_of(double speed, const std::string& quantity = "speed (km/h)") {
+    return {.profile = "nalsa",
+            .quantity = quantity,
+            .duration_s = 2.0,
+            .time_s = {-1.0, 0.0, 1.0, 2.0, 3.0},
+            .speed = {speed - 2.0, speed, std::nullopt, speed + 1.0, speed - 1.0}};
+}
+
+/// The points of the paths of a class, "x y" in ten thousandths.
+std::vector<std::string> points_of(const std::string& page, const std::string& css) {
+    std::vector<std::string> points;
+    const std::regex path("class=\"" + css + "\" d=\"([^\"]*)\"");
+    for (std::sregex_iterator found(page.begin(), page.end(), path), end; found != end; ++found)
+        points.push_back((*found)[1]);
+    return points;
+}
+
+TEST(DayPage, LaysTheWindowsOfTheFirstRunsOverOneAnother) {
+    const DayResults results = results_of({attempt("a", Outcome::beaten, 52.0, 0.1),
+                                           attempt("b", Outcome::not_beaten, 48.0, 0.1),
+                                           attempt("c", Outcome::not_beaten, 47.0, 0.1)});
+    EXPECT_EQ(day_page(results).find("Around the windows"), std::string::npos);
+    EXPECT_EQ(day_page(results, {{"a", {curve_of(52.0)}}}).find("Around the windows"),
+              std::string::npos);
+    // Of another quantity, and of another rule: not drawn.
+    WindowCurve other = curve_of(47.0);
+    other.profile = "fisly";
+    const std::string page =
+        day_page(results, {{"a", {curve_of(52.0)}}, {"b", {curve_of(48.0)}}, {"c", {other}}});
+    EXPECT_NE(page.find("first 2 of the ranking"), std::string::npos);
+    // Speeds from 46 to 53 with 6 % of room at both ends; broken where there is no speed.
+    const std::vector<std::string> whole = points_of(page, "run run-1");
+    ASSERT_EQ(whole.size(), 1U);
+    const auto at = [](double speed) {
+        return static_cast<int>(std::lround(1e4 * (1.0 - (speed - 45.58) / (53.42 - 45.58))));
+    };
+    EXPECT_EQ(whole[0], fmt::format("M0 {}L2500 {}M7500 {}L10000 {}", at(50.0), at(52.0), at(53.0),
+                                    at(51.0)));
+    EXPECT_EQ(points_of(page, "run in-window run-2")[0],
+              fmt::format("M2500 {}M7500 {}", at(48.0), at(49.0)));
+    EXPECT_EQ(page.find("run-3\""), std::string::npos);
+    const std::string units =
+        day_page(results, {{"a", {curve_of(52.0)}}, {"b", {curve_of(48.0, "speed (kn)")}}});
+    EXPECT_EQ(units.find("Around the windows"), std::string::npos);
+    EXPECT_TRUE(complaints_of(page).empty()) << complaints_of(page);
 }
 
 }  // namespace

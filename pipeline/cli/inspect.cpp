@@ -8,7 +8,10 @@
 #include <sstream>
 
 #include "commands.h"
+#include "core/failure.h"
+#include "core/text.h"
 #include "reports/document/document_text.h"
+#include "reports/inspection/inspection_page.h"
 #include "schemas/document/document.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
@@ -21,6 +24,7 @@ namespace fs = std::filesystem;
 struct InspectOptions {
     std::vector<std::string> recordings;
     std::string navigation;
+    std::string plot;
     bool json = false;
 };
 
@@ -35,29 +39,59 @@ fs::path kept_input(const TemporaryFolder& folder) {
 
 /// The stage reads the recording, and says what it is as a document.
 ProcessResult inspected(const std::string& recording, const std::string& navigation) {
-    const TemporaryFolder folder;
     std::vector<std::string> command{(program_folder() / "runcert-import").string(), "--inspect",
-                                     recording == "-" ? kept_input(folder).string() : recording};
+                                     recording};
     if (!navigation.empty()) command.push_back(navigation);
     return run_process(command);
+}
+
+/// Writes the page on which a recording is drawn. Failure if it cannot be read or drawn.
+void write_plot(const std::string& recording, const Document& document, const fs::path& file) {
+    const ProcessResult track =
+        run_process({(program_folder() / "runcert-import").string(), "--track", recording});
+    fmt::print(stderr, "{}", track.errors);
+    if (track.exit_status != 0)
+        throw Failure(recording, "nothing of it can be drawn",
+                      "Give a recording of positions that inspect reads by itself");
+    write_file_atomically(file,
+                          inspection_page(document, nlohmann::ordered_json::parse(track.output)));
+}
+
+/// Failure if the page would take the place of another file, or there is more than one recording.
+void require_place_for_plot(const InspectOptions& options) {
+    if (options.plot.empty()) return;
+    if (options.recordings.size() > 1)
+        throw Failure("--plot", "several recordings do not go on one page",
+                      "Give one recording for each call");
+    if (!options.plot.ends_with(".html"))
+        throw Failure("--plot",
+                      fmt::format("\"{}\" is no name for a page", escape_for_message(options.plot)),
+                      "Give a name that ends with .html");
+    if (fs::exists(fs::symlink_status(options.plot)))
+        throw Failure(options.plot, "the file exists; nothing was written",
+                      "Give another name, or remove the file first");
 }
 
 /// Each by itself; the exit status is the highest of theirs.
 int inspect(const InspectOptions& options) {
     int status = 0;
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    require_place_for_plot(options);
+    const TemporaryFolder folder;
     for (const std::string& recording : options.recordings) {
-        const ProcessResult said = inspected(recording, options.navigation);
+        const std::string file = recording == "-" ? kept_input(folder).string() : recording;
+        const ProcessResult said = inspected(file, options.navigation);
         fmt::print(stderr, "{}", said.errors);
         status = std::max(status, said.exit_status);
         if (said.output.empty()) continue;
+        auto document = read_members<Document>(
+            YamlValue(parse_yaml(said.output, "runcert-import"), "runcert-import"));
+        if (recording == "-") document.title = "standard input";
+        if (!options.plot.empty()) write_plot(file, document, options.plot);
         if (options.json) {
             all.push_back(nlohmann::ordered_json::parse(said.output));
             continue;
         }
-        auto document = read_members<Document>(
-            YamlValue(parse_yaml(said.output, "runcert-import"), "runcert-import"));
-        if (recording == "-") document.title = "standard input";
         fmt::print("{}{}", &recording == &options.recordings.front() ? "" : "\n",
                    document_text(document, terminal_columns()));
     }
@@ -80,6 +114,8 @@ void add_inspect(CLI::App& app, Command& chosen) {
                         "same name beside them");
     command->add_flag("--json", options->json,
                       "one JSON document instead of text; of several recordings a list");
+    command->add_option("--plot", options->plot,
+                        "draw speed, track, height, stated uncertainty and gaps as one page (HTML)");
     command->callback([&chosen, options] { chosen = [options] { return inspect(*options); }; });
 }
 

@@ -125,7 +125,8 @@ struct SpanStyle {
 constexpr SpanStyle span_styles[] = {
     {"window", "window", "rgb sky fillstyle solid 0.40", "1"},
     {"refused", "refused window", "rgb orange fillstyle solid 0.30", "1"},
-    {"unusable", "epochs not used", "rgb black fillstyle solid 1.0", "0.025"}};
+    {"unusable", "epochs not used", "rgb black fillstyle solid 1.0", "0.025"},
+    {"gap", "gap", "rgb black fillstyle solid 0.18", "1"}};
 
 /// The shaded stretches, and one line in the legend for each kind of them.
 std::string span_objects(Plots& plots, const Json& spans) {

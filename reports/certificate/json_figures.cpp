@@ -335,8 +335,9 @@ Json empty_figure(const std::string& kind, const std::string& title, const std::
 }
 
 void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_max) {
-    const double x_room = x_max > x_min ? 0.0 : 0.5;
-    const double y_room = y_max > y_min ? 0.05 * (y_max - y_min) : 0.5;
+    constexpr double least_span = 1e-5;  // limits are written with 6 decimals
+    const double x_room = x_max - x_min > least_span ? 0.0 : 0.5;
+    const double y_room = y_max - y_min > least_span ? 0.05 * (y_max - y_min) : 0.5;
     figure["x_min"] = rounded(x_min - x_room, 6);
     figure["x_max"] = rounded(x_max + x_room, 6);
     figure["y_min"] = rounded(y_min - y_room, 6);

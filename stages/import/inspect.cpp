@@ -11,7 +11,6 @@
 namespace runcert {
 namespace {
 
-constexpr double gap_factor = 1.5;
 constexpr std::int64_t shortest_window_ns = 2'999'000'000;
 constexpr std::int64_t window_ns = 3'000'000'000;
 

@@ -20,6 +20,9 @@ namespace runcert {
 /// epochs on either side at least). Nothing where the recording does not tell it.
 std::optional<double> raw_velocity_delay_s(const Observations& observations);
 
+/// A step between epochs is a gap from this many nominal intervals on.
+inline constexpr double gap_factor = 1.5;
+
 /// What screening takes off of a delay where the attempt says nothing else (s).
 inline constexpr double longest_velocity_delay_s = 1.0;
 

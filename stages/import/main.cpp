@@ -14,6 +14,7 @@
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
 #include "stages/import/phase_table.h"
+#include "stages/import/raw_track.h"
 #include "stages/import/recognise.h"
 #include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
@@ -247,15 +248,43 @@ nlohmann::ordered_json plain(nlohmann::ordered_json json) {
     return json;
 }
 
-/// Prints what a recording is, as the JSON of a document. Where raw measurements cannot be read,
-/// what the positions are stands there all the same.
-int inspect_file(const std::string& path, std::optional<std::string> navigation) {
-    const FileView file(path);
+Receiver inspected_receiver(const std::string& path) {
     Receiver receiver;
     receiver.id = "inspected";
     receiver.recordings = {path};
     receiver.format = "auto";
     receiver.place = path;
+    return receiver;
+}
+
+/// Prints a recording as it is, to be drawn: JSON, a list for each member of `RawTrack`.
+int track_of_file(const std::string& path) {
+    const FileView file(path);
+    const RawTrack track =
+        raw_track(read_recording(inspected_receiver(path), {.name = path, .bytes = file.bytes()}));
+    nlohmann::ordered_json json;
+    json["time_s"] = track.time_s;
+    const auto add = [&](const char* name, const std::vector<std::optional<double>>& values) {
+        auto& list = json[name] = nlohmann::ordered_json::array();
+        for (const auto& value : values)
+            list.push_back(value ? nlohmann::ordered_json(*value) : nullptr);
+    };
+    add("east_m", track.east_m);
+    add("north_m", track.north_m);
+    add("height_m", track.height_m);
+    add("recorded_speed_m_s", track.recorded_speed_m_s);
+    add("position_speed_m_s", track.position_speed_m_s);
+    add("sigma_horizontal_m", track.sigma_horizontal_m);
+    json["gaps"] = track.gaps;
+    fmt::print("{}\n", json.dump());
+    return 0;
+}
+
+/// Prints what a recording is, as the JSON of a document. Where raw measurements cannot be read,
+/// what the positions are stands there all the same.
+int inspect_file(const std::string& path, std::optional<std::string> navigation) {
+    const FileView file(path);
+    const Receiver receiver = inspected_receiver(path);
     const RecordingBytes recording{.name = path, .bytes = file.bytes()};
     const std::string_view head = recording.bytes.substr(0, recognised_by);
     Document document{.title = path, .sections = inspect_positions(receiver, recording)};
@@ -377,6 +406,8 @@ int main(int argc, char** argv) {
             return inspect_file(argv[2],
                                 argc == 4 ? std::optional<std::string>(argv[3]) : std::nullopt);
         });
+    if (argc == 3 && std::string_view(argv[1]) == "--track")
+        return guarded_main([&] { return track_of_file(argv[2]); });
     if ((argc == 3 || argc == 4) && std::string_view(argv[1]) == "--recognise")
         return guarded_main([&] { return recognise_file(argv[2], argc == 4 ? argv[3] : "{}"); });
     std::string folder;

@@ -167,5 +167,35 @@ TEST(CommandLine, WhatOpensARunSaysThatAFileOfItWasChanged) {
     }
 }
 
+TEST(CommandLine, InspectDrawsARecordingAsOnePage) {
+    const TemporaryFolder folder;
+    const std::string page = (folder.path() / "page.html").string();
+    const std::string recording = (examples / "salt_lake" / "recording.pos").string();
+    const ProcessResult said = runcert({"inspect", recording, "--plot", page});
+    EXPECT_EQ(said.exit_status, 0) << said.errors;
+    EXPECT_EQ(said.output, runcert({"inspect", recording}).output);
+    const std::string drawn = read_file(page);
+    for (const char* title :
+         {"Horizontal speed", "Track", "Height", "Stated uncertainty", "Steps between epochs"})
+        EXPECT_NE(drawn.find(fmt::format("<title>{}</title>", title)), std::string::npos) << title;
+    EXPECT_EQ(drawn.find("http://"), drawn.find("http://www.w3.org"));
+
+    // Nothing is written over, and nothing where nothing can be drawn.
+    EXPECT_EQ(runcert({"inspect", recording, "--plot", page}).exit_status, 2);
+    EXPECT_EQ(read_file(page), drawn);
+    const std::string other = (folder.path() / "other.html").string();
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{recording, recording, "--plot", other},
+          {recording, "--plot", (folder.path() / "other.png").string()},
+          {(examples / "land_yacht" / "attempt.yaml").string(), "--plot", other}}) {
+        std::vector<std::string> words{"inspect"};
+        words.insert(words.end(), arguments.begin(), arguments.end());
+        const ProcessResult refused = runcert(words);
+        EXPECT_EQ(refused.exit_status, 2);
+        EXPECT_NE(refused.errors.find("what to do"), std::string::npos);
+    }
+    EXPECT_FALSE(fs::exists(other));
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

@@ -14,6 +14,7 @@
 #include "stages/import/gpsbabel/gpsbabel.h"
 #include "stages/import/import.h"
 #include "stages/import/imu/imu.h"
+#include "stages/import/imu/propose.h"
 #include "stages/import/inspect.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/recognise.h"
@@ -276,13 +277,17 @@ std::vector<Section> inspect_positions(const Receiver& receiver, const Recording
     const RecordingBytes readable{.name = recording.name,
                                   .bytes = utf8.empty() ? recording.bytes : utf8};
     if (!is_read_by_itself(receiver, readable) && !gpsbabel::recognises(head)) {
+        if (const auto imu = imu::propose(readable)) return {imu::section_of(*imu)};
         refuse_not_read(readable, false);
         require_text(readable);
         if (std::vector<Section> table = table_sections(readable); !table.empty()) return table;
     }
     Observations observations = read_recording(receiver, recording);
     note_writers({recording}, observations);
-    return {positions_section(inspect(observations), gps_now())};
+    std::vector<Section> sections{positions_section(inspect(observations), gps_now())};
+    if (imu::is_esf(head) || imu::is_rawimu(head))
+        if (const auto imu = imu::propose(recording)) sections.push_back(imu::section_of(*imu));
+    return sections;
 }
 
 /// With no character in any text that a reader of the JSON could stumble over.
@@ -380,6 +385,7 @@ Recognition recognised_positions(Receiver receiver, const RecordingBytes& record
         return recognition_of_table(readable, receiver.columns);
     if (receiver.columns.empty() && !is_read_by_itself(receiver, readable) &&
         !gpsbabel::recognises(head)) {
+        if (const auto imu = imu::propose(readable)) return imu::recognition_of(*imu);
         refuse_not_read(readable, false);
         require_text(readable);
         Recognition series{.kind = RecordingKind::series, .series = series_in(readable)};

@@ -167,6 +167,11 @@ StreamedImu import_imu(const Receiver& receiver, const RecordingBytes& file,
     head.rest = rest_of(*held);
     head.records = held->raw.records;
     head.notes = held->raw.notes;
+    if (!imu.axes && head.format != "kf-gins")
+        head.notes.push_back(fmt::format(
+            "The attempt does not say how the IMU's axes point; x is taken to point {}, y {}, z "
+            "{}.",
+            head.axes[0], head.axes[1], head.axes[2]));
     note_findings(head, head.notes);
     result.give = [held](const TakeRow& take) { give_rows(*held, take); };
     return result;

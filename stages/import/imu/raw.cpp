@@ -20,11 +20,6 @@ void settle_axes(const Imu& imu, RawFile& raw) {
         raw.axes = {.x = CraftAxis::right, .y = CraftAxis::forward, .z = CraftAxis::up};
     else
         raw.axes = {.x = CraftAxis::forward, .y = CraftAxis::right, .z = CraftAxis::down};
-    if (raw.format != "kf-gins")
-        raw.notes.push_back(
-            fmt::format("The attempt does not say how the IMU's axes point; x is taken to point "
-                        "{}, y {}, z {}.",
-                        to_text(raw.axes.x), to_text(raw.axes.y), to_text(raw.axes.z)));
 }
 
 }  // namespace

@@ -28,25 +28,21 @@ std::string place_of(const RawSample& sample, const RecordingBytes& file) {
     return fmt::format("{}:byte {}", file.name, sample.byte);
 }
 
-/// The mean step (ns) in blocks of samples, of those blocks whose mean is within a tenth of the
-/// median block's: gaps do not count in it. 0 for one sample.
-double usual_step(const std::vector<RawSample>& samples) {
-    const std::size_t length = std::min(block, samples.size() - 1);
-    if (length == 0) return 0.0;
-    std::vector<double> steps;
-    for (std::size_t i = length; i < samples.size(); i += length)
-        steps.push_back(static_cast<double>(samples[i].time_ns - samples[i - length].time_ns) /
-                        static_cast<double>(length));
-    const double middle = median(steps);
-    double sum = 0.0, count = 0.0;
-    for (const double step : steps)
-        if (std::abs(step - middle) <= 0.1 * std::abs(middle)) sum += step, count += 1.0;
-    return sum / count;
-}
-
 /// A rate as people write it: four significant digits.
 std::string rate_text(double step_ns) {
     return fmt::format("{:.4g}", 1e9 / step_ns);
+}
+
+bool repeats(const RawSample& sample, const RawSample& before) {
+    return sample.gyro == before.gyro && sample.accelerometer == before.accelerometer;
+}
+
+/// The samples without those that only repeat the one before.
+std::vector<RawSample> measured(const std::vector<RawSample>& samples) {
+    std::vector<RawSample> kept;
+    for (const RawSample& sample : samples)
+        if (kept.empty() || !repeats(sample, kept.back())) kept.push_back(sample);
+    return kept;
 }
 
 /// A straight line through the stamps of a stretch: the first one's time and the step (ns).
@@ -235,18 +231,6 @@ Sampling counted(double period_ns, std::vector<RawSample>& samples) {
     return made;
 }
 
-bool repeats(const RawSample& sample, const RawSample& before) {
-    return sample.gyro == before.gyro && sample.accelerometer == before.accelerometer;
-}
-
-/// The samples without those that only repeat the one before.
-std::vector<RawSample> measured(const std::vector<RawSample>& samples) {
-    std::vector<RawSample> kept;
-    for (const RawSample& sample : samples)
-        if (kept.empty() || !repeats(sample, kept.back())) kept.push_back(sample);
-    return kept;
-}
-
 bool has_rate(const std::vector<RawSample>& samples, double period_ns) {
     return samples.size() <= block ||
            std::abs(period_ns / usual_step(samples) - 1.0) <= rate_tolerance;
@@ -274,6 +258,24 @@ std::int64_t settle_rate(const Imu& imu, const RecordingBytes& file, RawFile& ra
 
 }  // namespace
 
+double usual_step(const std::vector<RawSample>& samples) {
+    const std::size_t length = std::min(block, samples.size() - 1);
+    if (length == 0) return 0.0;
+    std::vector<double> steps;
+    for (std::size_t i = length; i < samples.size(); i += length)
+        steps.push_back(static_cast<double>(samples[i].time_ns - samples[i - length].time_ns) /
+                        static_cast<double>(length));
+    const double middle = median(steps);
+    double sum = 0.0, count = 0.0;
+    for (const double step : steps)
+        if (std::abs(step - middle) <= 0.1 * std::abs(middle)) sum += step, count += 1.0;
+    return sum / count;
+}
+
+double measured_share(const std::vector<RawSample>& samples) {
+    return static_cast<double>(measured(samples).size()) / static_cast<double>(samples.size());
+}
+
 Sampling settle_times(const Imu& imu, const RecordingBytes& file, RawFile& raw) {
     Sampling made;
     if (raw.stamps == Stamps::none) {
@@ -300,20 +302,18 @@ Sampling settle_times(const Imu& imu, const RecordingBytes& file, RawFile& raw) 
         note(fmt::format("{} gaps in the IMU's samples, the longest of {} s; the first before {}.",
                          made.gaps, format_fixed(made.longest_gap_s, 3),
                          place_of(raw.samples[made.first_gap], file)));
-    constexpr double drift_noted = 1e-4;
+    constexpr double drift_noted = 1e-3;
     if (std::abs(made.clock.drift) > drift_noted)
         note(
             fmt::format("The clock of the IMU's stamps drifts against its sampling: they show {} "
                         "samples a second where rate_hz says {}.",
                         format_fixed(made.clock.rate_hz, 4), format_fixed(*imu.rate_hz, 4)));
-    const double measured_share =
-        static_cast<double>(measured(raw.samples).size()) / static_cast<double>(raw.samples.size());
-    constexpr double held_noted = 0.9;
-    if (made.clock.times == ImuTimes::stamps && measured_share < held_noted)
+    const double share = measured_share(raw.samples);
+    if (made.clock.times == ImuTimes::stamps && share < held_share)
         note(
             fmt::format("The sensor was read more often than it measured; with rate_hz: {} each "
                         "measurement counts once.",
-                        rate_text(1e9 / (made.clock.rate_hz * measured_share))));
+                        rate_text(1e9 / (made.clock.rate_hz * share))));
     constexpr double jitter_noted = 0.02;
     if (made.clock.times == ImuTimes::stamps &&
         made.clock.jitter_s > jitter_noted * made.clock.interval_s)

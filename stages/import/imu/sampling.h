@@ -20,6 +20,16 @@ struct Sampling {
     std::int64_t held = 0;       ///< samples that only repeat the one before, taken out
 };
 
+/// The mean step (ns) in blocks of samples, of those blocks whose mean is within a tenth of the
+/// median block's: gaps do not count in it. 0 for one sample.
+double usual_step(const std::vector<RawSample>& samples);
+
+/// The share of samples that do not only repeat all six readings of the one before.
+double measured_share(const std::vector<RawSample>& samples);
+
+/// Below it, a sensor is read more often than it measures.
+inline constexpr double held_share = 0.9;
+
 /// Puts the times of samples in order.
 ///
 /// Without `rate_hz`: as stamped; samples whose time is not after that of the one before are taken

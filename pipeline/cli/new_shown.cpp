@@ -25,6 +25,9 @@ std::string file_text(const Recognition& is) {
     if (is.kind == RecordingKind::series)
         return fmt::format("a series for the key {}", fmt::join(is.series, " or "));
     if (is.kind == RecordingKind::table) return "a table whose columns are not known";
+    if (is.kind == RecordingKind::imu)
+        return fmt::format("samples of an IMU ({}); {}, {} s apart", is.format,
+                           counted(is.epochs, "sample"), format_fixed(is.interval_s, 4));
     std::string text = fmt::format("{}; {}", is.format, counted(is.epochs, "epoch"));
     if (is.interval_s > 0.0) text += fmt::format(", {} s apart", format_fixed(is.interval_s, 2));
     if (is.first && is.last)
@@ -39,13 +42,16 @@ std::string file_text(const Recognition& is) {
 
 void add_table(const HandedIn& file, Section& section) {
     if (file.is.proposed.empty()) return;
-    add(section, paragraph(fmt::format("{} is a table that no format recognises. It is read so:",
-                                       file.path)));
+    add(section, paragraph(fmt::format("{} {}. It is read so:", file.path,
+                                       file.is.kind == RecordingKind::imu
+                                           ? "holds the samples of an IMU"
+                                           : "is a table that no format recognises")));
     Block keys = facts({});
     for (const ProposedKey& one : file.is.proposed)
         add_fact(keys, one.key,
                  one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
     add(section, std::move(keys));
+    if (file.is.problem.empty() && file.is.rows.empty()) return;
     if (file.is.problem.empty())
         add(section, paragraph("Its first rows, as they are read:"));
     else

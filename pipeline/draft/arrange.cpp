@@ -65,21 +65,26 @@ class Arranging {
                 signals.push_back(i);
             else if (files_[i].is.kind == RecordingKind::series)
                 take_series(i);
+            else if (files_[i].is.kind == RecordingKind::imu)
+                imus_.push_back(i);
             else
                 orbits_.push_back(i);
         }
         if (positions.empty() && signals.empty())
-            throw Failure(files_.front().path,
-                          fmt::format("the file holds {}, and no recording",
-                                      orbits_.empty() ? "a series" : "orbits"),
-                          orbits_.empty()
-                              ? "Name the recording that it bears witness of, too"
-                              : "Name the rover's recording, too: runcert new ROVER.obs BASE.obs "
-                                "ORBITS");
+            throw Failure(
+                files_.front().path,
+                fmt::format("the file holds {}, and no recording", !imus_.empty()
+                                                                       ? "the samples of an IMU"
+                                                                   : orbits_.empty() ? "a series"
+                                                                                     : "orbits"),
+                orbits_.empty() ? "Name the recording that it bears witness of, too"
+                                : "Name the rover's recording, too: runcert new ROVER.obs BASE.obs "
+                                  "ORBITS");
         if (positions.empty())
             arrange_signals(signals);
         else
             arrange_positions(positions, signals);
+        take_imus();
         return std::move(result_);
     }
 
@@ -102,6 +107,21 @@ class Arranging {
                         keys.size() == 1      ? "columns"
                         : named != keys.end() ? "columns and name"
                                               : "columns; it might be another of " + listed(keys)));
+    }
+
+    void take_imus() {
+        for (std::size_t k = 0; k < imus_.size(); ++k) {
+            const std::string name = name_of_file(files_[imus_[k]]);
+            if (k > 0) {
+                say(fmt::format("{} is left out: one IMU is used.", name));
+                continue;
+            }
+            result_.receivers.front().imu = imus_[k];
+            say(
+                fmt::format("{} holds the samples of an IMU. It is taken for one on the craft of "
+                            "the {} receiver.",
+                            name, result_.receivers.front().id));
+        }
     }
 
     void take_orbits(ArrangedReceiver& receiver) {
@@ -266,7 +286,7 @@ class Arranging {
     }
 
     const std::vector<HandedIn>& files_;
-    std::vector<std::size_t> orbits_;
+    std::vector<std::size_t> orbits_, imus_;
     std::vector<ArrangedReceiver> groups_;
     Arrangement result_;
 };

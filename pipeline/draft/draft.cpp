@@ -42,6 +42,21 @@ void add_proposed(const Recognition& is, Json& receiver) {
     }
 }
 
+/// What the IMU's file says of itself: "imu.columns.time" and its value.
+Json imu_of(const HandedIn& file) {
+    Json imu{{"file", file.path}};
+    for (const ProposedKey& one : file.is.proposed) {
+        std::string path = one.key.substr(one.key.find('.'));
+        std::ranges::replace(path, '.', '/');
+        const auto whole = parse_integer(one.value);
+        const auto number = parse_double(one.value);
+        imu[Json::json_pointer(path)] = whole    ? Json(*whole)
+                                        : number ? Json(*number)
+                                                 : Json(one.value);
+    }
+    return imu;
+}
+
 Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& files) {
     const auto path = [&](std::size_t i) { return files[i].path; };
     Json receiver{{"id", arranged.id}};
@@ -59,6 +74,7 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
     else
         for (const std::size_t i : arranged.navigation)
             receiver["navigation"].push_back(path(i));
+    if (arranged.imu) receiver["imu"] = imu_of(files[*arranged.imu]);
     return receiver;
 }
 
@@ -93,7 +109,7 @@ Json* Draft::find_receiver(const std::string& id) {
 Json Draft::receiver(const std::string& id) const {
     for (Json receiver : keys_["receivers"]) {
         if (receiver["id"] != id) continue;
-        for (const char* other : {"id", "recording", "base", "navigation", "phase"})
+        for (const char* other : {"id", "recording", "base", "navigation", "phase", "imu"})
             receiver.erase(other);
         return receiver;
     }

@@ -131,6 +131,10 @@ std::string completed_text(Json keys) {
         Json& value = keys[map->path][rule.path.substr(point + 1)];
         if (value.is_null()) value = rule.minimum ? Json(*rule.minimum) : Json("any");
     }
+    if (keys.contains("receivers"))
+        for (Json& receiver : keys["receivers"])
+            if (receiver.contains("imu") && !receiver["imu"].contains("antenna_m"))
+                receiver["imu"]["antenna_m"] = {{"forward", 0}, {"right", 0}, {"down", 0}};
     Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     attempt.update(keys);
     return to_yaml_text(attempt);

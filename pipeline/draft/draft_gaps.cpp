@@ -168,12 +168,69 @@ class DraftGaps {
                  .required = true,
                  .example = "..."});
         add_fix_types(receiver, arranged);
+        if (arranged.imu) add_imu(receiver["imu"], before + "imu.", arranged);
         const std::string of_class = craft("class");
         const bool on_ground = of_class != "skydiver" && of_class != "board";
         if (arranged.id == "primary" && on_ground && !receiver.contains("antenna_height_m"))
             add({.key = before + "antenna_height_m",
                  .question = "Height of the antenna above the ground, in metres" + of,
                  .why = "The report states it: an antenna up a mast moves when the craft heels.",
+                 .example = "..."});
+    }
+
+    /// What an IMU's times can be beside the recording's.
+    enum class ImuTimes { told, counted_from_first, unknown };
+    static ImuTimes times_of(const Recognition& imu, const Recognition& recording) {
+        // A date, or the recording's own count.
+        if (imu.first || !imu.count_s || !recording.first) return ImuTimes::told;
+        const auto shares = [&](double first_s) {
+            return *imu.count_s<first_s + recording.span_s&& * imu.count_s + imu.span_s> first_s;
+        };
+        constexpr double unix_at_gps_epoch_s = 315'964'800.0;
+        const double since_epoch_s = recording.first->seconds_since(GpsTime());
+        if (shares(static_cast<double>(recording.first->nanoseconds_of_week()) * 1e-9) ||
+            shares(since_epoch_s + unix_at_gps_epoch_s))
+            return ImuTimes::told;
+        return shares(0.0) ? ImuTimes::counted_from_first : ImuTimes::unknown;
+    }
+
+    void add_imu(const Json& imu, const std::string& before, const ArrangedReceiver& arranged) {
+        const Recognition& is = draft_.files_[*arranged.imu].is;
+        const std::string name = draft_.files_[*arranged.imu].path;
+        if (!imu.contains("antenna_m"))
+            add({.key = before + "antenna_m",
+                 .question =
+                     fmt::format("{}: from the IMU to the antenna, in metres ({{forward: 0, "
+                                 "right: 0, down: -5}})",
+                                 name),
+                 .why = "A craft that turns moves its antenna; the IMU shows how.",
+                 .required = true,
+                 .example = "{forward: ..., right: ..., down: ...}"});
+        const ImuTimes times = times_of(is, draft_.files_[arranged.recordings.front()].is);
+        if (!imu.contains("start_gps") && times != ImuTimes::told)
+            add({.key = before + "start_gps",
+                 .question = fmt::format("{}: GPS time of its first sample "
+                                         "(2026-03-14T10:00:18.000)",
+                                         name),
+                 .why = times == ImuTimes::unknown
+                            ? "Its times have no date, and are not the recording's."
+                            : "Its times have no date. Without it they count from the "
+                              "recording's first epoch.",
+                 .required = times == ImuTimes::unknown,
+                 .example = "..."});
+        if (is.format == "novatel")
+            for (const char* key : {"gyro_scale", "accelerometer_scale"})
+                if (!imu.contains(key))
+                    add({.key = before + key,
+                         .question = fmt::format("{}: {}, what a count is", name, key),
+                         .why = "RAWIMU logs hold counts, and do not say what one is.",
+                         .required = true,
+                         .example = "..."});
+        if (!imu.contains("grade"))
+            add({.key = before + "grade",
+                 .question = fmt::format("{}: tactical, mems or consumer", name),
+                 .why = "Without it the IMU counts as one of the least grade, consumer.",
+                 .values = {"tactical", "mems", "consumer"},
                  .example = "..."});
     }
 

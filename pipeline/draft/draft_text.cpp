@@ -155,10 +155,13 @@ class DraftText {
         if (draft_.of_day_) return text;
         for (const ArrangedReceiver& arranged : draft_.arrangement_.receivers)
             if (arranged.id == id)
-                for (const ProposedKey& one :
-                     draft_.files_[arranged.recordings.front()].is.proposed)
-                    if (!one.reason.empty())
-                        text += fmt::format("  # {}: {}\n", one.key, plain_text(one.reason));
+                for (const std::size_t file :
+                     {arranged.recordings.front(), arranged.imu.value_or(arranged.recordings[0])}) {
+                    for (const ProposedKey& one : draft_.files_[file].is.proposed)
+                        if (!one.reason.empty())
+                            text += fmt::format("  # {}: {}\n", one.key, plain_text(one.reason));
+                    if (!arranged.imu) break;
+                }
         return text;
     }
 

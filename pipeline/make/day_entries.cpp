@@ -43,9 +43,14 @@ void add_files(const Json& keys, const char* key, const Json::json_pointer& at, 
 Files named_files(const Json& keys) {
     Files files;
     if (keys.contains("receivers") && keys["receivers"].is_array())
-        for (std::size_t i = 0; i < keys["receivers"].size(); ++i)
+        for (std::size_t i = 0; i < keys["receivers"].size(); ++i) {
+            const Json& receiver = keys["receivers"][i];
+            const Json::json_pointer at = Json::json_pointer("/receivers") / i;
             for (const char* key : {"recording", "base", "navigation", "phase"})
-                add_files(keys["receivers"][i], key, Json::json_pointer("/receivers") / i, files);
+                add_files(receiver, key, at, files);
+            if (receiver.is_object() && receiver.contains("imu"))
+                add_files(receiver["imu"], "file", at / "imu", files);
+        }
     for (const FieldRule& rule : attempt_schema().fields())
         if (!rule.series.empty() && keys.contains(rule.path))
             add_files(keys[rule.path], "file", Json::json_pointer() / rule.path, files);

@@ -121,6 +121,7 @@ std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
     if (!receiver.base.empty()) add("base", {receiver.base});
     add("navigation", receiver.navigation);
     if (!receiver.phase.empty()) add("phase", {receiver.phase});
+    if (receiver.imu) add("imu", {receiver.imu->file});
     return files;
 }
 

@@ -43,7 +43,7 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
                const Receiver& receiver) {
     Names names;
     for (const ProductFile& product : products)
-        if (!product.of_phases || has_phases(receiver))
+        if ((!product.of_phases || has_phases(receiver)) && (!product.of_imu || has_imu(receiver)))
             names.push_back(product_file(attempt, receiver, product));
     return names;
 }
@@ -70,7 +70,7 @@ const std::vector<Step>& steps() {
         {.name = "import",
          .program = "runcert-import",
          .calls = {"gpsbabel", "rnx2rtkp"},
-         .products = {observations, phase}},
+         .products = {observations, phase, imu}},
         {.name = "enu",
          .program = "runcert-enu",
          .products = {products::enu},

@@ -114,11 +114,20 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                        .trajectory_file = named(products::trajectory),
                        .windows_file = named(products::windows),
                        .phase_file = named(products::phase),
-                       .screened_phase_file = named(products::screened_phase)};
+                       .screened_phase_file = named(products::screened_phase),
+                       .imu_file = named(products::imu)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
     one.screened = witnesses.read("screened", one.screened_file, read_screened);
     if (has_phases(receiver)) read_phases(witnesses, one);
+    if (has_imu(receiver))
+        one.imu = witnesses.read("imu", one.imu_file,
+                                 [](std::string_view text, const std::string& where) {
+                                     auto table = open_imu(text, where);
+                                     for (ImuRow row; table.rows.next(row);) {
+                                     }
+                                     return std::move(table.head);
+                                 });
     one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);
     one.windows = witnesses.read("windows", one.windows_file, read_windows);
     return one;

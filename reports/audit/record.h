@@ -11,6 +11,7 @@
 #include "schemas/common/header.h"
 #include "schemas/document/document.h"
 #include "schemas/enu/declared.h"
+#include "schemas/imu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/declared.h"
 #include "schemas/profile/profile.h"
@@ -34,7 +35,7 @@ struct ReceiverRecord {
     Receiver receiver;
     std::string recording;  ///< names of the files that were handed in
     std::string observations_file, enu_file, screened_file, trajectory_file, windows_file;
-    std::string phase_file, screened_phase_file;
+    std::string phase_file, screened_phase_file, imu_file;
     std::optional<Observations> observations = {};
     std::optional<EnuTable> enu = {};
     std::optional<ScreenedTable> screened = {};
@@ -43,6 +44,7 @@ struct ReceiverRecord {
     std::optional<PhaseTable> phase = {};                   ///< without its rows
     std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
     std::vector<SlipRecord> slips = {};
+    std::optional<ImuTable> imu = {};  ///< without its rows
 };
 
 /// A run folder as an audit finds it; all hashes that its files name of one another hold.

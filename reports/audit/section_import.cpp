@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -70,6 +71,31 @@ std::vector<Block> imported_phases(const RunRecord& record, const ReceiverRecord
     return blocks;
 }
 
+/// The part about the IMU beside a receiver that has one.
+std::vector<Block> imported_imu(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    if (!one.imu) return {};
+    const ImuTable& imu = *one.imu;
+    std::vector<Block> blocks{heading("IMU")};
+    add(blocks, product_blocks(
+                    record, imu.header, one.imu_file,
+                    fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")), all));
+    Block found = facts({});
+    add_fact(found, "Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", ")));
+    add_fact(found, "Rate",
+             fmt::format("{} Hz; stamps jitter by {} ms", format_fixed(imu.clock.rate_hz, 3),
+                         format_fixed(imu.clock.jitter_s * 1e3, 2)));
+    add_fact(found, "Gaps", counted(imu.found.gaps));
+    if (imu.rest)
+        add_fact(found, "Quietest second",
+                 fmt::format("{} m/s2, the down axis {} degrees from gravity",
+                             format_fixed(imu.rest->specific_force_m_s2, 3),
+                             format_fixed(imu.rest->down_deg, 1)));
+    blocks.push_back(std::move(found));
+    if (!imu.notes.empty()) blocks.push_back(list_of(imu.notes));
+    blocks.push_back(left_out_block(imu.records, all));
+    return blocks;
+}
+
 }  // namespace
 
 std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
@@ -84,6 +110,7 @@ std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& 
     blocks.push_back(left_out_block(observations.records, all));
     add(blocks, parameter_blocks(record.attempt, observations.header, all));
     add(blocks, imported_phases(record, one, all));
+    add(blocks, imported_imu(record, one, all));
     return blocks;
 }
 

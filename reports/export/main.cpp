@@ -44,7 +44,11 @@ std::string table_text(StageRun& run, const Receiver& receiver, const Options& o
     if (options.table == of_rule_speeds)
         return rule_speeds_csv(run.read(products::trajectory, receiver, read_trajectory),
                                claimed_profiles(run));
-    const std::string file = run.file_of(product_of(options.table), receiver);
+    const ProductFile& product = product_of(options.table);
+    if (product.of_imu && !has_imu(receiver))
+        throw Failure("--table", fmt::format("beside receiver {} no IMU was recorded", receiver.id),
+                      "Choose another table");
+    const std::string file = run.file_of(product, receiver);
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
 }
 
@@ -123,7 +127,7 @@ int main(int argc, char** argv) {
                       {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
             line.text("--out", options.out, "file to write, - for standard output");
             line.word("--table", options.table, "of csv: which table",
-                      {"observations", "enu", "screened", "trajectory", of_rule_speeds});
+                      {"observations", "imu", "enu", "screened", "trajectory", of_rule_speeds});
             line.text("--receiver", options.receiver, "which receiver (default: the first)");
             line.integer("--every", options.every, "of a map: every so many epochs", 1,
                          1'000'000'000);

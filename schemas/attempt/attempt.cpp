@@ -45,10 +45,20 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other :
-         {"id", "recording", "base", "navigation", "phase", "antenna_height_m", "lever_arm_m",
-          "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
+         {"id", "recording", "base", "navigation", "phase", "imu", "antenna_height_m",
+          "lever_arm_m", "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
         stated.erase(other);
     return stated;
+}
+
+/// The same of the IMUs beside them.
+void take_imus(const YamlValue& list, std::map<std::string, HeldJson>& stated) {
+    for (const YamlValue& entry : list.list()) {
+        if (!entry["imu"].exists()) continue;
+        nlohmann::ordered_json imu = json_from_yaml(entry["imu"]);
+        imu.erase("file");
+        stated[entry["id"].text()] = imu;
+    }
 }
 
 /// An uncertainty is of something, and in a unit of that.
@@ -69,7 +79,38 @@ void require_sound_calibration(const YamlValue& map, const Calibration& calibrat
             own.empty() ? "Give km/h, m/s, kn or mph" : "Give " + own);
 }
 
+/// The axes of an IMU are three of the craft's, each once, and no mirror image of them.
+void require_sound_axes(const YamlValue& map, const ImuAxes& axes) {
+    const CraftDirection x = direction_of(axes.x), y = direction_of(axes.y),
+                         z = direction_of(axes.z);
+    if (x.component == y.component || y.component == z.component || z.component == x.component)
+        map.fail("two axes of the IMU point along one axis of the craft",
+                 "Give forward, right and down once each, with a minus sign where an axis points "
+                 "the other way");
+    const bool cyclic = y.component == (x.component + 1) % 3;
+    if ((cyclic ? 1.0 : -1.0) * x.sign * y.sign * z.sign < 0.0)
+        map.fail("the axes of the IMU are left-handed, a mirror image of those of any IMU",
+                 fmt::format("Correct a sign or exchange two axes: with these x and y, z is {}",
+                             to_text(static_cast<CraftAxis>(static_cast<int>(axes.z) ^ 1))));
+}
+
+void require_sound_imu(const YamlValue& entry, const Receiver& receiver) {
+    if (!receiver.imu) return;
+    const Imu& imu = *receiver.imu;
+    if (receiver.lever_arm)
+        entry["lever_arm_m"].fail(
+            "the receiver has an IMU, from which places on the craft are counted",
+            "Remove lever_arm_m; in imu: give antenna_m, from the IMU to the antenna, and "
+            "reference_point_m, from the IMU to the craft's reference point");
+    if (imu.axes) require_sound_axes(entry["imu"]["axes"], *imu.axes);
+    if (!imu.columns.empty() && !imu.columns.contains("time") && !(imu.rate_hz && imu.start_gps))
+        entry["imu"]["columns"].fail("no column has the times of the IMU's samples",
+                                     "Name the column of the time; or give rate_hz, and start_gps, "
+                                     "the GPS time of the first sample");
+}
+
 void require_sound(const YamlValue& entry, const Receiver& receiver) {
+    require_sound_imu(entry, receiver);
     if (receiver.calibration)
         require_sound_calibration(entry["calibration"], *receiver.calibration);
     if (receiver.rotation_bound_deg && !receiver.lever_arm)
@@ -248,6 +289,24 @@ const DocumentSchema& attempt_schema() {
     return schema;
 }
 
+CraftDirection direction_of(CraftAxis axis) {
+    switch (axis) {
+        case CraftAxis::forward:
+            return {0, 1.0};
+        case CraftAxis::backward:
+            return {0, -1.0};
+        case CraftAxis::right:
+            return {1, 1.0};
+        case CraftAxis::left:
+            return {1, -1.0};
+        case CraftAxis::down:
+            return {2, 1.0};
+        case CraftAxis::up:
+            return {2, -1.0};
+    }
+    return {};
+}
+
 std::string recording_names(const Receiver& receiver) {
     std::string names;
     for (const std::string& recording : receiver.recordings)
@@ -273,6 +332,7 @@ Attempt part_read_by(const Attempt& attempt, std::string_view stage) {
     part.parameters = read_members<Parameters>(document["parameters"]);
     for (const YamlValue& entry : document["receivers"].list())
         part.stated[entry["id"].text()] = reading_of(entry);
+    take_imus(document["receivers"], part.stated_imus);
     if (!part.profiles.empty()) part.profiles = attempt.profiles;
     if (!part.rules.empty()) part.rules = attempt.rules;
     part.overrides = stated_before_rule(attempt, stage);
@@ -300,6 +360,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     attempt.signatures = read_role_signatures(document["signatures"]);
     if (attempt.amends) require_amended(document["amends"], *attempt.amends);
     require_sound_receivers(document["receivers"], attempt);
+    take_imus(document["receivers"], attempt.stated_imus);
     require_heights(document["receivers"], attempt.craft.kind);
     attempt.profiles = read_profiles(document["profiles"]);
     take_records(document["records"], attempt);

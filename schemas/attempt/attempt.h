@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <optional>
 #include <string>
@@ -16,6 +17,18 @@ namespace runcert {
 inline bool has_phases(const Receiver& receiver) {
     return !receiver.phase.empty() || !receiver.base.empty();
 }
+
+/// Whether an IMU was recorded beside the positions.
+inline bool has_imu(const Receiver& receiver) {
+    return receiver.imu.has_value();
+}
+
+/// A direction of the craft as a component of forward, right, down (0 to 2), and its sign.
+struct CraftDirection {
+    std::size_t component = 0;
+    double sign = 1.0;
+};
+CraftDirection direction_of(CraftAxis axis);
 
 /// Something that the attempt says or hands in, and that can change what is certified.
 struct AttemptInput {
@@ -34,6 +47,8 @@ struct Attempt : AttemptDocument {
     /// How each receiver's recording is to be read, by its id, as the attempt has it: all but the
     /// names of receiver and files, and what is said of the antenna's place on the craft.
     std::map<std::string, HeldJson> stated = {};
+    /// What it says of the IMU beside each receiver that has one, but for the file's name.
+    std::map<std::string, HeldJson> stated_imus = {};
     /// Every one resolved: the attempt's figure, or the default of the craft's class.
     Parameters parameters = {};
     /// The document with these in it, that the part of a stage is taken from.

@@ -49,11 +49,6 @@ CsvColumns read_members(const YamlValue& map) {
 }
 
 template <>
-LeverArm read_members(const YamlValue& arm) {
-    return {arm["forward"].real(), arm["right"].real(), arm["down"].real()};
-}
-
-template <>
 CoursePoint read_members(const YamlValue& map) {
     const bool on_earth = map["latitude_deg"].exists() && map["longitude_deg"].exists();
     const bool in_plane = map["east_m"].exists() && map["north_m"].exists();

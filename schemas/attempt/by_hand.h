@@ -9,6 +9,7 @@
 #include "core/geodetic.h"
 #include "core/gps_time.h"
 #include "schemas/common/codec.h"
+#include "schemas/common/on_craft.h"
 #include "schemas/common/role_signatures.h"
 #include "schemas/common/strict_texts.h"
 
@@ -31,10 +32,8 @@ using CsvColumns = std::map<std::string, std::string>;
 template <>
 CsvColumns read_members(const YamlValue& map);
 
-/// From the antenna to the craft's reference point (m): forward, right, down.
-using LeverArm = std::array<double, 3>;
-template <>
-LeverArm read_members(const YamlValue& map);
+/// Of the table of an IMU, the same.
+using ImuColumns = CsvColumns;
 
 /// A point on the ground: in geodetic coordinates, or in the recording's engineering CRS.
 struct CoursePoint {

@@ -68,12 +68,14 @@ const Item* find(const std::map<std::string, Item>& items, const std::string& na
 }
 
 /// What the name of a column's member ends with, by the column's unit.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 8> column_units{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> column_units{
     {{"m", "_m"},
      {"m / s", "_m_s"},
      {"m / s2", "_m_s2"},
      {"s", "_s"},
      {"deg", "_deg"},
+     {"deg / s", "_deg_s"},
+     {"rad / s", "_rad_s"},
      {"cycle", "_cycles"},
      {"Hz", "_hz"},
      {"dB Hz", "_db_hz"}}};

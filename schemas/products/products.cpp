@@ -8,9 +8,11 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/attitude/declared.h"
 #include "schemas/common/product_files.h"
 #include "schemas/common/table.h"
 #include "schemas/enu/declared.h"
+#include "schemas/imu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/declared.h"
 #include "schemas/screened/screened.h"
@@ -25,10 +27,12 @@ namespace runcert {
 
 YamlNode observations_field_table_node();
 YamlNode phase_field_table_node();
+YamlNode imu_field_table_node();
 YamlNode enu_field_table_node();
 YamlNode screened_field_table_node();
 YamlNode screened_phase_field_table_node();
 YamlNode trajectory_field_table_node();
+YamlNode attitude_field_table_node();
 YamlNode windows_field_table_node();
 YamlNode verdict_field_table_node();
 YamlNode report_v1_table_node();
@@ -51,13 +55,15 @@ void read_rows(OpenTable<Table> table) {
     }
 }
 
-constexpr std::array<Product, 8> known_products{{
+constexpr std::array<Product, 10> known_products{{
     {products::observations.stem, true, observations_field_table_node,
      [](std::string_view text, const std::string& where) {
          read_rows(open_observations(text, where));
      }},
     {products::phase.stem, true, phase_field_table_node,
      [](std::string_view text, const std::string& where) { read_rows(open_phase(text, where)); }},
+    {products::imu.stem, true, imu_field_table_node,
+     [](std::string_view text, const std::string& where) { read_rows(open_imu(text, where)); }},
     {products::enu.stem, true, enu_field_table_node,
      [](std::string_view text, const std::string& where) { read_rows(open_enu(text, where)); }},
     {products::screened.stem, true, screened_field_table_node,
@@ -71,6 +77,10 @@ constexpr std::array<Product, 8> known_products{{
     {products::trajectory.stem, true, trajectory_field_table_node,
      [](std::string_view text, const std::string& where) {
          read_rows(open_trajectory(text, where));
+     }},
+    {products::attitude.stem, true, attitude_field_table_node,
+     [](std::string_view text, const std::string& where) {
+         read_rows(open_attitude(text, where));
      }},
     {products::windows.stem, false, windows_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},

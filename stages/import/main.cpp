@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <memory>
@@ -12,6 +13,8 @@
 #include "schemas/common/document.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
 #include "stages/import/import.h"
+#include "stages/import/imu/imu.h"
+#include "stages/import/imu/propose.h"
 #include "stages/import/inspect.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/raw_track.h"
@@ -136,14 +139,20 @@ void note_writers(const std::vector<RecordingBytes>& files, Observations& head) 
         note_written_by(file, files.size() > 1, head);
 }
 
-void write_rows(const StageRun& run, const std::string& file_name,
-                const StreamedRecording& observations) {
+/// Returns the time of the latest row, from the first.
+ElapsedTime write_rows(const StageRun& run, const std::string& file_name,
+                       const StreamedRecording& observations) {
     AtomicFile file(run.run_dir() / file_name);
     TableWriter<Observation> table = begin_observations(
         observations.head, [&file](std::string_view piece) { file.write(piece); });
-    observations.give([&table](const Observation& row) { table.write(row); });
+    ElapsedTime latest;
+    observations.give([&](const Observation& row) {
+        table.write(row);
+        latest = std::max(latest, row.time);
+    });
     table.finish();
     file.commit();
+    return latest;
 }
 
 /// Writes the raw phases that a receiver's own file, or else its RINEX recording, holds; and says
@@ -161,6 +170,37 @@ std::string write_phases(const StageRun& run, const Receiver& receiver, const Op
     return fmt::format("{} phases at {} epochs from {} ({})", phases.rows, phases.head.epochs,
                        receiver.phase.empty() ? recording_names(receiver) : receiver.phase,
                        phases.head.format);
+}
+
+/// What the recording's own count of time shows at its first epoch, where its times are counts.
+std::optional<std::int64_t> count_at_first(const Receiver& receiver, const Observations& head,
+                                           const RecordingBytes& recording) {
+    if (head.format != "csv" || receiver.time_format != "seconds") return std::nullopt;
+    if (head.facts.first_epoch && receiver.start_gps)
+        return head.facts.first_epoch->nanoseconds_since(*receiver.start_gps);
+    // Counted from the GPS epoch the first epoch is that count.
+    Receiver counted = receiver;
+    counted.start_gps = GpsTime();
+    return read_recording(counted, recording).facts.first_epoch->nanoseconds();
+}
+
+/// Writes what the IMU beside a receiver measured, and says how much that is.
+std::string write_imu_samples(StageRun run, const Receiver& receiver, const OpenFiles& open,
+                              const imu::RecordingSpan& recording) {
+    imu::StreamedImu samples = imu::import_imu(receiver, open.of("imu").front(), recording);
+    nlohmann::ordered_json parameters = *run.attempt().stated.at(receiver.id);
+    parameters["imu"] = *run.attempt().stated_imus.at(receiver.id);
+    run.use_parameters(parameters);
+    samples.head.header = run.header();
+    AtomicFile file(run.run_dir() / run.file_of(products::imu, receiver));
+    TableWriter<ImuRow> table =
+        begin_imu(samples.head, [&file](std::string_view piece) { file.write(piece); });
+    samples.give([&table](const ImuRow& row) { table.write(row); });
+    table.finish();
+    file.commit();
+    return fmt::format("{} IMU samples from {} ({})", samples.rows,
+                       std::filesystem::path(receiver.imu->file).filename().string(),
+                       samples.head.format);
 }
 
 void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSource& source) {
@@ -184,10 +224,18 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     std::vector<CalledProgram> programs = std::move(observations.head.header.programs);
     observations.head.header = one.header();
     observations.head.header.programs = std::move(programs);
-    write_rows(one, one.file_of(products::observations, receiver), observations);
+    const ElapsedTime latest =
+        write_rows(one, one.file_of(products::observations, receiver), observations);
     run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
                         observations.head.format));
     if (has_phases(receiver)) run.say(write_phases(one, receiver, open));
+    if (!has_imu(receiver)) return;
+    const imu::RecordingSpan span{
+        .first_epoch = observations.head.facts.first_epoch,
+        .span_s = static_cast<double>(latest.nanoseconds) * 1e-9,
+        .count_ns = count_at_first(receiver, observations.head, recordings.front()),
+        .utc = observations.head.time_scale == "utc"};
+    run.say(write_imu_samples(one, receiver, open, span));
 }
 
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
@@ -230,13 +278,17 @@ std::vector<Section> inspect_positions(const Receiver& receiver, const Recording
     const RecordingBytes readable{.name = recording.name,
                                   .bytes = utf8.empty() ? recording.bytes : utf8};
     if (!is_read_by_itself(receiver, readable) && !gpsbabel::recognises(head)) {
+        if (const auto imu = imu::propose(readable)) return {imu::section_of(*imu)};
         refuse_not_read(readable, false);
         require_text(readable);
         if (std::vector<Section> table = table_sections(readable); !table.empty()) return table;
     }
     Observations observations = read_recording(receiver, recording);
     note_writers({recording}, observations);
-    return {positions_section(inspect(observations), gps_now())};
+    std::vector<Section> sections{positions_section(inspect(observations), gps_now())};
+    if (imu::is_esf(head) || imu::is_rawimu(head))
+        if (const auto imu = imu::propose(recording)) sections.push_back(imu::section_of(*imu));
+    return sections;
 }
 
 /// With no character in any text that a reader of the JSON could stumble over.
@@ -362,6 +414,7 @@ Recognition recognised_positions(Receiver receiver, const RecordingBytes& record
         return recognition_of_table(readable, receiver.columns);
     if (receiver.columns.empty() && !is_read_by_itself(receiver, readable) &&
         !gpsbabel::recognises(head)) {
+        if (const auto imu = imu::propose(readable)) return imu::recognition_of(*imu);
         refuse_not_read(readable, false);
         require_text(readable);
         Recognition series{.kind = RecordingKind::series, .series = series_in(readable)};

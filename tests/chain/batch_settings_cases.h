@@ -129,6 +129,9 @@ inline constexpr const char* other_way = R"yaml(
 /attempt/record: null
 /attempt/records: [{profile: time, speed: 50, unit: kn, source: a list, expanded_uncertainty: 0.1}]
 /attempt/secondary: {method: video, source: a sheet, speed: 54, unit: kn, expanded_uncertainty: 0.2}
+/attempt/receivers/0/lever_arm_m: null
+/attempt/receivers/0/rotation_bound_deg: null
+/attempt/receivers/0/imu: {file: imu.csv, columns: {time: t, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}, axes: {x: forward, y: right, z: down}, mount_deg: {roll: 1, pitch: 2, yaw: 3}, readings: rates, samples: instant, gyro_unit: rad/s, gyro_scale: 1, accelerometer_unit: m/s2, accelerometer_scale: 1, accelerometer_sense: specific_force, time_unit: s, rate_hz: 100, start_gps: "2026-10-20T11:00:58.000", time_offset_s: 0.1, grade: mems, antenna_m: {forward: 0.5, right: 0.1, down: -1.2}, reference_point_m: {forward: 0.1, right: 0.2, down: 0.3}}
 )yaml";
 
 inline constexpr const char* other_way_changes = R"yaml(
@@ -140,6 +143,19 @@ inline constexpr const char* other_way_changes = R"yaml(
 - {key: secondary.speed, set: {/attempt/secondary/speed: 53}}
 - {key: secondary.unit, set: {/attempt/secondary/unit: mph}}
 - {key: secondary.expanded_uncertainty, set: {/attempt/secondary/expanded_uncertainty: 0.4}}
+- {key: "receivers[].imu.file", set: {/attempt/receivers/0/imu/file: other-imu.csv}, redoes: import smooth window}
+- {key: "receivers[].imu.columns.week", set: {/attempt/receivers/0/imu/columns/week: week}, redoes: import}
+- {key: "receivers[].imu.axes.x", set: {/attempt/receivers/0/imu/axes: {x: -forward, y: -right, z: down}}, redoes: import}
+- {key: "receivers[].imu.axes.y", set: {/attempt/receivers/0/imu/axes: {x: right, y: -forward, z: down}}, redoes: import}
+- {key: "receivers[].imu.axes.z", set: {/attempt/receivers/0/imu/axes: {x: -forward, y: right, z: -down}}, redoes: import}
+- {key: "receivers[].imu.start_gps", set: {/attempt/receivers/0/imu/start_gps: "2026-10-20T11:00:59.000"}, redoes: import}
+- {key: "receivers[].imu.grade", set: {/attempt/receivers/0/imu/grade: tactical}, redoes: import}
+- {key: "receivers[].imu.grade.gyro_bias_deg_h", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 2, angle_random_walk_deg_sqrt_h: 1, gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 1, velocity_random_walk_m_s_sqrt_h: 1, accelerometer_bias_walk_mg_sqrt_h: 1}}, redoes: import}
+- {key: "receivers[].imu.grade.angle_random_walk_deg_sqrt_h", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 1, angle_random_walk_deg_sqrt_h: 2, gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 1, velocity_random_walk_m_s_sqrt_h: 1, accelerometer_bias_walk_mg_sqrt_h: 1}}, redoes: import}
+- {key: "receivers[].imu.grade.gyro_bias_walk_deg_h_sqrt_h", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 1, angle_random_walk_deg_sqrt_h: 1, gyro_bias_walk_deg_h_sqrt_h: 2, accelerometer_bias_mg: 1, velocity_random_walk_m_s_sqrt_h: 1, accelerometer_bias_walk_mg_sqrt_h: 1}}, redoes: import}
+- {key: "receivers[].imu.grade.accelerometer_bias_mg", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 1, angle_random_walk_deg_sqrt_h: 1, gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 2, velocity_random_walk_m_s_sqrt_h: 1, accelerometer_bias_walk_mg_sqrt_h: 1}}, redoes: import}
+- {key: "receivers[].imu.grade.velocity_random_walk_m_s_sqrt_h", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 1, angle_random_walk_deg_sqrt_h: 1, gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 1, velocity_random_walk_m_s_sqrt_h: 2, accelerometer_bias_walk_mg_sqrt_h: 1}}, redoes: import}
+- {key: "receivers[].imu.grade.accelerometer_bias_walk_mg_sqrt_h", set: {/attempt/receivers/0/imu/grade: {gyro_bias_deg_h: 1, angle_random_walk_deg_sqrt_h: 1, gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 1, velocity_random_walk_m_s_sqrt_h: 1, accelerometer_bias_walk_mg_sqrt_h: 2}}, redoes: import}
 )yaml";
 
 inline constexpr const char* claim_changes = R"yaml(

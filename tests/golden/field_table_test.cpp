@@ -55,7 +55,12 @@ const Names without_unit{
     // of a device, where the unit stands beside
     "device_deduction.speed",
     // of a calibration, and of a wheel
-    "calibration.expanded_uncertainty", "wheel.scale", "wheel.expanded_uncertainty_scale"};
+    "calibration.expanded_uncertainty", "wheel.scale", "wheel.expanded_uncertainty_scale",
+    // of an IMU, whose scale's unit stands in keys beside it, and of what is made of it
+    "imu.gyro_scale", "imu.accelerometer_scale", "clock.drift",
+    "consistency.normalised_innovations", "consistency.autocorrelation", "consistency.beyond_share",
+    "innovation_east", "innovation_north", "innovation_up", "quaternion_w", "quaternion_x",
+    "quaternion_y", "quaternion_z"};
 
 /// Whether the path, or its end after a point, stands in that list.
 bool may_lack_unit(const std::string& path) {
@@ -113,7 +118,7 @@ TEST(FieldTables, EveryFieldIsDescribedAndPhysicalQuantitiesHaveAUnit) {
 }
 
 TEST(FieldTables, EveryColumnIsDescribedAndPhysicalQuantitiesHaveAUnit) {
-    for (const char* name : {"observations", "enu", "screened", "trajectory"}) {
+    for (const char* name : {"observations", "enu", "screened", "trajectory", "attitude"}) {
         SCOPED_TRACE(name);
         const TableSchema schema = TableSchema::parse(golden::field_table(name), name);
         EXPECT_GE(schema.columns().size(), 20U);

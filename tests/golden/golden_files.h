@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
+#include "schemas/attitude/declared.h"
 #include "schemas/day/day.h"
 #include "schemas/day_results/day_results.h"
 #include "schemas/enu/declared.h"
 #include "schemas/generator/declaration.h"
+#include "schemas/imu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/phase/declared.h"
 #include "schemas/profile/profile.h"
@@ -64,6 +66,10 @@ inline constexpr GoldenKind kinds[] = {
      [](const std::string& text, const std::string& where) {
          return write_phase(read_phase(text, where));
      }},
+    {"1-imu.ecsv", "imu",
+     [](const std::string& text, const std::string& where) {
+         return write_imu(read_imu(text, where));
+     }},
     {"2-enu.ecsv", "enu",
      [](const std::string& text, const std::string& where) {
          return write_enu(read_enu(text, where));
@@ -79,6 +85,10 @@ inline constexpr GoldenKind kinds[] = {
     {"4-trajectory.ecsv", "trajectory",
      [](const std::string& text, const std::string& where) {
          return write_trajectory(read_trajectory(text, where));
+     }},
+    {"4-attitude.ecsv", "attitude",
+     [](const std::string& text, const std::string& where) {
+         return write_attitude(read_attitude(text, where));
      }},
     {"5-windows.yaml", "windows",
      [](const std::string& text, const std::string& where) {

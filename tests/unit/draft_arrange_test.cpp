@@ -67,6 +67,19 @@ TEST(Arrange, WhatWasRecordedAtTheSameTimeAndPlaceIsASecondReceiver) {
     EXPECT_NE(three.said.back().find("c is left out"), std::string::npos) << three.said.back();
 }
 
+TEST(Arrange, AnImusFileIsThePrimaryReceivers) {
+    const Arrangement one = arrange({raw("imu.csv", RecordingKind::imu), recorded("a.nmea", 0),
+                                     raw("other.csv", RecordingKind::imu)});
+    ASSERT_EQ(one.receivers.size(), 1U);
+    EXPECT_EQ(one.receivers[0].recordings, (std::vector<std::size_t>{1}));
+    EXPECT_EQ(one.receivers[0].imu, 0U);
+    ASSERT_EQ(one.said.size(), 2U);
+    EXPECT_NE(one.said[0].find("imu.csv holds the samples of an IMU"), std::string::npos);
+    EXPECT_EQ(one.said[1], "other.csv is left out: one IMU is used.");
+    EXPECT_EQ(problem_of({raw("imu.csv", RecordingKind::imu)}),
+              "the file holds the samples of an IMU, and no recording");
+}
+
 TEST(Arrange, RefusesFilesOfSeveralAttempts) {
     EXPECT_NE(problem_of({recorded("a", 0), recorded("b", 1, 12.0)}).find("12.0 km away"),
               std::string::npos);

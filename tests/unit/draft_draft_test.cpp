@@ -20,6 +20,7 @@ HandedIn solution() {
     is.format = "rtklib-pos";
     is.first = parse_gps_iso("2026-03-14T10:00:18");
     is.last = parse_gps_iso("2026-03-14T10:01:18");
+    is.span_s = 60.0;
     is.fixes = {{.fix = "fixed", .epochs = 600}};
     is.accuracy = is.height_accuracy = is.satellites_time = true;
     return file;
@@ -57,6 +58,66 @@ TEST(Draft, AsksForNothingThatTheRecordingAnswers) {
               (std::vector<std::string>{"craft.name", "craft.class", "profiles", "pilot", "place",
                                         "officials", "record.speed",
                                         "receivers.primary.antenna_height_m"}));
+}
+
+/// An IMU's table, whose times have no date.
+HandedIn imu_table(double first_s) {
+    HandedIn file{.path = "imu.csv"};
+    file.is.kind = RecordingKind::imu;
+    file.is.format = "csv";
+    file.is.count_s = first_s;
+    file.is.span_s = 60.0;
+    const std::pair<const char*, const char*> proposed[] = {{"imu.columns.time", "t"},
+                                                            {"imu.columns.gyro_x", "2"},
+                                                            {"imu.columns.gyro_y", "3"},
+                                                            {"imu.columns.gyro_z", "4"},
+                                                            {"imu.columns.accelerometer_x", "5"},
+                                                            {"imu.columns.accelerometer_y", "6"},
+                                                            {"imu.columns.accelerometer_z", "7"},
+                                                            {"imu.axes.x", "forward"},
+                                                            {"imu.axes.y", "-right"},
+                                                            {"imu.axes.z", "-down"},
+                                                            {"imu.rate_hz", "100.5"},
+                                                            {"imu.gyro_unit", "deg/s"}};
+    for (const auto& [key, value] : proposed)
+        file.is.proposed.push_back({.key = key, .value = value, .reason = "by its name"});
+    return file;
+}
+
+TEST(Draft, AnImuIsWrittenAsItsFileSaysAndItsArmIsAskedFor) {
+    const auto draft_with = [](double first_s) {
+        std::vector<HandedIn> files{solution(), imu_table(first_s)};
+        Arrangement one = arrange(files);
+        return Draft(std::move(files), std::move(one));
+    };
+    // From the recording's first epoch, and of the GPS week: 6 days, 10 h and 18 s.
+    for (const double first_s : {-3.0, 6 * 86'400.0 + 36'018.0}) {
+        const Draft one = draft_with(first_s);
+        EXPECT_EQ(open_keys(one, true),
+                  (std::vector<std::string>{"craft.name", "craft.class", "profiles",
+                                            "receivers.primary.imu.antenna_m"}));
+    }
+    EXPECT_TRUE(is_open(draft_with(-3.0), "receivers.primary.imu.start_gps"));
+    EXPECT_FALSE(is_open(draft_with(6 * 86'400.0 + 36'018.0), "receivers.primary.imu.start_gps"));
+    Draft draft = draft_with(46'408.0);
+    EXPECT_TRUE(is_open(draft, "receivers.primary.imu.start_gps"));
+    draft.set("imu.start_gps", "2026-03-14T10:00:18.25");
+    draft.set("receivers.primary.imu.antenna_m", "{forward: 0, right: 0.5, down: -5}");
+    draft.set("imu.grade", "mems");
+    EXPECT_NE(refused(draft, "imu.grade", "good"), "taken");
+    EXPECT_FALSE(is_open(draft, "receivers.primary.imu.grade"));
+    draft.set("craft.name", "a");
+    draft.set("craft.class", "land-yacht");
+    draft.set("profiles", "nalsa");
+    const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
+    const Imu& imu = *attempt.receivers[0].imu;
+    EXPECT_EQ(imu.file, "imu.csv");
+    EXPECT_EQ(imu.columns.at("accelerometer_z"), "7");
+    EXPECT_EQ(imu.axes->y, CraftAxis::left);
+    EXPECT_EQ(imu.rate_hz, 100.5);
+    EXPECT_EQ(imu.antenna, (LeverArm{0.0, 0.5, -5.0}));
+    EXPECT_EQ(to_iso(*imu.start_gps), "2026-03-14T10:00:18.250");
+    EXPECT_EQ(imu.grade->name, "mems");
 }
 
 TEST(Draft, AsksForWhatARecordingNeeds) {

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "core/random.h"
+#include "core/text.h"
 #include "import_inspect_support.h"
 #include "import_test_support.h"
 

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "schemas/common/codec.h"
+
+// Where things are on a craft, and how good an IMU on it is: in the attempt, and in the products
+// that were made with it.
+namespace runcert {
+
+/// From one point of the craft to another (m): forward, right, down.
+using LeverArm = std::array<double, 3>;
+template <>
+nlohmann::ordered_json members_json(const LeverArm& arm);
+template <>
+LeverArm read_members(const YamlValue& map);
+
+/// Attitude of a box in the craft (deg): right side down, nose up, clockwise from the craft's
+/// forward axis seen from above.
+struct MountAngles {
+    double roll = 0.0;
+    double pitch = 0.0;
+    double yaw = 0.0;
+
+    bool operator==(const MountAngles&) const = default;
+};
+template <>
+nlohmann::ordered_json members_json(const MountAngles& mount);
+template <>
+MountAngles read_members(const YamlValue& map);
+
+/// Errors of an IMU, each the same on its three axes, in the units of data sheets.
+struct ImuErrors {
+    double gyro_bias_deg_h = 0.0;  ///< standard deviation
+    double angle_random_walk_deg_sqrt_h = 0.0;
+    double gyro_bias_walk_deg_h_sqrt_h = 0.0;
+    double accelerometer_bias_mg = 0.0;  ///< standard deviation
+    double velocity_random_walk_m_s_sqrt_h = 0.0;
+    double accelerometer_bias_walk_mg_sqrt_h = 0.0;
+
+    bool operator==(const ImuErrors&) const = default;
+};
+
+/// How good an IMU is: the word of a class, or figures.
+struct ImuGrade {
+    std::string name;                                ///< "tactical", "mems", "consumer"; or empty
+    std::optional<ImuErrors> errors = std::nullopt;  ///< where there is no name
+
+    bool operator==(const ImuGrade&) const = default;
+};
+/// A text for the word of a class, a map for figures.
+template <>
+nlohmann::ordered_json members_json(const ImuGrade& grade);
+/// Failure for a text that is no class.
+template <>
+ImuGrade read_members(const YamlValue& text_or_map);
+
+}  // namespace runcert

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/optional_number.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/observations/observations.h"
+#include "stages/import/recording.h"
+
+namespace runcert::imu {
+
+/// What the stamps of samples count from.
+enum class Stamps {
+    none,   ///< there are no stamps
+    count,  ///< a zero of their own
+    week,   ///< the beginning of the GPS week
+    gps     ///< the GPS epoch
+};
+
+/// A sample along the axes of the IMU: rad/s and m/s^2, or increments of rad and m/s.
+struct RawSample {
+    std::int64_t time_ns = 0;
+    Eigen::Vector3d gyro = Eigen::Vector3d::Zero();
+    Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();
+    OptionalNumber<std::int32_t> line = {};  ///< counted from 1; empty in binary formats
+    std::int64_t byte = 0;                   ///< where its record begins
+};
+
+/// A file as it was read.
+struct RawFile {
+    std::string format;  ///< "csv", "kf-gins", "novatel", "ubx"
+    Stamps stamps = Stamps::count;
+    bool increments = false;
+    ImuAxes axes;  ///< as the attempt says, or else the format
+    RecordCount records;
+    std::vector<RawSample> samples;  ///< one at least, in the order of the file
+    std::vector<std::string> notes;
+};
+
+/// The unit of the gyros in radians a second, and of the accelerometers in metres a second squared,
+/// each times its scale and sense. Of increments the same times seconds.
+double gyro_unit(const Imu& imu);
+double accelerometer_unit(const Imu& imu);
+
+/// Reads a file in its format. `utc`: dates without a letter are of UTC. Failure where it cannot be
+/// read, or more than half of its records cannot.
+RawFile read_raw(const Receiver& receiver, const RecordingBytes& file, bool utc);
+
+// The formats. A table is what the attempt names columns of.
+RawFile read_table(const Receiver& receiver, const RecordingBytes& file, bool utc);
+
+/// KF-GINS text: seconds of the GPS week, three angle increments (rad), three velocity increments
+/// (m/s), along forward, right, down, parted by blanks (i2Nav, "KF-GINS", ReadMe 2.2).
+bool is_kf_gins(std::string_view bytes);
+RawFile read_kf_gins(const Receiver& receiver, const RecordingBytes& file);
+
+/// NovAtel RAWIMUA and RAWIMUSA ("OEM7 Commands and Logs", RAWIMU): week, seconds, status, counts
+/// of velocity Z, -Y, X and of angle Z, -Y, X. The scale of a count is not in the log.
+bool is_rawimu(std::string_view bytes);
+RawFile read_rawimu(const Receiver& receiver, const RecordingBytes& file);
+
+/// u-blox ESF-MEAS and ESF-RAW ("F9 interface description", ESF): gyros at 2^-12 deg/s,
+/// accelerometers at 2^-10 m/s^2. Sensor time tags are tied to GPS time by the NAV-PVT messages
+/// that stand between them.
+bool is_esf(std::string_view bytes);
+RawFile read_esf(const Receiver& receiver, const RecordingBytes& file);
+
+}  // namespace runcert::imu

@@ -1,6 +1,7 @@
 #include "simulation/inertial_run.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -54,18 +55,21 @@ class Craft {
 
   private:
     CraftState on_the_lake(double time_s) const {
-        // A craft that stands sets off smoothly; one that is recorded on its way has 10 m/s.
+        // A craft that stands sets off smoothly; one that is recorded on its way has a speed.
         const bool from_rest = spec_.stand_s > 0.0;
         const double moving = from_rest ? smooth_step(time_s / 15.0) : 1.0;
         const double logistic = 1.0 / (1.0 + std::exp(-(time_s - 25.0) / 6.0));
         const double speed =
-            moving * (10.0 + 50.0 * logistic + std::sin(two_pi * 0.07 * time_s + phases_[0]) +
-                      0.3 * std::sin(two_pi * 0.31 * time_s + phases_[1]));
-        const double course = radians(62.0 + 1.5 * std::sin(two_pi * 0.03 * time_s + phases_[2]) +
-                                      0.5 * std::sin(two_pi * 0.11 * time_s + phases_[3]));
-        const double slope = 0.002 * std::sin(two_pi * 0.05 * time_s + phases_[4]);
-        const double leeway =
-            radians(spec_.leeway_deg) * (1.0 + 0.2 * std::sin(two_pi * 0.2 * time_s + phases_[5]));
+            moving * spec_.speed_m_s / 60.0 *
+            (10.0 + 50.0 * logistic + std::sin(two_pi * 0.07 * time_s + phases_[0]) +
+             0.3 * std::sin(two_pi * 0.31 * time_s + phases_[1]));
+        const double turning_s = std::max(time_s, 0.0);  // a craft that stands keeps its attitude
+        const double course =
+            radians(62.0 + 1.5 * std::sin(two_pi * 0.03 * turning_s + phases_[2]) +
+                    0.5 * std::sin(two_pi * 0.11 * turning_s + phases_[3]));
+        const double slope = 0.002 * std::sin(two_pi * 0.05 * turning_s + phases_[4]);
+        const double leeway = radians(spec_.leeway_deg) *
+                              (1.0 + 0.2 * std::sin(two_pi * 0.2 * turning_s + phases_[5]));
         const double roll =
             radians(spec_.roll_deg) * moving * oscillation(time_s, spec_.roll_hz, phases_[6]);
         const double pitch = radians(spec_.pitch_deg) * moving *

@@ -11,8 +11,9 @@ namespace runcert {
 
 /// Where an IMU is simulated.
 enum class InertialCourse {
-    /// A sailing craft on a salt lake: from 10 to 60 m/s along a straight line, with gusts, slow
-    /// meanders and leeway.
+    /// A sailing craft on a salt lake: from a sixth of its speed to all of it along a straight
+    /// line,
+    /// with gusts, slow meanders and leeway.
     salt_lake,
     /// A car on a banked oval: straights of 600 m and turns of 320 m radius, 3 to 14 degrees of
     /// bank, 66 to 85 m/s, side slip and body roll.
@@ -26,8 +27,9 @@ struct InertialRunSpec {
                     .longitude = Angle::from_degrees(136.0),
                     .height_m = 110.0};
     double duration_s = 100.0;
-    double stand_s = 0.0;  ///< the craft stands so long before it moves
-    double start_m = 0.0;  ///< where on the oval it starts; its first turn begins at 600 m
+    double stand_s = 0.0;     ///< the craft stands so long before it moves
+    double start_m = 0.0;     ///< where on the oval it starts; its first turn begins at 600 m
+    double speed_m_s = 60.0;  ///< on the lake
     /// Of the craft's own oscillation, beside what course and bank give.
     double roll_deg = 10.0;
     double roll_hz = 0.5;

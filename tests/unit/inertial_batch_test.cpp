@@ -104,6 +104,39 @@ InertialNominal nominal_of(const InertialEpoch& epoch, const InertialSetup& setu
             .antenna_m = setup.antenna_m};
 }
 
+/// The batch's own covariances, of single epochs and between two, against the smoother's.
+void expect_covariances_to_agree(ceres::Problem& problem, const std::vector<State>& x,
+                                 const std::vector<Scaled>& scaled,
+                                 const JointErrors<plain>& joint) {
+    constexpr std::size_t s = 250, e = 280;
+    ceres::Covariance::Options options;
+    options.algorithm_type = ceres::SPARSE_QR;
+    options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
+    ceres::Covariance covariance(options);
+    const double *at_s = x[s].data(), *at_e = x[e].data();
+    ASSERT_TRUE(covariance.Compute({{at_s, at_s}, {at_s, at_e}, {at_e, at_e}}, &problem));
+    // All in units of the smoother's standard deviations.
+    const auto block = [&](const double* a, const double* b) {
+        Eigen::Matrix<double, plain, plain, Eigen::RowMajor> found;
+        EXPECT_TRUE(covariance.GetCovarianceBlock(a, b, found.data()));
+        return Matrix(found);
+    };
+    const auto scaled_by = [&](const Matrix& m, std::size_t a, std::size_t b) -> Matrix {
+        return scaled[a].unit.cwiseInverse().asDiagonal() * m *
+               scaled[b].unit.cwiseInverse().asDiagonal();
+    };
+    Matrix cross = joint.covariance[e];
+    for (std::size_t k = e; k > s; --k)
+        cross = joint.gain[k - 1] * cross;
+    const double single =
+        (block(at_s, at_s) - scaled_by(joint.covariance[s], s, s)).cwiseAbs().maxCoeff();
+    const double across = (block(at_s, at_e) - scaled_by(cross, s, e)).cwiseAbs().maxCoeff();
+    EXPECT_GT(scaled_by(cross, s, e).cwiseAbs().maxCoeff(), 0.5);
+    EXPECT_LT(single, 1e-2);
+    EXPECT_LT(across, 1e-2);
+    std::printf("covariances differ by %.1e, between epochs by %.1e\n", single, across);
+}
+
 void expect_the_batch_to_agree(InertialRunSpec spec) {
     spec.duration_s = 61.0;
     const InertialRun run = simulate_inertial(spec);
@@ -165,6 +198,7 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
             most[j / 3] = std::max(most[j / 3], std::abs(x[k](j) - zero));
     for (const double each : most)
         EXPECT_LT(each, 1e-2);
+    expect_covariances_to_agree(problem, x, scaled, joint);
     std::printf(
         "smoother less batch, standard deviations: attitude %.1e velocity %.1e position "
         "%.1e biases %.1e %.1e error %.1e (%s)\n",

@@ -54,11 +54,12 @@ inline std::size_t first_truth(const InertialRun& run, const InertialSolution& s
 }
 
 inline SpeedErrors speed_errors(const InertialRun& run, const InertialSolution& solution,
-                                std::size_t window = 30, std::size_t every = 1) {
+                                std::size_t window = 30, std::size_t every = 1,
+                                std::size_t from = 0) {
     SpeedErrors result;
     const std::size_t first = first_truth(run, solution);
     double best = 0.0, true_best = 0.0;
-    for (std::size_t s = 0; s + window < solution.epochs.size(); s += every) {
+    for (std::size_t s = from; s + window < solution.epochs.size(); s += every) {
         const std::size_t e = s + window;
         const double duration_s = solution.epochs[e].time_s - solution.epochs[s].time_s;
         const PointDisplacement moved = solution.displacement(s, e, CraftPoint::reference_point);

@@ -37,8 +37,11 @@ struct MeanRates {
     double duration_s = 0.0;
 };
 
-/// Mean rates over a stretch, along the body's axes at its beginning.
-MeanRates mean_rates(std::span<const ImuSample> samples, double from_s, double to_s) {
+enum class Body { stands, turns };
+
+/// Mean rates over a stretch. The specific force of a body that turns is along its axes at the
+/// beginning, by the gyros; one that stands on the Earth keeps its axes against gravity.
+MeanRates mean_rates(std::span<const ImuSample> samples, double from_s, double to_s, Body body) {
     SampleReader reader(samples);
     reader.seek(from_s);
     MeanRates mean;
@@ -47,7 +50,7 @@ MeanRates mean_rates(std::span<const ImuSample> samples, double from_s, double t
         mean.rate_rad_s += piece->sample.angle_rad;
         mean.force_m_s2 += turned * piece->sample.velocity_m_s;
         mean.duration_s += piece->sample.interval_s;
-        turned = turned * rotation_about(piece->sample.angle_rad);
+        if (body == Body::turns) turned = turned * rotation_about(piece->sample.angle_rad);
     }
     mean.rate_rad_s /= mean.duration_s;
     mean.force_m_s2 /= mean.duration_s;
@@ -159,7 +162,7 @@ Eigen::Matrix3d body_rotation(std::span<const ImuSample> samples, double from_s,
 
 StandingAlignment align_standing(std::span<const ImuSample> samples, double from_s, double to_s,
                                  const EarthFrame& earth, const ImuNoise& noise) {
-    const MeanRates mean = mean_rates(samples, from_s, to_s);
+    const MeanRates mean = mean_rates(samples, from_s, to_s, Body::stands);
     const Eigen::Vector3d up = -earth.gravity_m_s2(Eigen::Vector3d::Zero());
     const double g = up.norm();
     if (!(std::abs(mean.force_m_s2.norm() / g - 1.0) < 0.05))
@@ -243,7 +246,7 @@ FoundStart search_start(const InertialData& data, const InertialSetup& setup) {
     if (part.fixes.size() < 2) part = data;
     const double from_s = part.fixes[0].time_s + setup.time_offset_s;
     const double to_s = std::min(from_s + 4.0, part.fixes.back().time_s + setup.time_offset_s);
-    const Eigen::Vector3d force = mean_rates(data.samples, from_s, to_s).force_m_s2;
+    const Eigen::Vector3d force = mean_rates(data.samples, from_s, to_s, Body::turns).force_m_s2;
     const EulerAngles sigma{rad(search_tilt_deg), rad(search_tilt_deg), rad(search_heading_deg)};
     std::optional<InertialPrior> best;
     double greatest = 0.0;

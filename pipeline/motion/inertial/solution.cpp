@@ -15,8 +15,10 @@ namespace {
 constexpr double largest_nis = 2.0, least_nis = 0.3;
 /// What an unknown heading may move the reference point by.
 constexpr double heading_effect_m = 0.05;
-/// RMS rate of roll and pitch from which a vertical lever arm shows.
-constexpr double least_roll_rate_rad_s = 0.06;
+/// RMS change of the vertical axis in a second from which a vertical lever arm shows. A car on
+/// roads has 0.015, with which an arm of 0 came out as up to 0.85 m; a craft that rolls by 3
+/// degrees 0.06.
+constexpr double least_tilt_change_rad = 0.026;
 /// Epochs at the start whose innovations test a vague prior.
 constexpr std::size_t prior_epochs = 10;
 
@@ -35,6 +37,21 @@ PointMotion point_of(const InertialNominal& at, const ErrorMatrix<N>& covariance
     point.velocity_covariance_m2_s2 = velocity * covariance * velocity.transpose() +
                                       rate_variance * turning * turning.transpose();
     return point;
+}
+
+/// RMS change of the body's vertical axis in a second.
+double tilt_change_rad(const std::vector<InertialEpoch>& epochs) {
+    double squares = 0.0;
+    double count = 0.0;
+    std::size_t after = 0;
+    for (const InertialEpoch& epoch : epochs) {
+        while (after < epochs.size() && epochs[after].time_s < epoch.time_s + 1.0)
+            ++after;
+        if (after == epochs.size()) break;
+        squares += (epochs[after].enu_from_body.row(2) - epoch.enu_from_body.row(2)).squaredNorm();
+        count += 1.0;
+    }
+    return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
 EulerAngles sigmas(const Eigen::Matrix3d& c, const Eigen::Matrix3d& covariance) {
@@ -117,16 +134,14 @@ void find_doubts(InertialSolution& solution, const InertialSetup& setup, bool co
     const double horizontal_arm_m =
         (setup.reference_point_m - solution.antenna_m.value).head<2>().norm();
     double effect_m = 0.0;
-    double squares = 0.0;
-    for (const InertialEpoch& epoch : solution.epochs) {
+    for (const InertialEpoch& epoch : solution.epochs)
         effect_m = std::max(effect_m, epoch.attitude_sigma.heading * horizontal_arm_m);
-        squares += epoch.rate_rad_s.head<2>().squaredNorm();
-    }
     if (effect_m > heading_effect_m)
         doubts.push_back({InertialFinding::heading_unobservable, effect_m, heading_effect_m});
-    const double rate = std::sqrt(squares / static_cast<double>(solution.epochs.size()));
-    if (setup.estimate_antenna && rate < least_roll_rate_rad_s)
-        doubts.push_back({InertialFinding::vertical_arm_unobservable, rate, least_roll_rate_rad_s});
+    const double change = tilt_change_rad(solution.epochs);
+    if (setup.estimate_antenna && change < least_tilt_change_rad)
+        doubts.push_back(
+            {InertialFinding::vertical_arm_unobservable, change, least_tilt_change_rad});
     if (!converged) doubts.push_back({InertialFinding::not_converged, 1.0, 0.0});
 }
 

@@ -150,6 +150,9 @@ class ImuErrors {
         const double size = spec.with_biases ? 1.0 : 0.0;
         bias_.gyro_rad_s = size * noise_.gyro_bias_rad_s * draw(random_);
         bias_.accelerometer_m_s2 = size * noise_.accelerometer_bias_m_s2 * draw(random_);
+        for (Eigen::Matrix3d* scale : {&gyro_scale_, &accelerometer_scale_})
+            for (int axis = 0; axis < 3; ++axis)
+                scale->col(axis) = Eigen::Vector3d::Unit(axis) + spec.scale_sigma * draw(random_);
     }
 
     const ImuBias& bias() const { return bias_; }
@@ -160,6 +163,8 @@ class ImuErrors {
             std::hypot(noise_.angle_walk_rad_sqrt_s, noise_.motion_sqrt_s * rate_rad_s);
         const double velocity =
             std::hypot(noise_.velocity_walk_m_s_sqrt_s, noise_.motion_sqrt_s * acceleration_m_s2);
+        sample.angle_rad = (gyro_scale_ * sample.angle_rad).eval();
+        sample.velocity_m_s = (accelerometer_scale_ * sample.velocity_m_s).eval();
         sample.angle_rad += sample.interval_s * bias_.gyro_rad_s + root_s * angle * draw(random_);
         sample.velocity_m_s +=
             sample.interval_s * bias_.accelerometer_m_s2 + root_s * velocity * draw(random_);
@@ -172,6 +177,7 @@ class ImuErrors {
     ImuNoise noise_;
     RandomGenerator& random_;
     ImuBias bias_;
+    Eigen::Matrix3d gyro_scale_, accelerometer_scale_;
 };
 
 void require_possible(const InertialRunSpec& spec) {

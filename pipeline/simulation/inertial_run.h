@@ -39,7 +39,9 @@ struct InertialRunSpec {
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
     ImuNoise noise = {};      ///< no noise: an IMU without errors
     bool with_biases = true;  ///< drawn from `noise`
-    int imu_hz = 100;         ///< 50, 100, 200 or 400
+    /// Standard deviation of scale factors and of what one axis feels of another, constant.
+    double scale_sigma = 0.0;
+    int imu_hz = 100;  ///< 50, 100, 200 or 400
     int position_hz = 10;
     double white_horizontal_m = 0.012;
     double white_vertical_m = 0.020;

@@ -82,7 +82,7 @@ Drive read_drive(const std::string& folder) {
     Drive drive;
     drive.samples = read_imu(folder + "imu.csv");
     drive.fixes = read_positions(folder + "rover.pos", drive.setup.origin);
-    drive.setup.noise = on_a_craft(imu_noise(ImuGrade::mems));
+    drive.setup.noise = imu_noise(ImuGrade::mems);
     // The antenna is 5 cm left of the IMU, whose second axis points right.
     drive.setup.antenna_m = {0.0, -0.05, 0.0};
     drive.setup.estimate_time_offset = true;
@@ -98,6 +98,11 @@ TEST(InertialDrive, GivesTheRecordistsMountAndTimeOffset) {
     ASSERT_GT(drive.samples.size(), 54'000U);
     ASSERT_GT(drive.fixes.size(), 2'000U);
     const InertialSolution solution = smooth_inertial(drive.samples, drive.fixes, drive.setup);
+    std::printf(
+        "noise %.4f of the motion, velocity random walk x %.0f, angle x %.0f\n",
+        solution.noise.motion_sqrt_s,
+        solution.noise.velocity_walk_m_s_sqrt_s / drive.setup.noise.velocity_walk_m_s_sqrt_s,
+        solution.noise.angle_walk_rad_sqrt_s / drive.setup.noise.angle_walk_rad_sqrt_s);
     const auto mount = estimate_mount(solution, {});
     ASSERT_TRUE(mount);
     std::printf("NIS/3 %.3f (%.2f %.2f %.2f), lag %.2f, beyond %.3f, start %d, passes %d\n",

@@ -13,7 +13,6 @@ namespace runcert {
 namespace {
 
 constexpr double least_course_speed_m_s = 5.0;
-constexpr double moving_speed_m_s = 0.5;
 constexpr double least_stand_s = 5.0;
 /// Standard deviations of a craft that moves, against level and course.
 constexpr double course_roll_deg = 9.0, course_pitch_deg = 4.0, course_heading_deg = 5.0;
@@ -104,16 +103,11 @@ InertialPrior prior_with(const StartAttitude& start, const InertialData& data,
     return prior;
 }
 
-std::optional<std::size_t> first_faster(const InertialData& data, double speed_m_s) {
-    for (std::size_t k = 0; k < data.fixes.size(); ++k)
-        if (velocity_of_positions(data.fixes, k).head<2>().norm() >= speed_m_s) return k;
-    return std::nullopt;
-}
-
 /// Where the craft stands at first: from the first position on, for so long.
 std::optional<StandingAlignment> standing_at_first(const InertialData& data,
                                                    const InertialSetup& setup) {
-    const std::size_t moving = first_faster(data, moving_speed_m_s).value_or(data.fixes.size() - 1);
+    const std::size_t moving =
+        first_faster(data.fixes, moving_speed_m_s).value_or(data.fixes.size() - 1);
     const double from_s = data.fixes[0].time_s + setup.time_offset_s;
     const double to_s = data.fixes[moving].time_s + setup.time_offset_s - 1.0;
     if (to_s - from_s < least_stand_s) return std::nullopt;
@@ -147,6 +141,12 @@ Eigen::Vector3d velocity_of_positions(std::span<const PositionFix> fixes, std::s
         squares += t * t;
     }
     return squares > 0.0 ? Eigen::Vector3d(sum / squares) : Eigen::Vector3d::Zero();
+}
+
+std::optional<std::size_t> first_faster(std::span<const PositionFix> fixes, double speed_m_s) {
+    for (std::size_t k = 0; k < fixes.size(); ++k)
+        if (velocity_of_positions(fixes, k).head<2>().norm() >= speed_m_s) return k;
+    return std::nullopt;
 }
 
 Eigen::Matrix3d body_rotation(std::span<const ImuSample> samples, double from_s, double to_s,
@@ -196,7 +196,7 @@ StandingAlignment align_standing(std::span<const ImuSample> samples, double from
 std::optional<FoundStart> find_start(const InertialData& data, const InertialSetup& setup) {
     if (setup.start) return FoundStart{prior_with(*setup.start, data, setup), InertialStart::given};
     const auto standing = standing_at_first(data, setup);
-    const auto fast = first_faster(data, least_course_speed_m_s);
+    const auto fast = first_faster(data.fixes, least_course_speed_m_s);
     if (fast) {
         const Eigen::Vector3d v = velocity_of_positions(data.fixes, *fast);
         const Eigen::Matrix3d there = rotation_of(
@@ -237,7 +237,7 @@ std::optional<FoundStart> find_start(const InertialData& data, const InertialSet
 }
 
 FoundStart search_start(const InertialData& data, const InertialSetup& setup) {
-    const std::size_t begin = first_faster(data, moving_speed_m_s).value_or(0);
+    const std::size_t begin = first_faster(data.fixes, moving_speed_m_s).value_or(0);
     InertialData part = data;
     part.fixes.assign(data.fixes.begin() + static_cast<std::ptrdiff_t>(begin), data.fixes.end());
     const auto end = std::ranges::upper_bound(part.fixes, part.fixes[0].time_s + searched_s, {},

@@ -33,6 +33,12 @@ StandingAlignment align_standing(std::span<const ImuSample> samples, double from
 /// Velocity (m/s) at an epoch by a straight line through the positions within a second of it.
 Eigen::Vector3d velocity_of_positions(std::span<const PositionFix> fixes, std::size_t epoch);
 
+/// A craft that moves at all.
+inline constexpr double moving_speed_m_s = 0.5;
+
+/// The first epoch at which the horizontal speed by positions is this or more.
+std::optional<std::size_t> first_faster(std::span<const PositionFix> fixes, double speed_m_s);
+
 /// Rotation of the body from one time to another by the gyros: body axes at `to_s` into those at
 /// `from_s`, the Earth's rotation neglected.
 Eigen::Matrix3d body_rotation(std::span<const ImuSample> samples, double from_s, double to_s,

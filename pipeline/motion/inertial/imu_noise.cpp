@@ -1,5 +1,7 @@
 #include "inertial/imu_noise.h"
 
+#include <cmath>
+
 #include "core/angle.h"
 
 namespace runcert {
@@ -43,7 +45,7 @@ ImuNoise imu_noise(ImuGrade grade) {
 ImuNoise on_a_craft(ImuNoise noise) {
     noise.velocity_walk_m_s_sqrt_s *= 10.0;
     noise.angle_walk_rad_sqrt_s *= 2.0;
-    noise.motion_sqrt_s = 0.006;
+    noise.motion_sqrt_s = std::hypot(noise.motion_sqrt_s, 0.006);
     return noise;
 }
 

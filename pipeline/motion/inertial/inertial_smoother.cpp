@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/statistics.h"
 #include "inertial/alignment.h"
+#include "inertial/imu_noise_fit.h"
 #include "inertial/inertial_filter.h"
 #include "inertial/joint_covariance.h"
 #include "inertial/solution.h"
@@ -20,9 +21,10 @@ constexpr std::size_t least_positions = 10;
 /// The attitude may turn so much in the last pass.
 constexpr double settled_rad = 1e-3;
 constexpr int most_passes = 8;
-constexpr double time_offset_nis = 1.5;   ///< above it, the innovations ask for the time offset
-constexpr double time_offset_gain = 0.8;  ///< and keep it if it lowers NIS/3 by so much
-constexpr double search_nis = 2.0;        ///< above it, the start is doubted
+constexpr double search_nis = 2.0;    ///< NIS/3 above which a start is doubted
+constexpr double compared_s = 120.0;  ///< of motion, on which noise and offset are judged
+/// By so much a time offset must raise the logarithm of the likelihood.
+constexpr double asking_gain = 10.0;
 /// Samples must reach so far beyond the positions for a time offset to be found.
 constexpr double offset_room_s = 0.5;
 
@@ -120,15 +122,84 @@ InertialSolution solve(const InertialData& data, const FoundStart& start,
                : solve<error_state::plain>(data, start, setup);
 }
 
-/// Solves from the start that the data give, and from a searched one if that is contradicted.
-InertialSolution solve_from_any_start(const InertialData& data, const InertialSetup& setup) {
-    const auto start = find_start(data, setup);
-    if (!start) return solve(data, search_start(data, setup), setup);
-    InertialSolution solution = solve(data, *start, setup);
-    if (setup.start || solution.consistency.nis < search_nis) return solution;
-    const FoundStart searched = search_start(data, setup);
-    InertialSolution other = solve(data, searched, setup);
-    return other.log_likelihood > solution.log_likelihood ? other : solution;
+/// Solves from the start that the data give, or else a searched one.
+InertialSolution solve_from_start(const InertialData& data, const InertialSetup& setup,
+                                  bool search) {
+    const auto start = search ? std::nullopt : find_start(data, setup);
+    return solve(data, start ? *start : search_start(data, setup), setup);
+}
+
+/// Two minutes about the highest speed, on which to compare.
+InertialData part_of(const InertialData& data, bool from_the_beginning) {
+    std::size_t fastest = 0;
+    double most_m_s = 0.0;
+    for (std::size_t k = 0; k < data.fixes.size() && !from_the_beginning; ++k) {
+        const double speed_m_s = velocity_of_positions(data.fixes, k).head<2>().norm();
+        if (speed_m_s <= most_m_s) continue;
+        most_m_s = speed_m_s;
+        fastest = k;
+    }
+    const double middle_s = data.fixes[fastest].time_s;
+    InertialData part = data;
+    std::erase_if(part.fixes, [&](const PositionFix& fix) {
+        return std::abs(fix.time_s - middle_s) > 0.5 * compared_s;
+    });
+    return part.fixes.size() < least_positions ? data : part;
+}
+
+/// How a recording is to be solved.
+struct Judged {
+    InertialSetup setup;
+    bool search = false;
+    double log_likelihood = 0.0;
+    double nis = 0.0;
+};
+
+/// The likeliest noise of a part about its own trajectory. That is found with the noise of a craft,
+/// from which a wrong start recovers soonest.
+template <int N>
+Judged judge(InertialData part, InertialSetup setup, bool search) {
+    const auto found = search ? std::nullopt : find_start(part, setup);
+    const FoundStart start = found ? *found : search_start(part, setup);
+    part.noise = setup.fit_noise ? on_a_craft(setup.noise) : setup.noise;
+    const Passes<N> passes = run_passes<N>(part, start.prior);
+    std::vector<InertialNominal> about(part.fixes.size());
+    double squares = 0.0;
+    for (std::size_t k = 0; k < about.size(); ++k) {
+        about[k] = passes.last.solution(k);
+        squares += passes.last.innovations[k].whitened.squaredNorm();
+    }
+    for (InertialNominal& each : about)
+        each.time_offset_s = about.back().time_offset_s;
+    part.noise = setup.noise;
+    const FittedImuNoise fitted = setup.fit_noise
+                                      ? fit_imu_noise<N>(part, start.prior, about)
+                                      : FittedImuNoise{setup.noise, passes.last.log_likelihood};
+    setup.noise = fitted.noise;
+    return {.setup = setup,
+            .search = start.kind == InertialStart::search,
+            .log_likelihood = fitted.log_likelihood,
+            .nis = squares / (3.0 * static_cast<double>(about.size()))};
+}
+
+Judged judge(const InertialData& part, const InertialSetup& setup, bool search) {
+    return setup.estimate_antenna || setup.estimate_time_offset
+               ? judge<error_state::full>(part, setup, search)
+               : judge<error_state::plain>(part, setup, search);
+}
+
+/// Start, noise and time offset by the likelihood of a part.
+Judged judge(const InertialData& part, const InertialSetup& setup) {
+    Judged best = judge(part, setup, false);
+    if (best.nis > search_nis && !best.search && !setup.start) {
+        const Judged searched = judge(part, setup, true);
+        if (searched.log_likelihood > best.log_likelihood) best = searched;
+    }
+    if (setup.estimate_time_offset) return best;
+    InertialSetup with_offset = setup;
+    with_offset.estimate_time_offset = true;
+    const Judged offset = judge(part, with_offset, best.search);
+    return offset.log_likelihood > best.log_likelihood + asking_gain ? offset : best;
 }
 
 InertialData data_of(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
@@ -145,15 +216,13 @@ InertialData data_of(std::span<const ImuSample> samples, std::span<const Positio
 
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup) {
-    const InertialData data = data_of(samples, fixes, setup);
-    InertialSolution solution = solve_from_any_start(data, setup);
-    if (setup.estimate_time_offset || solution.consistency.nis <= time_offset_nis) return solution;
-    InertialSetup with_offset = setup;
-    with_offset.estimate_time_offset = true;
-    InertialSolution other = solve_from_any_start(data, with_offset);
-    if (!(other.consistency.nis < time_offset_gain * solution.consistency.nis)) return solution;
-    other.time_offset_asked_by_innovations = true;
-    return other;
+    InertialData data = data_of(samples, fixes, setup);
+    const Judged judged = judge(part_of(data, setup.start.has_value()), setup);
+    data.noise = judged.setup.noise;
+    InertialSolution solution = solve_from_start(data, judged.setup, judged.search);
+    solution.time_offset_asked_by_innovations =
+        judged.setup.estimate_time_offset && !setup.estimate_time_offset;
+    return solution;
 }
 
 std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples,

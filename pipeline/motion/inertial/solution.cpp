@@ -54,6 +54,12 @@ double tilt_change_rad(const std::vector<InertialEpoch>& epochs) {
     return count > 0.0 ? std::sqrt(squares / count) : 0.0;
 }
 
+/// Of a sample's rate (rad^2/s^2), by the angular random walk alone.
+double rate_variance_of(const InertialData& data) {
+    const double walk = data.noise.angle_walk_rad_sqrt_s;
+    return walk * walk / data.samples.front().interval_s;
+}
+
 EulerAngles sigmas(const Eigen::Matrix3d& c, const Eigen::Matrix3d& covariance) {
     const Eigen::Matrix3d jacobian = euler_jacobian(c);
     const Eigen::Vector3d sigma =
@@ -77,12 +83,9 @@ InertialEpoch epoch_of(const InertialPass<N>& pass, std::size_t k, const Inertia
     epoch.rate_rad_s = measured_rate_rad_s(data.samples, epoch.time_s + carried_s) -
                        at.bias.gyro_rad_s -
                        at.state.enu_from_body.transpose() * data.earth.rotation_rad_s();
-    const double interval_s = data.samples.front().interval_s;
-    const double walk = data.noise.angle_walk_rad_sqrt_s;
-    const double rate_variance = walk * walk / interval_s;
     const auto point = [&](const Eigen::Vector3d& arm_m) {
         return point_of<N>(at, covariance, arm_m, epoch.rate_rad_s, at.time_offset_s - carried_s,
-                           rate_variance);
+                           rate_variance_of(data));
     };
     epoch.antenna = point(at.antenna_m);
     epoch.reference_point = point(setup.reference_point_m);
@@ -184,6 +187,7 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
             solution.time_offset_s.sigma = sigma(error_state::time_offset);
     }
     solution.log_likelihood = pass.log_likelihood;
+    solution.noise = data.noise;
     solution.bridged = bridged_spans<N>(pass, data);
     solution.consistency = consistency_of(solution.epochs);
     find_doubts(solution, setup, converged);
@@ -193,6 +197,7 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
     joint->reference_point_m = setup.reference_point_m;
     joint->antenna_m = last.antenna_m;
     joint->antenna_sigma_m = setup.estimate_antenna ? 0.0 : setup.antenna_sigma_m;
+    joint->rate_variance = rate_variance_of(data);
     solution.joint = std::move(joint);
     return solution;
 }
@@ -203,42 +208,5 @@ template InertialSolution solution_of<error_state::plain>(InertialPass<error_sta
 template InertialSolution solution_of<error_state::full>(InertialPass<error_state::full>&&,
                                                          const InertialData&, const InertialSetup&,
                                                          bool);
-
-PointDisplacement InertialSolution::displacement(std::size_t s, std::size_t e,
-                                                 CraftPoint point) const {
-    assert(s < e && e < epochs.size());
-    const bool antenna = point == CraftPoint::antenna;
-    const auto motion = [&](std::size_t k) -> const PointMotion& {
-        return antenna ? epochs[k].antenna : epochs[k].reference_point;
-    };
-    const Eigen::Vector3d& arm_m = antenna ? joint->antenna_m : joint->reference_point_m;
-    PointDisplacement result{.enu_m = motion(e).position_m - motion(s).position_m};
-    result.covariance_m2 = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) -> Eigen::Matrix3d {
-            const auto gradient = [&](std::size_t k) {
-                auto h = point_jacobian<N>(epochs[k].enu_from_body, arm_m, motion(k).velocity_m_s);
-                if constexpr (N == error_state::full)
-                    if (antenna)
-                        h.template middleCols<3>(error_state::lever_arm) = epochs[k].enu_from_body;
-                return h;
-            };
-            return errors.difference(s, gradient(s), e, gradient(e));
-        },
-        joint->errors);
-    // The IMU lies where the antenna is seen, so that an error of the arm between them moves every
-    // point but the antenna as the craft turns.
-    if (!antenna) {
-        const Eigen::Matrix3d turned = epochs[e].enu_from_body - epochs[s].enu_from_body;
-        result.covariance_m2 +=
-            joint->antenna_sigma_m * joint->antenna_sigma_m * turned * turned.transpose();
-    }
-    return result;
-}
-
-bool InertialSolution::bridged_between(std::size_t s, std::size_t e) const {
-    return std::ranges::any_of(bridged, [&](const BridgedSpan& span) {
-        return span.from_s < epochs[e].time_s && span.to_s > epochs[s].time_s;
-    });
-}
 
 }  // namespace runcert

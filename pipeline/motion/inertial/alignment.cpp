@@ -30,6 +30,8 @@ constexpr double rad(double deg) {
     return deg * radians_per_degree;
 }
 
+constexpr double useful_heading_rad = rad(15.0);
+
 struct MeanRates {
     Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero();
     Eigen::Vector3d force_m_s2 = Eigen::Vector3d::Zero();
@@ -114,6 +116,45 @@ std::optional<StandingAlignment> standing_at_first(const InertialData& data,
     return align_standing(data.samples, from_s, to_s, data.earth, data.noise);
 }
 
+/// Level with the heading of the course at an epoch, carried back to the first by the gyros. Where
+/// the craft stands at first, its own level and its gyros' mean rate there.
+StartAttitude course_start(const InertialData& data, const InertialSetup& setup, std::size_t epoch,
+                           const std::optional<StandingAlignment>& standing) {
+    const Eigen::Vector3d v = velocity_of_positions(data.fixes, epoch);
+    const Eigen::Matrix3d there = rotation_of(
+        {.pitch = std::atan2(v.z(), v.head<2>().norm()), .heading = std::atan2(v.x(), v.y())});
+    const double from_s = data.fixes[0].time_s + setup.time_offset_s;
+    const double to_s = data.fixes[epoch].time_s + setup.time_offset_s;
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+    double bias_sigma = data.noise.gyro_bias_rad_s;
+    if (standing) {
+        bias = standing->rate_rad_s;
+        bias_sigma = std::hypot(standing->rate_sigma_rad_s, data.earth.rotation_rad_s().norm());
+    }
+    Eigen::Matrix3d first = there * body_rotation(data.samples, from_s, to_s, bias).transpose();
+    const double carried = std::hypot(bias_sigma * (to_s - from_s),
+                                      data.noise.angle_walk_rad_sqrt_s * std::sqrt(to_s - from_s));
+    EulerAngles sigma{
+        .roll = std::hypot(rad(course_roll_deg), carried),
+        .pitch = std::hypot(rad(course_pitch_deg), carried),
+        .heading = std::min(std::hypot(rad(course_heading_deg), carried), no_heading_rad)};
+    if (standing) {
+        EulerAngles level = euler_angles(standing->enu_from_body);
+        level.heading = euler_angles(first).heading;
+        first = rotation_of(level);
+        sigma.roll = sigma.pitch = std::hypot(rad(standing_tilt_deg), standing->tilt_sigma_rad);
+    }
+    return {first, attitude_covariance(first, sigma)};
+}
+
+/// The attitude of a craft that stands, by gravity and the Earth's rotation.
+StartAttitude earth_start(const StandingAlignment& standing) {
+    const double tilt = std::hypot(rad(standing_tilt_deg), standing.tilt_sigma_rad);
+    return {standing.enu_from_body,
+            attitude_covariance(standing.enu_from_body,
+                                {tilt, tilt, 2.0 * standing.heading_sigma_rad})};
+}
+
 }  // namespace
 
 Eigen::Vector3d velocity_of_positions(std::span<const PositionFix> fixes, std::size_t epoch) {
@@ -194,46 +235,16 @@ StandingAlignment align_standing(std::span<const ImuSample> samples, double from
 }
 
 std::optional<FoundStart> find_start(const InertialData& data, const InertialSetup& setup) {
-    if (setup.start) return FoundStart{prior_with(*setup.start, data, setup), InertialStart::given};
+    const auto found = [&](const StartAttitude& start, InertialStart kind) {
+        return FoundStart{prior_with(start, data, setup), kind};
+    };
+    if (setup.start) return found(*setup.start, InertialStart::given);
     const auto standing = standing_at_first(data, setup);
-    const auto fast = first_faster(data.fixes, least_course_speed_m_s);
-    if (fast) {
-        const Eigen::Vector3d v = velocity_of_positions(data.fixes, *fast);
-        const Eigen::Matrix3d there = rotation_of(
-            {.pitch = std::atan2(v.z(), v.head<2>().norm()), .heading = std::atan2(v.x(), v.y())});
-        const double from_s = data.fixes[0].time_s + setup.time_offset_s;
-        const double to_s = data.fixes[*fast].time_s + setup.time_offset_s;
-        const Eigen::Vector3d bias =
-            standing ? standing->rate_rad_s : Eigen::Vector3d(Eigen::Vector3d::Zero());
-        const double bias_sigma =
-            standing ? std::hypot(standing->rate_sigma_rad_s, data.earth.rotation_rad_s().norm())
-                     : data.noise.gyro_bias_rad_s;
-        Eigen::Matrix3d first = there * body_rotation(data.samples, from_s, to_s, bias).transpose();
-        const double carried =
-            std::hypot(bias_sigma * (to_s - from_s),
-                       data.noise.angle_walk_rad_sqrt_s * std::sqrt(to_s - from_s));
-        EulerAngles sigma{
-            .roll = std::hypot(rad(course_roll_deg), carried),
-            .pitch = std::hypot(rad(course_pitch_deg), carried),
-            .heading = std::min(std::hypot(rad(course_heading_deg), carried), no_heading_rad)};
-        if (standing) {
-            EulerAngles level = euler_angles(standing->enu_from_body);
-            level.heading = euler_angles(first).heading;
-            first = rotation_of(level);
-            sigma.roll = sigma.pitch = std::hypot(rad(standing_tilt_deg), standing->tilt_sigma_rad);
-        }
-        return FoundStart{prior_with({first, attitude_covariance(first, sigma)}, data, setup),
-                          InertialStart::course};
-    }
-    constexpr double useful_heading_rad = rad(15.0);
-    if (!standing || standing->heading_sigma_rad > useful_heading_rad) return std::nullopt;
-    const double tilt = std::hypot(rad(standing_tilt_deg), standing->tilt_sigma_rad);
-    return FoundStart{
-        prior_with({standing->enu_from_body,
-                    attitude_covariance(standing->enu_from_body,
-                                        {tilt, tilt, 2.0 * standing->heading_sigma_rad})},
-                   data, setup),
-        InertialStart::earth_rotation};
+    if (const auto fast = first_faster(data.fixes, least_course_speed_m_s))
+        return found(course_start(data, setup, *fast, standing), InertialStart::course);
+    if (standing && standing->heading_sigma_rad < useful_heading_rad)
+        return found(earth_start(*standing), InertialStart::earth_rotation);
+    return std::nullopt;
 }
 
 FoundStart search_start(const InertialData& data, const InertialSetup& setup) {

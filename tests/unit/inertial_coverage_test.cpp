@@ -97,7 +97,8 @@ void expect_coverage(ImuGrade grade) {
                     course == InertialCourse::oval ? "oval" : "lake", mast ? "mast" : "no mast",
                     names[static_cast<int>(errors)], found.inside, 1e3 * found.rms_m_s,
                     found.pessimism(), found.nis, found.inconsistent);
-                EXPECT_LE(found.inconsistent, 0.02);
+                // Of a poor consumer IMU some runs may be refused.
+                EXPECT_LE(found.inconsistent, errors == Errors::scale && is_study() ? 0.1 : 0.02);
                 if (!is_study()) continue;
                 EXPECT_GE(found.inside, errors == Errors::scale ? 0.88 : 0.93);
                 // White errors alone are fewer than the smoother supposes.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -239,6 +240,39 @@ TEST(InertialFreeway, RollAndPitchAreThoseOfTheReference) {
     EXPECT_GT(heading_sigma, 0.2);
     EXPECT_NEAR(bias.gyro_rad_s.z() / rad, 4.0, 0.3);
     EXPECT_LT(root_mean_square(speeds), 0.005);
+}
+
+// An IMU on a hand-held pole at 1.4 m/s, its samples 6 to 9 ms apart by their counter: no noise of
+// a craft's IMU is enough.
+TEST(InertialWalk, DoubtsAnImuCarriedByHand) {
+    const char* data = std::getenv("RUNCERT_DATA");
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const std::string folder = std::string(data) + "/ubx_walk/";
+    Drive walk;
+    walk.fixes = read_positions(folder + "rover.pos", walk.setup.origin);
+    std::vector<std::vector<double>> rows;
+    std::ifstream file(folder + "imu.csv");
+    for (std::string line; std::getline(file, line);)
+        if (auto row = numbers_of(line, ','); row.size() == 7) rows.push_back(std::move(row));
+    ASSERT_GT(rows.size(), 20'000U);
+    const double interval_s =
+        1e-3 * (rows.back()[6] - rows[0][6]) / static_cast<double>(rows.size() - 1);
+    for (const std::vector<double>& v : rows)
+        walk.samples.push_back(
+            {.time_s = 63040.961 + interval_s * static_cast<double>(walk.samples.size()),
+             .interval_s = interval_s,
+             .angle_rad = interval_s * rad * Eigen::Vector3d(v[3], v[4], v[5]),
+             .velocity_m_s = interval_s * 9.80665 * Eigen::Vector3d(v[0], v[1], v[2])});
+    walk.setup.noise = imu_noise(ImuGrade::mems);
+    walk.setup.estimate_time_offset = true;
+    const InertialSolution solution = smooth_inertial(walk.samples, walk.fixes, walk.setup);
+    EXPECT_EQ(solution.start, InertialStart::search);
+    EXPECT_FALSE(solution.consistency.consistent());
+    EXPECT_TRUE(std::ranges::any_of(solution.consistency.doubts, [](const InertialDoubt& doubt) {
+        return doubt.finding == InertialFinding::noise_large;
+    }));
+    std::printf("walk: NIS/3 %.2f, noise %.3f of the motion\n", solution.consistency.nis,
+                solution.noise.motion_sqrt_s);
 }
 
 }  // namespace

@@ -7,8 +7,8 @@ namespace runcert {
 namespace {
 
 constexpr std::array motion_ladder{0.0, 0.0005, 0.001, 0.002, 0.004, 0.008, 0.016, 0.032};
-constexpr std::array velocity_ladder{1.0, 2.0, 5.0, 10.0, 20.0};
-constexpr std::array angle_ladder{1.0, 2.0, 4.0};
+constexpr std::array velocity_ladder{1.0, 2.0, 5.0, 10.0, 20.0, 50.0};
+constexpr std::array angle_ladder{1.0, 2.0, 4.0, 8.0};
 
 /// Where on the three ladders.
 struct Rungs {
@@ -55,7 +55,9 @@ FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
             moved = climb(ladder, true) || climb(ladder, false) || moved;
         if (!moved) break;
     }
-    return {.noise = best.of(own), .log_likelihood = greatest};
+    // The angle's ladder adds little beside the motion's.
+    const bool at_limit = best.at[0] + 1 == sizes[0] || best.at[1] + 1 == sizes[1];
+    return {.noise = best.of(own), .log_likelihood = greatest, .at_limit = at_limit};
 }
 
 template FittedImuNoise fit_imu_noise<error_state::plain>(InertialData, const InertialPrior&,

@@ -18,9 +18,10 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t least_positions = 10;
-/// The attitude may turn so much in the last pass.
+/// About each axis the attitude may turn by the greater of these in the last pass.
 constexpr double settled_rad = 1e-3;
-constexpr int most_passes = 8;
+constexpr double settled_sigmas = 0.1;
+constexpr int most_passes = 12;
 constexpr double search_nis = 2.0;    ///< NIS/3 above which a start is doubted
 constexpr double compared_s = 120.0;  ///< of motion, on which noise and offset are judged
 /// By so much a time offset must raise the logarithm of the likelihood.
@@ -70,14 +71,19 @@ template <int N>
 struct Passes {
     InertialPass<N> last;
     int count = 0;
-    double turned_rad = 0.0;  ///< by the last pass, at most
+    double turned = 0.0;  ///< by the last pass (`turned_by`)
 };
 
+/// The greatest turn of the attitude by the last pass, in units of what it may turn.
 template <int N>
-double most_turned(const InertialPass<N>& pass) {
+double turned_by(const InertialPass<N>& pass) {
     double most = 0.0;
-    for (const ErrorVector<N>& each : pass.estimated)
-        most = std::max(most, each.template segment<3>(error_state::attitude).norm());
+    for (std::size_t k = 0; k < pass.estimated.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis) {
+            const double sigma = std::sqrt(pass.covariance[k](axis, axis));
+            const double turned = std::abs(pass.estimated[k](error_state::attitude + axis));
+            most = std::max(most, turned / std::max(settled_rad, settled_sigmas * sigma));
+        }
     return most;
 }
 
@@ -91,8 +97,8 @@ Passes<N> run_passes(const InertialData& data, const InertialPrior& prior) {
         passes.last = filter_forwards<N>(data, prior, about, count);
         smooth_backwards<N>(passes.last, data);
         ++passes.count;
-        passes.turned_rad = most_turned(passes.last);
-        if (passes.turned_rad < settled_rad) break;
+        passes.turned = turned_by(passes.last);
+        if (passes.turned < 1.0) break;
         if (passes.count == most_passes) break;
         about.resize(count);
         for (std::size_t k = 0; k < count; ++k)
@@ -108,8 +114,7 @@ template <int N>
 InertialSolution solve(const InertialData& data, const FoundStart& start,
                        const InertialSetup& setup) {
     Passes<N> passes = run_passes<N>(data, start.prior);
-    InertialSolution solution =
-        solution_of<N>(std::move(passes.last), data, setup, passes.turned_rad < settled_rad);
+    InertialSolution solution = solution_of<N>(std::move(passes.last), data, setup, passes.turned);
     solution.passes = passes.count;
     solution.start = start.kind;
     return solution;
@@ -153,6 +158,7 @@ struct Judged {
     bool search = false;
     double log_likelihood = 0.0;
     double nis = 0.0;
+    bool noise_at_limit = false;
 };
 
 /// The likeliest noise of a part about its own trajectory. That is found with the noise of a craft,
@@ -172,14 +178,15 @@ Judged judge(InertialData part, InertialSetup setup, bool search) {
     for (InertialNominal& each : about)
         each.time_offset_s = about.back().time_offset_s;
     part.noise = setup.noise;
-    const FittedImuNoise fitted = setup.fit_noise
-                                      ? fit_imu_noise<N>(part, start.prior, about)
-                                      : FittedImuNoise{setup.noise, passes.last.log_likelihood};
+    const FittedImuNoise fitted =
+        setup.fit_noise ? fit_imu_noise<N>(part, start.prior, about)
+                        : FittedImuNoise{setup.noise, passes.last.log_likelihood, false};
     setup.noise = fitted.noise;
     return {.setup = setup,
             .search = start.kind == InertialStart::search,
             .log_likelihood = fitted.log_likelihood,
-            .nis = squares / (3.0 * static_cast<double>(about.size()))};
+            .nis = squares / (3.0 * static_cast<double>(about.size())),
+            .noise_at_limit = fitted.at_limit};
 }
 
 Judged judge(const InertialData& part, const InertialSetup& setup, bool search) {
@@ -222,6 +229,10 @@ InertialSolution smooth_inertial(std::span<const ImuSample> samples,
     InertialSolution solution = solve_from_start(data, judged.setup, judged.search);
     solution.time_offset_asked_by_innovations =
         judged.setup.estimate_time_offset && !setup.estimate_time_offset;
+    if (judged.noise_at_limit)
+        solution.consistency.doubts.push_back({InertialFinding::noise_large,
+                                               judged.setup.noise.motion_sqrt_s,
+                                               setup.noise.motion_sqrt_s});
     return solution;
 }
 

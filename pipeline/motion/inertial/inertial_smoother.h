@@ -88,6 +88,7 @@ enum class InertialFinding {
     innovations_small,          ///< NIS/3 below 0.3: less
     heading_unobservable,       ///< and the arm between antenna and reference point is horizontal
     vertical_arm_unobservable,  ///< an estimated vertical lever arm on a craft that hardly rolls
+    noise_large,                ///< no noise that the fit tries is enough: not rigid to the craft?
     not_converged,              ///< the last pass still turned the attitude
 };
 

@@ -128,7 +128,7 @@ InertialConsistency consistency_of(const std::vector<InertialEpoch>& epochs) {
     return result;
 }
 
-void find_doubts(InertialSolution& solution, const InertialSetup& setup, bool converged) {
+void find_doubts(InertialSolution& solution, const InertialSetup& setup, double turned) {
     auto& doubts = solution.consistency.doubts;
     const double nis = solution.consistency.nis;
     if (!(nis <= largest_nis))
@@ -145,7 +145,7 @@ void find_doubts(InertialSolution& solution, const InertialSetup& setup, bool co
     if (setup.estimate_antenna && change < least_tilt_change_rad)
         doubts.push_back(
             {InertialFinding::vertical_arm_unobservable, change, least_tilt_change_rad});
-    if (!converged) doubts.push_back({InertialFinding::not_converged, 1.0, 0.0});
+    if (turned > 1.0) doubts.push_back({InertialFinding::not_converged, turned, 1.0});
 }
 
 /// Steps between positions well above the median, and those where samples are missing.
@@ -170,7 +170,7 @@ std::vector<BridgedSpan> bridged_spans(const InertialPass<N>& pass, const Inerti
 
 template <int N>
 InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
-                             const InertialSetup& setup, bool converged) {
+                             const InertialSetup& setup, double turned) {
     InertialSolution solution;
     const std::size_t count = pass.nominal.size();
     solution.epochs.reserve(count);
@@ -190,7 +190,7 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
     solution.noise = data.noise;
     solution.bridged = bridged_spans<N>(pass, data);
     solution.consistency = consistency_of(solution.epochs);
-    find_doubts(solution, setup, converged);
+    find_doubts(solution, setup, turned);
     auto joint = std::make_shared<JointCovariance>();
     joint->errors =
         JointErrors<N>{.covariance = std::move(pass.covariance), .gain = std::move(pass.gain)};
@@ -204,9 +204,9 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
 
 template InertialSolution solution_of<error_state::plain>(InertialPass<error_state::plain>&&,
                                                           const InertialData&, const InertialSetup&,
-                                                          bool);
+                                                          double);
 template InertialSolution solution_of<error_state::full>(InertialPass<error_state::full>&&,
                                                          const InertialData&, const InertialSetup&,
-                                                         bool);
+                                                         double);
 
 }  // namespace runcert

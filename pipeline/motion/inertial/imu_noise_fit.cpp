@@ -40,7 +40,7 @@ FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
         bool moved = false;
         while (up ? best.at[ladder] + 1 < sizes[ladder] : best.at[ladder] > 0) {
             Rungs next = best;
-            next.at[ladder] += up ? 1 : std::size_t(-1);
+            up ? ++next.at[ladder] : --next.at[ladder];
             const double found = likelihood(next);
             if (!(found > greatest)) break;
             greatest = found;

@@ -161,21 +161,35 @@ InertialNominal InertialPass<N>::solution(std::size_t k) const {
 }
 
 template <int N>
+std::vector<InertialNominal> InertialPass<N>::trajectory() const {
+    std::vector<InertialNominal> all(nominal.size());
+    for (std::size_t k = 0; k < all.size(); ++k)
+        all[k] = solution(k);
+    for (InertialNominal& each : all)
+        each.time_offset_s = all.back().time_offset_s;
+    return all;
+}
+
+template <int N>
+void InertialPass<N>::reserve(std::size_t epochs) {
+    nominal.reserve(epochs);
+    predicted.reserve(epochs);
+    estimated.reserve(epochs);
+    predicted_covariance.reserve(epochs);
+    covariance.reserve(epochs);
+    gain.reserve(epochs);
+    innovations.reserve(epochs);
+    imu_gap_s.reserve(epochs);
+}
+
+template <int N>
 InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& prior,
                                 std::span<const InertialNominal> reference, std::size_t count) {
     const bool linear = !reference.empty();
     const double offset_s = linear ? reference[0].time_offset_s : prior.nominal.time_offset_s;
     InertialPass<N> pass;
     pass.carried_offset_s = offset_s;
-    pass.nominal.reserve(count);
-    pass.predicted.reserve(count);
-    pass.estimated.reserve(count);
-    pass.predicted_covariance.reserve(count);
-    pass.covariance.reserve(count);
-    pass.gain.reserve(count);
-    pass.innovations.reserve(count);
-    pass.rate_rad_s.reserve(count);
-    pass.imu_gap_s.reserve(count);
+    pass.reserve(count);
     Carrier<N> carrier(data, data.fixes[0].time_s + offset_s);
     InertialNominal nominal = prior.nominal;
     ErrorMatrix<N> covariance = prior.covariance.template topLeftCorner<N, N>();
@@ -205,7 +219,6 @@ InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& p
         pass.nominal.push_back(nominal);
         pass.estimated.push_back(mean);
         pass.covariance.push_back(covariance);
-        pass.rate_rad_s.push_back(carrier.rate_rad_s());
         pass.imu_gap_s.push_back(k > 0 ? carrier.gap_s() : 0.0);
     }
     return pass;

@@ -57,13 +57,18 @@ struct InertialPass {
     std::vector<ErrorMatrix<N>> covariance;
     std::vector<ErrorMatrix<N>> gain;  ///< transition from the epoch to the next; then the gain
     std::vector<PositionInnovation> innovations;
-    std::vector<Eigen::Vector3d> rate_rad_s;  ///< body's, measured, before each epoch
-    std::vector<double> imu_gap_s;            ///< without samples before each epoch
+    std::vector<double> imu_gap_s;  ///< without samples before each epoch
     double carried_offset_s = 0.0;  ///< the states are those at the positions' times plus this
     double log_likelihood = 0.0;
 
+    void reserve(std::size_t epochs);
+
     /// Nominal values and deviation in one.
     InertialNominal solution(std::size_t k) const;
+
+    /// The solution of every epoch, about which the next pass may be linear. All have the time
+    /// offset of the last, since it is one constant.
+    std::vector<InertialNominal> trajectory() const;
 };
 
 /// The filter forwards. Without a reference it is closed-loop: each epoch's correction goes into

@@ -184,8 +184,9 @@ struct InertialSolution {
 /// cases. A time offset is estimated if it raises the likelihood there, too. The lever arm is not:
 /// it takes up what scale factors err by, and then misleads.
 ///
-/// Positions outside the samples are left out. Failure (at "IMU" or "positions") where fewer than
-/// ten remain, times do not increase, or a number is not finite or a covariance not positive.
+/// Positions outside the samples, or within half a second of their ends, are left out. Failure (at
+/// "IMU" or "positions") where fewer than ten remain, times do not increase, or a number is not
+/// finite or a covariance not positive.
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup);
 

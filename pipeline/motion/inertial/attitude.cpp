@@ -1,0 +1,150 @@
+#include "inertial/attitude.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/failure.h"
+
+namespace runcert {
+namespace {
+
+/// sin(x) / x, (1 - cos x) / x^2: the series where the quotient would lose digits.
+double sine_over(double x) {
+    return x < 1e-4 ? 1.0 - x * x / 6.0 : std::sin(x) / x;
+}
+double versine_over_square(double x) {
+    if (x < 1e-4) return 0.5 - x * x / 24.0;
+    const double half = std::sin(0.5 * x) / x;
+    return 2.0 * half * half;
+}
+
+/// The columns u, v and u x v, each of length 1.
+Eigen::Matrix3d triad(const VectorPair& pair) {
+    Eigen::Matrix3d columns;
+    columns << pair.first.normalized(), pair.second.normalized(),
+        pair.first.cross(pair.second).normalized();
+    return columns;
+}
+
+double angle_between(const VectorPair& pair) {
+    return std::atan2(pair.first.cross(pair.second).norm(), pair.first.dot(pair.second));
+}
+
+[[noreturn]] void refuse_vectors(std::string what, std::string remedy) {
+    throw Failure("attitude", std::move(what), std::move(remedy));
+}
+
+}  // namespace
+
+Eigen::Matrix3d vehicle_from_body() {
+    Eigen::Matrix3d axes;
+    axes << 0.0, 1.0, 0.0,  //
+        1.0, 0.0, 0.0,      //
+        0.0, 0.0, -1.0;
+    return axes;
+}
+
+Eigen::Matrix3d rotation_of(const EulerAngles& angles) {
+    const auto about = [](double angle, const Eigen::Vector3d& axis) {
+        return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    };
+    return about(-angles.heading, Eigen::Vector3d::UnitZ()) *
+           about(angles.pitch, Eigen::Vector3d::UnitX()) *
+           about(angles.roll, Eigen::Vector3d::UnitY()) * vehicle_from_body();
+}
+
+EulerAngles euler_angles(const Eigen::Matrix3d& enu_from_body) {
+    const Eigen::Matrix3d c = enu_from_body * vehicle_from_body();
+    // asin(c(2, 1)) loses half the digits near 90 degrees.
+    const double cosine = std::hypot(c(0, 1), c(1, 1));
+    EulerAngles angles{.pitch = std::atan2(c(2, 1), cosine)};
+    if (cosine > 1e-6) {
+        angles.roll = std::atan2(-c(2, 0), c(2, 2));
+        angles.heading = std::atan2(c(0, 1), c(1, 1));
+    } else {
+        angles.heading = std::atan2(-c(1, 0), c(0, 0));
+    }
+    if (angles.heading < 0.0) angles.heading += 2.0 * std::numbers::pi;
+    if (angles.heading >= 2.0 * std::numbers::pi) angles.heading = 0.0;
+    return angles;
+}
+
+Eigen::Matrix3d euler_jacobian(const Eigen::Matrix3d& enu_from_body) {
+    const double heading = euler_angles(enu_from_body).heading;
+    // The axes about which roll, pitch and heading turn the body, along east, north and up.
+    Eigen::Matrix3d axes;
+    axes << enu_from_body.col(0), Eigen::Vector3d(std::cos(heading), -std::sin(heading), 0.0),
+        -Eigen::Vector3d::UnitZ();
+    return axes.inverse();
+}
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
+    Eigen::Matrix3d matrix;
+    matrix << 0.0, -a.z(), a.y(),  //
+        a.z(), 0.0, -a.x(),        //
+        -a.y(), a.x(), 0.0;
+    return matrix;
+}
+
+Eigen::Matrix3d rotation_about(const Eigen::Vector3d& phi) {
+    const double angle = phi.norm();
+    const Eigen::Matrix3d cross = cross_matrix(phi);
+    return Eigen::Matrix3d::Identity() + sine_over(angle) * cross +
+           versine_over_square(angle) * cross * cross;
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
+    const Eigen::Quaterniond q = quaternion_of(rotation);
+    const double sine = q.vec().norm();
+    const double angle = 2.0 * std::atan2(sine, q.w());
+    return sine < 1e-12 ? Eigen::Vector3d(2.0 * q.vec()) : Eigen::Vector3d(angle / sine * q.vec());
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::Matrix3d& u = svd.matrixU();
+    const Eigen::Matrix3d& v = svd.matrixV();
+    const Eigen::Vector3d signs(1.0, 1.0, (u * v.transpose()).determinant() < 0.0 ? -1.0 : 1.0);
+    return u * signs.asDiagonal() * v.transpose();
+}
+
+Eigen::Matrix3d rotation_of_two_vectors(const VectorPair& from, const VectorPair& to,
+                                        const VectorTolerance& tolerance) {
+    const double angle_from = angle_between(from);
+    const double angle_to = angle_between(to);
+    if (!from.first.allFinite() || !from.second.allFinite() || !to.first.allFinite() ||
+        !to.second.allFinite())
+        refuse_vectors("a component of a vector is not a finite number", "Check the vectors");
+    for (const auto& [a, b] : {std::pair(from.first, to.first), std::pair(from.second, to.second)})
+        if (!(std::abs(a.norm() - b.norm()) <= tolerance.length * std::max(a.norm(), b.norm())))
+            refuse_vectors(
+                fmt::format("a vector is {:.6g} long in one frame and {:.6g} in the other",
+                            a.norm(), b.norm()),
+                "Give the same vector in both frames");
+    if (!(std::min(std::sin(angle_from), std::sin(angle_to)) >= tolerance.least_sine))
+        refuse_vectors("the two vectors are nearly parallel", "Give vectors that are not");
+    if (!(std::abs(angle_from - angle_to) <= tolerance.angle_rad))
+        refuse_vectors(fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
+                                   "in the other",
+                                   angle_from, angle_to),
+                       "Give the same two vectors in both frames");
+    return nearest_rotation(triad(to) * triad(from).inverse());
+}
+
+Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& rotation) {
+    Eigen::Quaterniond q(rotation);
+    q.normalize();
+    if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+    return q;
+}
+
+Eigen::Matrix3d ecef_from_body(const Geodetic& origin, const Eigen::Matrix3d& enu_from_body) {
+    return rotation_enu_from_ecef(origin.latitude, origin.longitude).transpose() * enu_from_body;
+}
+
+}  // namespace runcert

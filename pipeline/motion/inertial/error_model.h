@@ -1,0 +1,130 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "inertial/imu_noise.h"
+#include "inertial/strapdown.h"
+
+namespace runcert {
+
+/// Errors of an inertial solution as one vector: truth = estimate + error, and for the attitude
+/// C = exp([phi]) C_estimate, phi along east, north and up.
+///
+/// 18 states: attitude (rad), velocity (m/s), position (m), gyro bias (rad/s), accelerometer bias
+/// (m/s^2), and the first-order Gauss-Markov error of the measured positions (m). 22 states: the
+/// antenna's lever arm along the body's axes (m), and the time offset (s), too.
+namespace error_state {
+inline constexpr int attitude = 0, velocity = 3, position = 6, gyro_bias = 9;
+inline constexpr int accelerometer_bias = 12, position_error = 15, lever_arm = 18;
+inline constexpr int time_offset = 21;
+inline constexpr int inertial = 15, plain = 18, full = 22;
+}  // namespace error_state
+
+template <int N>
+using ErrorVector = Eigen::Matrix<double, N, 1>;
+template <int N>
+using ErrorMatrix = Eigen::Matrix<double, N, N>;
+
+/// The time-correlated error of measured positions: a first-order Gauss-Markov process on each
+/// axis.
+struct PositionErrorModel {
+    double horizontal_m = 0.008;  ///< standard deviation, steady
+    double vertical_m = 0.012;
+    double time_s = 3.0;  ///< correlation time
+};
+
+/// One step of the errors, with what the true motion was half way.
+struct ErrorStep {
+    double dt_s = 0.0;
+    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d specific_force_m_s2 = Eigen::Vector3d::Zero();  ///< along east, north, up
+    double rate_rad_s = 0.0;                                        ///< size of the angular rate
+    double acceleration_m_s2 = 0.0;          ///< size of specific force plus gravity
+    double extra_attitude_rad_sqrt_s = 0.0;  ///< noise where samples are missing
+    double extra_velocity_m_s_sqrt_s = 0.0;
+};
+
+/// Transition of the errors over a step, in the blocks that are neither zero nor one:
+/// I + F dt + F^2 dt^2 / 2 of
+///
+///     phi' = -w_ie x phi - C dbg,   dv' = -[f^n] phi - 2 w_ie x dv + Gamma dr - C dba,   dr' = dv
+///
+/// and constant biases. Leaves out terms of dt^3.
+struct ErrorTransition {
+    Eigen::Matrix3d attitude_of_attitude, attitude_of_gyro;
+    Eigen::Matrix3d velocity_of_attitude, velocity_of_velocity, velocity_of_position;
+    Eigen::Matrix3d velocity_of_gyro, velocity_of_accelerometer;
+    Eigen::Matrix3d position_of_attitude, position_of_velocity, position_of_position;
+    Eigen::Matrix3d position_of_accelerometer;
+    double error = 1.0;  ///< of the positions' Gauss-Markov error
+
+    /// The transition times a matrix of N rows.
+    template <class Matrix>
+    void apply(Matrix& matrix) const;
+
+    /// All of it.
+    template <int N>
+    ErrorMatrix<N> matrix() const {
+        ErrorMatrix<N> all = ErrorMatrix<N>::Identity();
+        apply(all);
+        return all;
+    }
+};
+ErrorTransition error_transition(const ErrorStep& step, const PositionErrorModel& error,
+                                 const EarthFrame& earth);
+
+/// Variance that the noise of the IMU adds in a step, on the diagonal, before transition
+/// (`white`, half of it before and half of it after), and that of the Gauss-Markov error.
+struct ErrorNoise {
+    Eigen::Matrix<double, error_state::inertial, 1> white;
+    Eigen::Vector3d error;
+};
+ErrorNoise error_noise(const ErrorStep& step, const ImuNoise& noise,
+                       const PositionErrorModel& error);
+
+/// P = Phi (P + Q/2) Phi' + Q/2: the trapezoidal rule.
+template <int N>
+void propagate(ErrorMatrix<N>& covariance, const ErrorTransition& transition,
+               const ErrorNoise& noise);
+
+/// The measured position less its prediction r + C l + g (+ v_antenna tau) as a function of the
+/// errors: H = [-[C l], 0, I, 0, 0, I, C, v_antenna].
+template <int N>
+Eigen::Matrix<double, 3, N> position_jacobian(const Eigen::Matrix3d& enu_from_body,
+                                              const Eigen::Vector3d& arm_m,
+                                              const Eigen::Vector3d& antenna_velocity_m_s);
+
+/// A point fixed to the body, `arm_m` from the IMU, as a function of the errors; its velocity
+/// v + C (w_eb x l), w_eb the body's rate against the Earth.
+template <int N>
+Eigen::Matrix<double, 3, N> point_jacobian(const Eigen::Matrix3d& enu_from_body,
+                                           const Eigen::Vector3d& arm_m,
+                                           const Eigen::Vector3d& point_velocity_m_s);
+template <int N>
+Eigen::Matrix<double, 3, N> point_velocity_jacobian(const Eigen::Matrix3d& enu_from_body,
+                                                    const Eigen::Vector3d& arm_m,
+                                                    const Eigen::Vector3d& rate_rad_s);
+
+template <class Matrix>
+void ErrorTransition::apply(Matrix& m) const {
+    using namespace error_state;
+    const auto phi = m.template middleRows<3>(attitude).eval();
+    const auto v = m.template middleRows<3>(velocity).eval();
+    const auto r = m.template middleRows<3>(position).eval();
+    const auto bg = m.template middleRows<3>(gyro_bias);
+    const auto ba = m.template middleRows<3>(accelerometer_bias);
+    m.template middleRows<3>(attitude).noalias() = attitude_of_attitude * phi;
+    m.template middleRows<3>(attitude).noalias() += attitude_of_gyro * bg;
+    m.template middleRows<3>(velocity).noalias() = velocity_of_attitude * phi;
+    m.template middleRows<3>(velocity).noalias() += velocity_of_velocity * v;
+    m.template middleRows<3>(velocity).noalias() += velocity_of_position * r;
+    m.template middleRows<3>(velocity).noalias() += velocity_of_gyro * bg;
+    m.template middleRows<3>(velocity).noalias() += velocity_of_accelerometer * ba;
+    m.template middleRows<3>(position).noalias() = position_of_attitude * phi;
+    m.template middleRows<3>(position).noalias() += position_of_velocity * v;
+    m.template middleRows<3>(position).noalias() += position_of_position * r;
+    m.template middleRows<3>(position).noalias() += position_of_accelerometer * ba;
+    m.template middleRows<3>(position_error) *= error;
+}
+
+}  // namespace runcert

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <vector>
+
+#include "inertial/inertial_smoother.h"
+
+// The passes behind `smooth_inertial`: forwards and backwards through all positions. N is the
+// number of error states, 18 or 22.
+namespace runcert {
+
+/// All that is estimated at an epoch, about which errors are taken.
+struct InertialNominal {
+    NavigationState state = {};
+    ImuBias bias = {};
+    Eigen::Vector3d position_error_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d antenna_m = Eigen::Vector3d::Zero();
+    double time_offset_s = 0.0;
+};
+
+/// The estimate with its errors removed: `deviation` is truth less estimate.
+template <int N>
+InertialNominal corrected(InertialNominal nominal, const ErrorVector<N>& deviation);
+
+/// The deviation of `a` from `b`: corrected(b, deviation) is `a`.
+template <int N>
+ErrorVector<N> deviation(const InertialNominal& a, const InertialNominal& b);
+
+/// What the passes work on.
+struct InertialData {
+    std::span<const ImuSample> samples;
+    std::vector<PositionFix> fixes;  ///< with floors applied
+    EarthFrame earth;
+    ImuNoise noise = {};
+    PositionErrorModel position_error = {};
+};
+
+/// Nominal values at the first epoch and the covariance of all 22 errors.
+struct InertialPrior {
+    InertialNominal nominal;
+    ErrorMatrix<error_state::full> covariance;
+};
+
+/// What one position said.
+struct PositionInnovation {
+    Eigen::Vector3d whitened = Eigen::Vector3d::Zero();
+    double log_likelihood = 0.0;
+};
+
+/// A pass. Deviations and covariances are those of the filter until `smooth_backwards` makes them
+/// those given all positions.
+template <int N>
+struct InertialPass {
+    std::vector<InertialNominal> nominal;
+    std::vector<ErrorVector<N>> predicted;  ///< deviation from `nominal` before the position
+    std::vector<ErrorVector<N>> estimated;  ///< after it
+    std::vector<ErrorMatrix<N>> predicted_covariance;
+    std::vector<ErrorMatrix<N>> covariance;
+    std::vector<ErrorMatrix<N>> gain;  ///< transition from the epoch to the next; then the gain
+    std::vector<PositionInnovation> innovations;
+    std::vector<double> imu_gap_s;  ///< without samples before each epoch
+    double carried_offset_s = 0.0;  ///< the states are those at the positions' times plus this
+    double log_likelihood = 0.0;
+
+    void reserve(std::size_t epochs);
+
+    /// Nominal values and deviation in one.
+    InertialNominal solution(std::size_t k) const;
+
+    /// The solution of every epoch, about which the next pass may be linear. All have the time
+    /// offset of the last, since it is one constant.
+    std::vector<InertialNominal> trajectory() const;
+};
+
+/// The filter forwards. Without a reference it is closed-loop: each epoch's correction goes into
+/// the nominal values. With one (the nominal values of each epoch) all is linear about it, and a
+/// step of Gauss and Newton towards the most probable trajectory given the prior.
+/// `count`: only so many epochs.
+template <int N>
+InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& prior,
+                                std::span<const InertialNominal> reference, std::size_t count);
+
+/// The smoother backwards [YSM22]: d_k = m_k + G_k (d_{k+1} - m-_{k+1}),
+/// P_k = P+_k + G_k (P_{k+1} - P-_{k+1}) G_k', G_k = P+_k Phi' (P-_{k+1})^-1. Failure (at the time)
+/// where a predicted covariance is not positive definite. Frees the predicted covariances.
+template <int N>
+void smooth_backwards(InertialPass<N>& pass, const InertialData& data);
+
+/// Sum of logarithms of the innovations' densities over so many epochs.
+double log_likelihood(const InertialData& data, const InertialPrior& prior, std::size_t count);
+
+}  // namespace runcert

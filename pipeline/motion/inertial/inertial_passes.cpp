@@ -1,0 +1,51 @@
+#include "inertial/inertial_passes.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace runcert {
+namespace {
+
+/// About each axis the attitude may turn by the greater of these in the last pass.
+constexpr double settled_rad = 1e-3;
+constexpr double settled_sigmas = 0.1;
+constexpr int most_passes = 12;
+
+/// The greatest turn of the attitude by the last pass, in units of what it may turn.
+template <int N>
+double turned_by(const InertialPass<N>& pass) {
+    double most = 0.0;
+    for (std::size_t k = 0; k < pass.estimated.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis) {
+            const double sigma = std::sqrt(pass.covariance[k](axis, axis));
+            const double turned = std::abs(pass.estimated[k](error_state::attitude + axis));
+            most = std::max(most, turned / std::max(settled_rad, settled_sigmas * sigma));
+        }
+    return most;
+}
+
+}  // namespace
+
+template <int N>
+Passes<N> run_passes(const InertialData& data, const InertialPrior& prior) {
+    Passes<N> passes;
+    std::vector<InertialNominal> about;
+    const std::size_t count = data.fixes.size();
+    while (passes.count < most_passes) {
+        passes.last = {};  // its memory is free before that of the next is taken
+        passes.last = filter_forwards<N>(data, prior, about, count);
+        smooth_backwards<N>(passes.last, data);
+        ++passes.count;
+        passes.turned = turned_by(passes.last);
+        if (passes.turned < 1.0 || passes.count == most_passes) break;
+        about = passes.last.trajectory();
+    }
+    return passes;
+}
+
+template Passes<error_state::plain> run_passes<error_state::plain>(const InertialData&,
+                                                                   const InertialPrior&);
+template Passes<error_state::full> run_passes<error_state::full>(const InertialData&,
+                                                                 const InertialPrior&);
+
+}  // namespace runcert

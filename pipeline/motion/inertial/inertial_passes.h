@@ -1,0 +1,22 @@
+#pragma once
+
+#include "inertial/inertial_filter.h"
+
+namespace runcert {
+
+/// Passes from one start, until the attitude stays.
+template <int N>
+struct Passes {
+    InertialPass<N> last;  ///< smoothed
+    int count = 0;
+    /// What the last pass turned the attitude by about an axis, at most, in units of what it may:
+    /// the greater of 1e-3 rad and a tenth of the standard deviation.
+    double turned = 0.0;
+};
+
+/// Forwards in closed loop and backwards, then about the smoothed trajectory until the attitude
+/// stays, 12 times at most.
+template <int N>
+Passes<N> run_passes(const InertialData& data, const InertialPrior& prior);
+
+}  // namespace runcert

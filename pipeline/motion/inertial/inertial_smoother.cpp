@@ -1,0 +1,129 @@
+#include "inertial/inertial_smoother.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/statistics.h"
+#include "inertial/alignment.h"
+#include "inertial/inertial_filter.h"
+#include "inertial/inertial_passes.h"
+#include "inertial/joint_covariance.h"
+#include "inertial/judgement.h"
+#include "inertial/solution.h"
+
+namespace runcert {
+namespace {
+
+/// Samples must reach so far beyond the positions for a time offset to be found.
+constexpr double offset_room_s = 0.5;
+
+[[noreturn]] void refuse_fix(const PositionFix& fix, std::string what, std::string remedy) {
+    throw Failure(fmt::format("positions, time {:.3f} s", fix.time_s), std::move(what),
+                  std::move(remedy));
+}
+
+/// The positions that the samples reach, their covariances no smaller than the floors.
+std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const SampleReader& reader,
+                                const InertialSetup& setup) {
+    std::vector<PositionFix> kept;
+    kept.reserve(fixes.size());
+    const Eigen::Vector3d least(setup.least_horizontal_m, setup.least_horizontal_m,
+                                setup.least_vertical_m);
+    for (std::size_t k = 0; k < fixes.size(); ++k) {
+        PositionFix fix = fixes[k];
+        if (!std::isfinite(fix.time_s) || !fix.enu_m.allFinite() ||
+            !fix.covariance_m2.allFinite() || !(fix.covariance_m2.diagonal().minCoeff() >= 0.0))
+            refuse_fix(fix, "a position or its covariance is not a finite number",
+                       "Leave the position out");
+        if (k > 0 && !(fix.time_s > fixes[k - 1].time_s))
+            refuse_fix(fix, "the time is not after that of the position before",
+                       "Order the positions by time");
+        const double at_s = fix.time_s + setup.time_offset_s;
+        if (at_s < reader.begin_s() + offset_room_s || at_s > reader.end_s() - offset_room_s)
+            continue;
+        fix.covariance_m2.diagonal() =
+            fix.covariance_m2.diagonal().cwiseMax(least.cwiseProduct(least));
+        kept.push_back(fix);
+    }
+    if (kept.size() < least_positions)
+        throw Failure(
+            "positions",
+            fmt::format("{} positions lie within the IMU's samples, {:.1f} to {:.1f} s",
+                        kept.size(), reader.begin_s(), reader.end_s()),
+            fmt::format("At least {} are needed. Check the IMU's clock", least_positions));
+    return kept;
+}
+
+template <int N>
+InertialSolution solve(const InertialData& data, const FoundStart& start,
+                       const InertialSetup& setup) {
+    Passes<N> passes = run_passes<N>(data, start.prior);
+    InertialSolution solution = solution_of<N>(std::move(passes.last), data, setup, passes.turned);
+    solution.passes = passes.count;
+    solution.start = start.kind;
+    return solution;
+}
+
+InertialSolution solve(const InertialData& data, const FoundStart& start,
+                       const InertialSetup& setup) {
+    return setup.estimate_antenna || setup.estimate_time_offset
+               ? solve<error_state::full>(data, start, setup)
+               : solve<error_state::plain>(data, start, setup);
+}
+
+/// Solves from the start that the data give, or else a searched one.
+InertialSolution solve_from_start(const InertialData& data, const InertialSetup& setup,
+                                  bool search) {
+    const auto start = search ? std::nullopt : find_start(data, setup);
+    return solve(data, start ? *start : search_start(data, setup), setup);
+}
+
+InertialData data_of(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
+                     const InertialSetup& setup) {
+    const SampleReader reader(samples);
+    return {.samples = samples,
+            .fixes = usable(fixes, reader, setup),
+            .earth = EarthFrame(setup.origin),
+            .noise = setup.noise,
+            .position_error = setup.position_error};
+}
+
+}  // namespace
+
+InertialSolution smooth_inertial(std::span<const ImuSample> samples,
+                                 std::span<const PositionFix> fixes, const InertialSetup& setup) {
+    InertialData data = data_of(samples, fixes, setup);
+    const Judged judged = judge(data, setup);
+    data.noise = judged.setup.noise;
+    InertialSolution solution = solve_from_start(data, judged.setup, judged.search);
+    solution.time_offset_asked_by_innovations =
+        judged.setup.estimate_time_offset && !setup.estimate_time_offset;
+    if (judged.noise_at_limit)
+        solution.consistency.doubts.push_back({InertialFinding::noise_large,
+                                               judged.setup.noise.motion_sqrt_s,
+                                               setup.noise.motion_sqrt_s});
+    return solution;
+}
+
+std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples,
+                                              std::span<const PositionFix> fixes,
+                                              const InertialSetup& setup) {
+    if (!setup.start) throw Failure("attitude", "there is no start to filter from", "Give one");
+    const InertialData data = data_of(samples, fixes, setup);
+    const auto pass = filter_forwards<error_state::plain>(data, find_start(data, setup)->prior, {},
+                                                          data.fixes.size());
+    std::vector<FilteredAttitude> attitudes;
+    attitudes.reserve(data.fixes.size());
+    for (std::size_t k = 0; k < data.fixes.size(); ++k)
+        attitudes.push_back({.time_s = data.fixes[k].time_s,
+                             .enu_from_body = pass.nominal[k].state.enu_from_body,
+                             .covariance_rad2 = pass.covariance[k].topLeftCorner<3, 3>(),
+                             .nis = pass.innovations[k].whitened.squaredNorm()});
+    return attitudes;
+}
+
+}  // namespace runcert

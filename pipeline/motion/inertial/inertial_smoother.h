@@ -1,0 +1,205 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/geodetic.h"
+#include "inertial/attitude.h"
+#include "inertial/error_model.h"
+#include "inertial/imu_noise.h"
+#include "inertial/strapdown.h"
+
+namespace runcert {
+
+/// A measured position of the antenna in the frame of east, north and up at the origin.
+struct PositionFix {
+    double time_s = 0.0;
+    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();  ///< of its white error
+};
+
+/// An attitude with the covariance (rad^2) of its error phi, truth = exp([phi]) estimate.
+struct StartAttitude {
+    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();
+};
+
+struct InertialSetup {
+    Geodetic origin = {};
+    ImuNoise noise = {};
+    /// From the IMU, along its axes forward, right and down.
+    Eigen::Vector3d antenna_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
+    double antenna_sigma_m = 0.02;  ///< of each component of `antenna_m`
+    bool estimate_antenna = false;
+    bool estimate_time_offset = false;
+    /// The position stamped t is that at the IMU's time t + offset.
+    double time_offset_s = 0.0;
+    double time_offset_sigma_s = 0.3;  ///< if it is estimated
+    /// Whether `noise` may be raised to what is likeliest (`fit_imu_noise`).
+    bool fit_noise = true;
+    PositionErrorModel position_error = {};
+    /// Least standard deviations of the white error of a position.
+    double least_horizontal_m = 0.006;
+    double least_vertical_m = 0.009;
+    /// Replaces the start that the data give. Holds at the first position.
+    std::optional<StartAttitude> start = {};
+};
+
+/// How the attitude at the start was found.
+enum class InertialStart {
+    given,
+    course,          ///< heading from the course over ground, level
+    earth_rotation,  ///< while standing: level by gravity, heading by the Earth's rotation
+    search,          ///< the likeliest of twelve headings
+};
+
+/// A point of the craft with the covariance of its error.
+struct PointMotion {
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d position_covariance_m2 = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d velocity_covariance_m2_s2 = Eigen::Matrix3d::Zero();
+};
+
+/// The smoothed solution at a position's epoch.
+struct InertialEpoch {
+    double time_s = 0.0;
+    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
+    EulerAngles attitude = {};                             ///< rad
+    EulerAngles attitude_sigma = {};                       ///< rad
+    Eigen::Vector3d rate_rad_s = Eigen::Vector3d::Zero();  ///< against the Earth, body axes
+    PointMotion antenna = {};
+    PointMotion reference_point = {};
+    ImuBias bias = {};
+    ImuBias bias_sigma = {};
+    Eigen::Vector3d position_error_m = Eigen::Vector3d::Zero();  ///< time-correlated
+    /// Measured less predicted position, whitened by the lower factor of its covariance.
+    Eigen::Vector3d innovation = Eigen::Vector3d::Zero();
+};
+
+/// What speaks against a solution.
+enum class InertialFinding {
+    innovations_large,          ///< NIS/3 above 2: more error than the model has
+    innovations_small,          ///< NIS/3 below 0.3: less
+    heading_unobservable,       ///< and the arm between antenna and reference point is horizontal
+    vertical_arm_unobservable,  ///< an estimated vertical lever arm on a craft that hardly rolls
+    noise_large,                ///< no noise that the fit tries is enough: not rigid to the craft?
+    not_converged,              ///< the last pass still turned the attitude
+};
+
+/// A finding with its figure and the limit that the figure is on the wrong side of.
+struct InertialDoubt {
+    InertialFinding finding{};
+    double figure = 0.0;
+    double limit = 0.0;
+};
+
+/// A stretch between positions, or between samples, longer than is usual in the recording.
+struct BridgedSpan {
+    double from_s = 0.0;
+    double to_s = 0.0;
+    bool imu_missing = false;  ///< samples are missing; otherwise only the IMU carries across
+};
+
+/// A value with its standard deviation.
+template <class Value>
+struct Estimated {
+    Value value{};
+    Value sigma{};
+};
+
+struct InertialConsistency {
+    double nis = 0.0;  ///< mean of the normalised innovations squared, by 3: 1 is expected
+    Eigen::Vector3d axis_nis = Eigen::Vector3d::Zero();  ///< of each component
+    double lag_one_correlation = 0.0;                    ///< of successive innovations
+    double beyond_share = 0.0;                           ///< of epochs beyond the 99.9 % point
+    std::vector<InertialDoubt> doubts = {};
+    bool consistent() const { return doubts.empty(); }
+};
+
+/// A displacement of a point between two epochs, with its covariance.
+struct PointDisplacement {
+    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Zero();
+};
+
+enum class CraftPoint { antenna, reference_point };
+
+/// What a quantity changes by per metre and per m/s of a point at an epoch.
+struct PointGradient {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+};
+
+/// Covariances between epochs; see `InertialSolution`.
+class JointCovariance;
+
+struct InertialSolution {
+    std::vector<InertialEpoch> epochs;  ///< one for each position that the samples reach
+    InertialConsistency consistency;
+    InertialStart start = InertialStart::given;
+    int passes = 0;
+    double log_likelihood = 0.0;
+    std::vector<BridgedSpan> bridged;
+    Estimated<double> time_offset_s;       ///< sigma 0 if it is not estimated
+    Estimated<Eigen::Vector3d> antenna_m;  ///< sigma as declared if it is not estimated
+    bool time_offset_asked_by_innovations = false;
+    ImuNoise noise = {};  ///< that the solution has
+
+    /// Displacement between two epochs s < e (indices of `epochs`) from the joint covariance of
+    /// both: P_s + P_e - X - X', X = G_s ... G_{e-1} P_e [FHB03; RTS as in YSM22]. An antenna arm
+    /// that is not estimated adds `antenna_sigma_m` times the change of attitude.
+    PointDisplacement displacement(std::size_t s, std::size_t e, CraftPoint point) const;
+
+    /// Variance of a sum over the epochs from s on: gradients[i].position' position +
+    /// gradients[i].velocity' velocity of a point at epoch s + i, from the joint covariance of all.
+    /// Length of a path and mean of speeds are such sums. The gyros' white noise adds to
+    /// velocities.
+    double variance(std::size_t s, std::span<const PointGradient> gradients,
+                    CraftPoint point) const;
+
+    /// Whether a bridged span lies between two epochs.
+    bool bridged_between(std::size_t s, std::size_t e) const;
+
+    std::shared_ptr<const JointCovariance> joint;  ///< what `displacement` needs
+};
+
+/// Attitude, velocity and position of a craft by an inertial measurement unit and positions: a
+/// closed-loop extended Kalman filter of 18 or 22 error states (`error_model.h`), an RTS smoother,
+/// and again about the smoothed trajectory until the attitude stays.
+///
+/// Starts where the craft moves at 5 m/s or more, with the heading of its course and level
+/// (standard deviations of 9 degrees in roll, 4 in pitch, 5 in heading), carried back by the gyros.
+/// A craft that stands at first is levelled by gravity and its gyros' bias measured. Without motion
+/// the likeliest of twelve headings over 60 s is taken.
+///
+/// Noise is that which is likeliest over two minutes about the highest speed, no less than the
+/// setup's (`fit_imu_noise`). Scale factors and axes that err by 0.2 to 1 %, as those of MEMS
+/// sensors do, otherwise leave NIS/3 near 1 and intervals that hold the truth in 30 to 85 % of
+/// cases. A time offset is estimated if it raises the likelihood there, too. The lever arm is not:
+/// it takes up what scale factors err by, and then misleads.
+///
+/// Positions outside the samples, or within half a second of their ends, are left out. Failure (at
+/// "IMU" or "positions") where fewer than ten remain, times do not increase, or a number is not
+/// finite or a covariance not positive.
+InertialSolution smooth_inertial(std::span<const ImuSample> samples,
+                                 std::span<const PositionFix> fixes, const InertialSetup& setup);
+
+/// The filter's own attitude at each epoch, from the positions up to it: what convergence is judged
+/// by. `setup.start` must be given.
+struct FilteredAttitude {
+    double time_s = 0.0;
+    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
+    Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+    double nis = 0.0;  ///< of this epoch's innovation, 3 degrees of freedom
+};
+std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples,
+                                              std::span<const PositionFix> fixes,
+                                              const InertialSetup& setup);
+
+}  // namespace runcert

@@ -1,0 +1,81 @@
+#include "inertial/judgement.h"
+
+#include <cmath>
+
+#include "inertial/alignment.h"
+#include "inertial/imu_noise_fit.h"
+#include "inertial/inertial_passes.h"
+
+namespace runcert {
+namespace {
+
+constexpr double search_nis = 2.0;    ///< NIS/3 above which a start is doubted
+constexpr double compared_s = 120.0;  ///< of motion, on which noise and offset are judged
+/// By so much a time offset must raise the logarithm of the likelihood.
+constexpr double asking_gain = 10.0;
+
+/// Two minutes about the highest speed, on which to compare.
+InertialData part_of(const InertialData& data, bool from_the_beginning) {
+    std::size_t fastest = 0;
+    double most_m_s = 0.0;
+    for (std::size_t k = 0; k < data.fixes.size() && !from_the_beginning; ++k) {
+        const double speed_m_s = velocity_of_positions(data.fixes, k).head<2>().norm();
+        if (speed_m_s <= most_m_s) continue;
+        most_m_s = speed_m_s;
+        fastest = k;
+    }
+    const double middle_s = data.fixes[fastest].time_s;
+    InertialData part = data;
+    std::erase_if(part.fixes, [&](const PositionFix& fix) {
+        return std::abs(fix.time_s - middle_s) > 0.5 * compared_s;
+    });
+    return part.fixes.size() < least_positions ? data : part;
+}
+
+/// The likeliest noise of a part about its own trajectory. That is found with the noise of a craft,
+/// from which a wrong start recovers soonest.
+template <int N>
+Judged judge_part(InertialData part, InertialSetup setup, bool search) {
+    const auto found = search ? std::nullopt : find_start(part, setup);
+    const FoundStart start = found ? *found : search_start(part, setup);
+    part.noise = setup.fit_noise ? on_a_craft(setup.noise) : setup.noise;
+    const Passes<N> passes = run_passes<N>(part, start.prior);
+    const std::vector<InertialNominal> about = passes.last.trajectory();
+    double squares = 0.0;
+    for (const PositionInnovation& innovation : passes.last.innovations)
+        squares += innovation.whitened.squaredNorm();
+    part.noise = setup.noise;
+    const FittedImuNoise fitted =
+        setup.fit_noise ? fit_imu_noise<N>(part, start.prior, about)
+                        : FittedImuNoise{setup.noise, passes.last.log_likelihood, false};
+    setup.noise = fitted.noise;
+    return {.setup = setup,
+            .search = start.kind == InertialStart::search,
+            .log_likelihood = fitted.log_likelihood,
+            .nis = squares / (3.0 * static_cast<double>(about.size())),
+            .noise_at_limit = fitted.at_limit};
+}
+
+Judged judge_part(const InertialData& part, const InertialSetup& setup, bool search) {
+    return setup.estimate_antenna || setup.estimate_time_offset
+               ? judge_part<error_state::full>(part, setup, search)
+               : judge_part<error_state::plain>(part, setup, search);
+}
+
+}  // namespace
+
+Judged judge(const InertialData& data, const InertialSetup& setup) {
+    const InertialData part = part_of(data, setup.start.has_value());
+    Judged best = judge_part(part, setup, false);
+    if (best.nis > search_nis && !best.search && !setup.start) {
+        const Judged searched = judge_part(part, setup, true);
+        if (searched.log_likelihood > best.log_likelihood) best = searched;
+    }
+    if (setup.estimate_time_offset) return best;
+    InertialSetup with_offset = setup;
+    with_offset.estimate_time_offset = true;
+    const Judged offset = judge_part(part, with_offset, best.search);
+    return offset.log_likelihood > best.log_likelihood + asking_gain ? offset : best;
+}
+
+}  // namespace runcert

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "inertial/inertial_filter.h"
+
+namespace runcert {
+
+/// Positions that a solution needs.
+inline constexpr std::size_t least_positions = 10;
+
+/// How a recording is to be solved, as judged on a part of it.
+struct Judged {
+    InertialSetup setup;  ///< with the likeliest noise, and a time offset if that is likelier
+    bool search = false;  ///< the heading at the start must be searched
+    double log_likelihood = 0.0;
+    double nis = 0.0;             ///< NIS/3 with the noise of a craft
+    bool noise_at_limit = false;  ///< `FittedImuNoise::at_limit`
+};
+
+/// Start, noise and time offset by their likelihood over two minutes about the highest speed (from
+/// the beginning, where the setup gives the start).
+Judged judge(const InertialData& data, const InertialSetup& setup);
+
+}  // namespace runcert

@@ -1,0 +1,205 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/angle.h"
+#include "core/failure.h"
+#include "core/random.h"
+#include "inertial/attitude.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Eigen::Vector3d any_vector(RandomGenerator& random) {
+    return {random.normal(), random.normal(), random.normal()};
+}
+
+Eigen::Matrix3d any_rotation(RandomGenerator& random) {
+    return rotation_about(pi * (2.0 * random.uniform() - 1.0) * any_vector(random).normalized());
+}
+
+double difference(double a, double b) {
+    return std::remainder(a - b, 2.0 * pi);
+}
+
+TEST(Attitude, AnglesGoThereAndBack) {
+    RandomGenerator random(1);
+    double most = 0.0;
+    for (int i = 0; i < 20'000; ++i) {
+        const EulerAngles angles{.roll = pi * (2.0 * random.uniform() - 1.0),
+                                 .pitch = 0.5 * pi * (1.998 * random.uniform() - 0.999),
+                                 .heading = 2.0 * pi * random.uniform()};
+        const Eigen::Matrix3d c = rotation_of(angles);
+        EXPECT_NEAR((c.transpose() * c - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-14);
+        EXPECT_NEAR(c.determinant(), 1.0, 1e-14);
+        const EulerAngles back = euler_angles(c);
+        most = std::max({most, std::abs(difference(back.roll, angles.roll)),
+                         std::abs(back.pitch - angles.pitch),
+                         std::abs(difference(back.heading, angles.heading))});
+        EXPECT_GE(back.heading, 0.0);
+        EXPECT_LT(back.heading, 2.0 * pi);
+    }
+    EXPECT_LT(most * degrees_per_radian, 1e-9);
+}
+
+TEST(Attitude, RotationsGoThereAndBackByAngles) {
+    RandomGenerator random(2);
+    double most = 0.0;
+    for (int i = 0; i < 20'000; ++i) {
+        const Eigen::Matrix3d c = any_rotation(random);
+        most = std::max(most, (rotation_of(euler_angles(c)) - c).norm());
+    }
+    // Steep pitches too: their roll and heading are uncertain, their rotation is not.
+    for (const double pitch : {0.5 * pi, -0.5 * pi, 0.5 * pi - 1e-7}) {
+        const Eigen::Matrix3d c = rotation_of({.roll = 0.3, .pitch = pitch, .heading = 1.0});
+        EXPECT_LT((rotation_of(euler_angles(c)) - c).norm(), 1e-6) << pitch;
+    }
+    EXPECT_LT(most, 1e-12);
+}
+
+// What each angle means, axis by axis.
+TEST(Attitude, EachAngleTurnsTheCraftAsItIsDefined) {
+    const Eigen::Vector3d forward(1, 0, 0), right(0, 1, 0), down(0, 0, 1);
+    const Eigen::Matrix3d level = rotation_of({});
+    EXPECT_LT((level * forward - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);  // north
+    EXPECT_LT((level * right - Eigen::Vector3d(1, 0, 0)).norm(), 1e-15);    // east
+    EXPECT_LT((level * down - Eigen::Vector3d(0, 0, -1)).norm(), 1e-15);
+    EXPECT_LT((rotation_of({.roll = 0.2}) * right).z(), 0.0);       // right side down
+    EXPECT_GT((rotation_of({.pitch = 0.2}) * forward).z(), 0.0);    // nose up
+    EXPECT_GT((rotation_of({.heading = 0.2}) * forward).x(), 0.0);  // towards east
+}
+
+// WITNESS: the surface example's attitude by its columns, right axis x = y cross n.
+TEST(Attitude, AnglesOfASurfaceAndAVelocityAreThePublishedOnes) {
+    const Eigen::Vector3d a(10.0, 0.0, 10.0 * std::tan(14.0 * radians_per_degree));
+    const Eigen::Vector3d b(0.0, 10.0, 0.2);
+    const Eigen::Vector3d n = a.cross(b).normalized();
+    EXPECT_NEAR(n.x(), -0.24187636, 1e-8);
+    EXPECT_NEAR(n.y(), -0.01940226, 1e-8);
+    EXPECT_NEAR(n.z(), 0.97011308, 1e-8);
+    const Eigen::Vector3d v(3.0, 70.0, 1.9);
+    const Eigen::Vector3d ahead = (v - v.dot(n) * n).normalized();
+    Eigen::Matrix3d enu_from_vehicle;
+    enu_from_vehicle << ahead.cross(n), ahead, n;
+    const EulerAngles angles = euler_angles(enu_from_vehicle * vehicle_from_body());
+    EXPECT_NEAR(angles.roll * degrees_per_radian, -13.936612, 1e-6);
+    EXPECT_NEAR(angles.pitch * degrees_per_radian, 1.744234, 1e-6);
+    EXPECT_NEAR(angles.heading * degrees_per_radian, 2.406649, 1e-6);
+}
+
+TEST(Attitude, JacobianOfAnglesIsThatOfDifferences) {
+    RandomGenerator random(3);
+    for (int i = 0; i < 200; ++i) {
+        const Eigen::Matrix3d c = rotation_of({.roll = 3.0 * (random.uniform() - 0.5),
+                                               .pitch = 2.4 * (random.uniform() - 0.5),
+                                               .heading = 1.0 + 5.0 * random.uniform()});
+        const Eigen::Matrix3d analytic = euler_jacobian(c);
+        for (int axis = 0; axis < 3; ++axis) {
+            constexpr double h = 1e-5;
+            const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(axis);
+            const EulerAngles plus = euler_angles(rotation_about(step) * c);
+            const EulerAngles minus = euler_angles(rotation_about(-step) * c);
+            const Eigen::Vector3d numeric(difference(plus.roll, minus.roll),
+                                          difference(plus.pitch, minus.pitch),
+                                          difference(plus.heading, minus.heading));
+            EXPECT_LT((numeric / (2.0 * h) - analytic.col(axis)).norm(), 1e-6) << i;
+        }
+    }
+}
+
+TEST(Attitude, RotationVectorsGoThereAndBack) {
+    RandomGenerator random(4);
+    for (const double size : {0.0, 1e-13, 1e-9, 1e-5, 9.9e-5, 1.1e-4, 0.1, 1.0, 3.0, 3.1415}) {
+        const Eigen::Vector3d phi = size * any_vector(random).normalized();
+        EXPECT_LT((rotation_vector(rotation_about(phi)) - phi).norm(), 1e-11 + 1e-15 * size)
+            << size;
+        const Eigen::Matrix3d c = rotation_about(phi);
+        EXPECT_LT((c.transpose() * c - Eigen::Matrix3d::Identity()).norm(), 1e-14) << size;
+    }
+}
+
+TEST(Attitude, NearestRotationLeavesRotationsAndMeansThem) {
+    RandomGenerator random(5);
+    const Eigen::Matrix3d c = any_rotation(random);
+    EXPECT_LT((nearest_rotation(3.0 * c) - c).norm(), 1e-14);
+    const Eigen::Vector3d phi(0.1, -0.2, 0.05);
+    EXPECT_LT((nearest_rotation(rotation_about(phi) * c + rotation_about(-phi) * c) - c).norm(),
+              1e-14);
+    EXPECT_NEAR(nearest_rotation(Eigen::Vector3d(1.0, 1.0, -0.1).asDiagonal()).determinant(), 1.0,
+                1e-14);
+}
+
+TEST(Attitude, TwoVectorsGiveTheRotation) {
+    RandomGenerator random(6);
+    for (int i = 0; i < 2'000; ++i) {
+        const Eigen::Matrix3d c = any_rotation(random);
+        const VectorPair from{5.0 * any_vector(random), any_vector(random)};
+        if (from.first.cross(from.second).norm() < 0.2 * from.first.norm() * from.second.norm())
+            continue;
+        const VectorPair to{c * from.first, c * from.second};
+        EXPECT_LT((rotation_of_two_vectors(from, to, {}) - c).norm(), 1e-12);
+        // Errors of 1e-4 give no more than errors of their size over the sine of the angle.
+        const VectorPair wrong{
+            to.first + 1e-4 * to.first.norm() * any_vector(random).normalized(),
+            to.second + 1e-4 * to.second.norm() * any_vector(random).normalized()};
+        const Eigen::Matrix3d found =
+            rotation_of_two_vectors(from, wrong, {.length = 1e-3, .angle_rad = 1e-2});
+        EXPECT_LT(rotation_vector(found * c.transpose()).norm(), 3e-4 / 0.2);
+        EXPECT_NEAR(found.determinant(), 1.0, 1e-13);
+    }
+}
+
+TEST(Attitude, TwoVectorsThatCannotBeTheSameAreRefused) {
+    const VectorPair pair{{1, 0, 0}, {0, 1, 0}};
+    const auto problem = [&](const VectorPair& to) -> std::string {
+        try {
+            rotation_of_two_vectors(pair, to, {});
+        } catch (const Failure& failure) {
+            EXPECT_EQ(failure.where(), "attitude");
+            return failure.problem();
+        }
+        return "";
+    };
+    EXPECT_EQ(problem({{0, 1, 0}, {0, 0, 1}}), "");
+    EXPECT_NE(problem({{0, 1.01, 0}, {0, 0, 1}}).find("long"), std::string::npos);
+    EXPECT_NE(problem({{0, 1, 0}, {0, std::sin(0.01), std::cos(0.01)}}).find("apart"),
+              std::string::npos);
+    EXPECT_NE(problem({{0, 1, 0}, {0, 1, 0}}).find("parallel"), std::string::npos);
+    EXPECT_NE(problem({{0, std::nan(""), 0}, {0, 1, 0}}).find("finite"), std::string::npos);
+}
+
+TEST(Attitude, QuaternionTurnsAsTheRotation) {
+    RandomGenerator random(7);
+    for (int i = 0; i < 500; ++i) {
+        const Eigen::Matrix3d c = any_rotation(random);
+        const Eigen::Quaterniond q = quaternion_of(c);
+        EXPECT_GE(q.w(), 0.0);
+        EXPECT_NEAR(q.norm(), 1.0, 1e-15);
+        EXPECT_LT((q.toRotationMatrix() - c).norm(), 1e-14);
+    }
+}
+
+// At 0 N 0 E east, north and up are the Earth's y, z and x.
+TEST(Attitude, AgainstTheEarthItIsTurnedByThePlace) {
+    const Eigen::Matrix3d level = rotation_of({});
+    const Eigen::Matrix3d at_zero = ecef_from_body({}, level);
+    EXPECT_LT((at_zero.col(0) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-15);
+    EXPECT_LT((at_zero.col(1) - Eigen::Vector3d(0, 1, 0)).norm(), 1e-15);
+    EXPECT_LT((at_zero.col(2) - Eigen::Vector3d(-1, 0, 0)).norm(), 1e-15);
+    const Geodetic place{.latitude = Angle::from_degrees(-31.6),
+                         .longitude = Angle::from_degrees(136.0),
+                         .height_m = 110.0};
+    const LocalFrame frame(place);
+    const Eigen::Vector3d ahead = ecef_from_body(place, level).col(0);
+    const Eigen::Vector3d moved =
+        frame.ecef_from_enu(Enu{{0, 1, 0}}).m - frame.ecef_from_enu(Enu{{0, 0, 0}}).m;
+    EXPECT_LT((ahead - moved).norm(), 1e-8);
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

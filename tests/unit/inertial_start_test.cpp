@@ -1,0 +1,205 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/failure.h"
+#include "inertial/alignment.h"
+#include "inertial_test_support.h"
+
+// How a solution starts: standing, from the course, by search; and what it refuses.
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+using test::attitude_error_deg;
+using test::lake;
+using test::oval;
+
+constexpr double rad = radians_per_degree;
+
+InertialRunSpec standing(ImuGrade grade, std::uint64_t seed) {
+    InertialRunSpec spec = lake(grade, seed);
+    spec.stand_s = 60.0;
+    spec.duration_s = 60.0;
+    return spec;
+}
+
+TEST(InertialStart, StandingGivesWhatGravityAndTheEarthCan) {
+    double tilt = 0.0, heading = 0.0;
+    StandingAlignment last;
+    constexpr int runs = 60;
+    for (int i = 0; i < runs; ++i) {
+        InertialRunSpec spec = standing(ImuGrade::tactical, static_cast<std::uint64_t>(i));
+        spec.duration_s = 1.0;
+        const InertialRun run = simulate_inertial(spec);
+        const StandingAlignment found =
+            align_standing(run.samples, 1.0, 55.0, EarthFrame(spec.origin), spec.noise);
+        const Eigen::Vector3d error =
+            rotation_vector(found.enu_from_body * run.truth[0].imu.enu_from_body.transpose());
+        tilt += error.head<2>().squaredNorm() / 2.0 / runs;
+        heading += error.z() * error.z() / runs;
+        last = found;
+    }
+    // 1 mg; 1 degree/h and as much of noise over 54 s, at 31.6 degrees of latitude.
+    EXPECT_NEAR(last.tilt_sigma_rad / rad, 0.058, 0.003);
+    EXPECT_NEAR(last.heading_sigma_rad / rad, 6.4, 0.2);
+    EXPECT_NEAR(std::sqrt(tilt) / last.tilt_sigma_rad, 1.0, 0.25);
+    EXPECT_NEAR(std::sqrt(heading) / last.heading_sigma_rad, 1.0, 0.3);
+    std::printf("standing: tilt to %.3f deg, heading to %.2f deg (stated %.3f, %.2f)\n",
+                std::sqrt(tilt) / rad, std::sqrt(heading) / rad, last.tilt_sigma_rad / rad,
+                last.heading_sigma_rad / rad);
+}
+
+TEST(InertialStart, AHeadingThatTheGyrosCannotTellIsSaidToBeNone) {
+    const InertialRunSpec spec = standing(ImuGrade::mems, 3);
+    const InertialRun run = simulate_inertial(spec);
+    const StandingAlignment found =
+        align_standing(run.samples, 1.0, 55.0, EarthFrame(spec.origin), spec.noise);
+    EXPECT_GT(found.heading_sigma_rad, 1.0);
+    EXPECT_LT((found.rate_rad_s - run.truth[0].bias.gyro_rad_s).norm(), 4e-4);
+    const EulerAngles level = euler_angles(found.enu_from_body);
+    const EulerAngles truth = euler_angles(run.truth[0].imu.enu_from_body);
+    EXPECT_NEAR(level.roll, truth.roll, 4.0 * found.tilt_sigma_rad);
+    EXPECT_NEAR(level.pitch, truth.pitch, 4.0 * found.tilt_sigma_rad);
+}
+
+TEST(InertialStart, AccelerometersInOtherUnitsAreRefused) {
+    const InertialRunSpec spec = standing(ImuGrade::mems, 3);
+    InertialRun run = simulate_inertial(spec);
+    for (ImuSample& sample : run.samples)
+        sample.velocity_m_s /= 9.8;
+    try {
+        smooth_inertial(run.samples, run.fixes, setup_of(spec));
+        ADD_FAILURE();
+    } catch (const Failure& failure) {
+        EXPECT_EQ(failure.where(), "IMU");
+        EXPECT_NE(failure.remedy().find("unit"), std::string::npos);
+    }
+}
+
+TEST(InertialStart, ACraftThatStandsFirstIsSmoothedFromItsFirstPosition) {
+    for (const ImuGrade grade : {ImuGrade::tactical, ImuGrade::mems, ImuGrade::consumer}) {
+        const InertialRunSpec spec = standing(grade, 4);
+        const InertialRun run = simulate_inertial(spec);
+        const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+        EXPECT_EQ(solution.start, InertialStart::course);
+        EXPECT_TRUE(solution.consistency.consistent()) << solution.consistency.nis;
+        const std::size_t first = test::first_truth(run, solution);
+        EXPECT_LE(first, 6U);
+        const std::size_t moving = 800;
+        EXPECT_LT(attitude_error_deg(solution.epochs[moving].enu_from_body,
+                                     run.truth[first + moving].imu.enu_from_body),
+                  0.3)
+            << static_cast<int>(grade);
+        const test::SpeedErrors errors = test::speed_errors(run, solution, 30, 1, 750);
+        EXPECT_LT(root_mean_square(errors.errors_m_s), 0.0025);
+    }
+}
+
+TEST(InertialStart, WithoutACourseTheLikeliestHeadingIsFound) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+        InertialRunSpec spec = lake(ImuGrade::mems, seed);
+        spec.speed_m_s = 4.0;
+        spec.antenna_m = {0.0, 0.0, -1.0};
+        const InertialRun run = simulate_inertial(spec);
+        const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+        EXPECT_EQ(solution.start, InertialStart::search);
+        const std::size_t first = test::first_truth(run, solution);
+        const double error = attitude_error_deg(solution.epochs[500].enu_from_body,
+                                                run.truth[first + 500].imu.enu_from_body);
+        EXPECT_LT(error, 4.0 * solution.epochs[500].attitude_sigma.heading / rad + 0.1) << seed;
+        std::printf("search: error %.2f deg, stated %.2f, NIS/3 %.2f\n", error,
+                    solution.epochs[500].attitude_sigma.heading / rad, solution.consistency.nis);
+    }
+}
+
+// A craft that runs backwards, or an IMU with its axes turned: the course is no heading.
+TEST(InertialStart, ACourseThatIsNoHeadingIsCorrected) {
+    const InertialRunSpec spec = lake(ImuGrade::mems, 6);
+    InertialRun run = simulate_inertial(spec);
+    const Eigen::DiagonalMatrix<double, 3> about_down(-1.0, -1.0, 1.0);
+    for (ImuSample& sample : run.samples) {
+        sample.angle_rad = about_down * sample.angle_rad;
+        sample.velocity_m_s = about_down * sample.velocity_m_s;
+    }
+    const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+    EXPECT_TRUE(solution.consistency.consistent()) << solution.consistency.nis;
+    const std::size_t first = test::first_truth(run, solution);
+    const Eigen::Matrix3d found = solution.epochs[500].enu_from_body * about_down.toDenseMatrix();
+    EXPECT_LT(attitude_error_deg(found, run.truth[first + 500].imu.enu_from_body), 0.4);
+}
+
+TEST(InertialStart, RefusesWhatCannotBeSmoothed) {
+    const InertialRunSpec spec = lake(ImuGrade::mems, 7);
+    const InertialRun run = simulate_inertial(spec);
+    const auto problem = [&](const std::vector<ImuSample>& samples,
+                             const std::vector<PositionFix>& fixes) -> std::string {
+        try {
+            smooth_inertial(samples, fixes, setup_of(spec));
+        } catch (const Failure& failure) {
+            EXPECT_FALSE(failure.remedy().empty());
+            return failure.where() + ": " + failure.problem();
+        }
+        return "";
+    };
+    auto fixes = run.fixes;
+    for (PositionFix& fix : fixes)
+        fix.time_s += 5000.0;
+    EXPECT_NE(problem(run.samples, fixes).find("0 positions lie within"), std::string::npos);
+    fixes = run.fixes;
+    fixes[100].time_s = fixes[99].time_s;
+    EXPECT_EQ(problem(run.samples, fixes).rfind("positions, time 9.9", 0), 0U);
+    fixes = run.fixes;
+    fixes[100].enu_m.y() = std::nan("");
+    EXPECT_NE(problem(run.samples, fixes).find("finite"), std::string::npos);
+    fixes = run.fixes;
+    fixes[100].covariance_m2(1, 1) = -1.0;
+    EXPECT_NE(problem(run.samples, fixes).find("covariance"), std::string::npos);
+    EXPECT_NE(problem({}, run.fixes).find("no samples"), std::string::npos);
+}
+
+TEST(InertialGaps, SpansThatOnlyTheImuBridgesAreNamed) {
+    const InertialRunSpec spec = oval(ImuGrade::mems, 8);
+    InertialRun run = simulate_inertial(spec);
+    const InertialSolution whole = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+    EXPECT_TRUE(whole.bridged.empty());
+    run.fixes.erase(run.fixes.begin() + 400, run.fixes.begin() + 450);  // 40.0 to 44.9 s
+    run.truth.erase(run.truth.begin() + 400, run.truth.begin() + 450);
+    const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+    ASSERT_EQ(solution.bridged.size(), 1U);
+    EXPECT_NEAR(solution.bridged[0].from_s, 39.9, 1e-9);
+    EXPECT_NEAR(solution.bridged[0].to_s, 45.0, 1e-9);
+    EXPECT_FALSE(solution.bridged[0].imu_missing);
+    const std::size_t before = 399 - test::first_truth(run, solution);
+    EXPECT_FALSE(solution.bridged_between(before - 30, before));
+    EXPECT_TRUE(solution.bridged_between(before, before + 1));
+    EXPECT_TRUE(solution.bridged_between(before - 30, before + 30));
+    EXPECT_FALSE(solution.bridged_between(before + 1, before + 31));
+    const auto across = solution.displacement(before, before + 1, CraftPoint::reference_point);
+    const Eigen::Vector3d error =
+        across.enu_m - (run.truth[400].reference_point_m - run.truth[399].reference_point_m);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_LT(std::abs(error(axis)), 4.0 * std::sqrt(across.covariance_m2(axis, axis)));
+}
+
+TEST(InertialGaps, MissingSamplesAreNamedAndSurvived) {
+    for (const std::ptrdiff_t missing : {3, 200}) {
+        const InertialRunSpec spec = lake(ImuGrade::mems, 9);
+        InertialRun run = simulate_inertial(spec);
+        run.samples.erase(run.samples.begin() + 5000, run.samples.begin() + 5000 + missing);
+        const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+        ASSERT_GE(solution.bridged.size(), 1U) << missing;
+        for (const BridgedSpan& span : solution.bridged) {
+            EXPECT_TRUE(span.imu_missing);
+            EXPECT_GE(span.to_s, 50.0);
+            EXPECT_LE(span.from_s, 50.0 + 0.01 * static_cast<double>(missing));
+        }
+        const std::size_t first = test::first_truth(run, solution);
+        EXPECT_LT(attitude_error_deg(solution.epochs[900].enu_from_body,
+                                     run.truth[first + 900].imu.enu_from_body),
+                  0.3);
+        EXPECT_LT(solution.consistency.nis, 1.2);
+    }
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "run/stage_main.h"
+#include "stages/smooth/attitude_table.h"
 #include "stages/smooth/smooth.h"
 
 using namespace runcert;
@@ -13,6 +14,17 @@ std::string summary_line(const EstimationSummary& estimation) {
     return fmt::format("noise {} {:.2f} x stated; batch agrees within {:.0e} m",
                        noise.status == NoiseBasis::fitted ? "fitted:" : "not fitted:",
                        noise.measurement_scale.value, estimation.largest_position_difference_m);
+}
+
+void write_attitude_of(StageRun& run, const Receiver& receiver, const ScreenedTable& screened,
+                       const TrajectoryTable& trajectory) {
+    (void)run.read(products::screened, receiver, read_screened);
+    AttitudeTable attitude = attitude_table(run.read(products::imu, receiver, read_imu), screened,
+                                            trajectory, *receiver.imu);
+    attitude.header = run.header();
+    run.write(products::attitude, receiver, write_attitude(attitude));
+    run.say(attitude.consistency.reason.empty() ? "IMU and positions agree"
+                                                : attitude.consistency.reason);
 }
 
 }  // namespace
@@ -32,6 +44,10 @@ int main(int argc, char** argv) {
                               table.header = one.header();
                               one.write(products::trajectory, receiver, write_trajectory(table));
                               run.say(summary_line(table.estimation));
+                              if (has_imu(receiver)) {
+                                  StageRun beside = run;
+                                  write_attitude_of(beside, receiver, screened, table);
+                              }
                           }
                       });
 }

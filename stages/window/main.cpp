@@ -8,7 +8,10 @@
 #include "run/attempt_files.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
+#include "schemas/attitude/declared.h"
+#include "stages/window/craft_speeds.h"
 #include "stages/window/window.h"
+#include "witness/inertial_input.h"
 #include "witness/screened_phases.h"
 
 using namespace runcert;
@@ -57,6 +60,19 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
     return all;
 }
 
+/// Beside the antenna's speeds, those of the reference point, if IMU and positions agree.
+void add_reference_point(StageRun& run, const Receiver& receiver, const ReceiverTables& tables,
+                         const std::vector<Profile>& profiles, Windows& windows) {
+    const AttitudeTable attitude = run.read(products::attitude, receiver, read_attitude);
+    const ImuTable imu = run.read(products::imu, receiver, read_imu);
+    InertialSolution solution;
+    if (attitude.consistency.standing == InertialStanding::consistent) {
+        const InertialInput input = inertial_input(imu, tables.screened, tables.trajectory);
+        solution = smooth_inertial(input.samples, input.fixes, input.setup);
+    }
+    add_craft_speeds(solution, profiles, windows);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -72,6 +88,8 @@ int main(int argc, char** argv) {
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                window_config(attempt, receiver), attempt.course,
                                                beside(run, tables, i));
+                if (has_imu(receiver))
+                    add_reference_point(run, receiver, tables[i], profiles, windows);
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

@@ -10,7 +10,7 @@ namespace {
 void BM_SmoothInertial(benchmark::State& state) {
     InertialRunSpec spec;
     spec.course = InertialCourse::oval;
-    spec.noise = imu_noise(ImuGrade::mems);
+    spec.noise = imu_noise(ImuClass::mems);
     spec.duration_s = 2821.0;
     if (state.range(0) == 1) spec.time_offset_s = 0.05;  // innovations ask for it
     const InertialRun run = simulate_inertial(spec);

@@ -206,11 +206,11 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
 }
 
 TEST(InertialBatch, AgreesWithTheSmootherOnALake) {
-    expect_the_batch_to_agree(test::lake(ImuGrade::mems, 5));
+    expect_the_batch_to_agree(test::lake(ImuClass::mems, 5));
 }
 
 TEST(InertialBatch, AgreesWithTheSmootherOnAnOval) {
-    expect_the_batch_to_agree(test::oval(ImuGrade::tactical, 6));
+    expect_the_batch_to_agree(test::oval(ImuClass::tactical, 6));
 }
 
 }  // namespace

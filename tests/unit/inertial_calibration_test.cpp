@@ -28,7 +28,7 @@ TEST(InertialCalibration, FindsArmAndTimeOffsetUnderAMast) {
     double offset_squares = 0.0, offset_normalised = 0.0;
     constexpr int runs = 8;
     for (int i = 0; i < runs; ++i) {
-        InertialRunSpec spec = lake(ImuGrade::mems, static_cast<std::uint64_t>(300 + i));
+        InertialRunSpec spec = lake(ImuClass::mems, static_cast<std::uint64_t>(300 + i));
         spec.time_offset_s = 0.02;
         const InertialRun run = simulate_inertial(spec);
         InertialSetup setup = setup_of(spec);
@@ -64,7 +64,7 @@ TEST(InertialCalibration, FindsArmAndTimeOffsetUnderAMast) {
 }
 
 TEST(InertialCalibration, TheLikelihoodAsksForTheTimeOffset) {
-    InertialRunSpec spec = lake(ImuGrade::mems, 11);
+    InertialRunSpec spec = lake(ImuClass::mems, 11);
     spec.time_offset_s = 0.05;
     const InertialRun run = simulate_inertial(spec);
     const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
@@ -87,7 +87,7 @@ TEST(InertialCalibration, TheLikelihoodAsksForTheTimeOffset) {
 // Scale factors and axes wrong by 0.5 % are no random walk of a data sheet. Found: with data sheet
 // noise the 3 s speed errs by 40 mm/s and states 2, at an NIS/3 that looks consistent.
 TEST(InertialCalibration, TheLikelihoodRaisesNoiseThatGrowsWithMotion) {
-    InertialRunSpec spec = oval(ImuGrade::mems, 16);
+    InertialRunSpec spec = oval(ImuClass::mems, 16);
     spec.scale_sigma = 0.005;
     const InertialRun run = simulate_inertial(spec);
     InertialSetup setup = setup_of(spec);
@@ -114,7 +114,7 @@ TEST(InertialCalibration, TheLikelihoodRaisesNoiseThatGrowsWithMotion) {
 }
 
 TEST(InertialCalibration, AVerticalArmOnAStiffCraftIsDoubted) {
-    InertialRunSpec spec = lake(ImuGrade::mems, 13);
+    InertialRunSpec spec = lake(ImuClass::mems, 13);
     spec.roll_deg = spec.pitch_deg = 0.3;
     spec.antenna_m = {0.3, 0.0, -1.0};
     const InertialRun run = simulate_inertial(spec);
@@ -129,7 +129,7 @@ TEST(InertialCalibration, AVerticalArmOnAStiffCraftIsDoubted) {
 
 // [FHB03]'s Balzac: no heading on a straight.
 TEST(InertialCalibration, AHeadingOnAStraightIsDoubtedWithAHorizontalArm) {
-    InertialRunSpec spec = lake(ImuGrade::consumer, 14);
+    InertialRunSpec spec = lake(ImuClass::consumer, 14);
     spec.duration_s = 15.0;
     spec.speed_m_s = 40.0;  // 7 to 15 m/s in that time
     spec.antenna_m = {-4.0, 0.0, -1.0};
@@ -137,7 +137,7 @@ TEST(InertialCalibration, AHeadingOnAStraightIsDoubtedWithAHorizontalArm) {
     const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
     EXPECT_TRUE(has(solution, InertialFinding::heading_unobservable));
     // The same IMU on an oval, and the same run with the arm upright, have no such doubt.
-    InertialRunSpec turning = oval(ImuGrade::consumer, 14);
+    InertialRunSpec turning = oval(ImuClass::consumer, 14);
     turning.antenna_m = spec.antenna_m;
     const InertialRun turned = simulate_inertial(turning);
     EXPECT_TRUE(
@@ -154,7 +154,7 @@ TEST(InertialCalibration, AHeadingOnAStraightIsDoubtedWithAHorizontalArm) {
 
 // The box turned in the craft, 5 % gross errors: WITNESS has 0.2 degrees with the 0.5 g gate.
 TEST(InertialCalibration, FindsTheMountFromTheCourse) {
-    InertialRunSpec spec = oval(ImuGrade::tactical, 15);
+    InertialRunSpec spec = oval(ImuClass::tactical, 15);
     const InertialRun run = simulate_inertial(spec);
     InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
     const Eigen::Matrix3d mount = rotation_about(rad * Eigen::Vector3d(1.5, -2.0, 3.0));

@@ -51,7 +51,7 @@ StartAttitude start_of(Method method, const InertialTruth& truth, RandomGenerato
 }
 
 void add_run(Method method, std::uint64_t seed, Converged& result) {
-    InertialRunSpec spec = test::oval(ImuGrade::tactical, seed);
+    InertialRunSpec spec = test::oval(ImuClass::tactical, seed);
     spec.duration_s = duration_s;
     const InertialRun run = simulate_inertial(spec);
     InertialSetup setup = setup_of(spec);

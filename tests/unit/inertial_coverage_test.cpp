@@ -31,7 +31,7 @@ struct Coverage {
     double pessimism() const { return expanded_m_s / (2.0 * rms_m_s); }
 };
 
-InertialRunSpec spec_of(InertialCourse course, ImuGrade grade, Errors errors, bool mast,
+InertialRunSpec spec_of(InertialCourse course, ImuClass grade, Errors errors, bool mast,
                         std::uint64_t seed) {
     InertialRunSpec spec =
         course == InertialCourse::oval ? test::oval(grade, seed) : test::lake(grade, seed);
@@ -40,13 +40,13 @@ InertialRunSpec spec_of(InertialCourse course, ImuGrade grade, Errors errors, bo
     if (errors == Errors::white)
         spec.position_error.horizontal_m = spec.position_error.vertical_m = 0.0;
     if (errors == Errors::scale)
-        spec.scale_sigma = grade == ImuGrade::tactical ? 0.0005
-                           : grade == ImuGrade::mems   ? 0.005
+        spec.scale_sigma = grade == ImuClass::tactical ? 0.0005
+                           : grade == ImuClass::mems   ? 0.005
                                                        : 0.01;
     return spec;
 }
 
-Coverage coverage_of(InertialCourse course, ImuGrade grade, Errors kind, bool mast, int runs,
+Coverage coverage_of(InertialCourse course, ImuClass grade, Errors kind, bool mast, int runs,
                      std::uint64_t first_seed) {
     struct One {
         double inside = 0.0, squares = 0.0, sigma = 0.0, nis = 0.0;
@@ -79,7 +79,7 @@ Coverage coverage_of(InertialCourse course, ImuGrade grade, Errors kind, bool ma
     return sum;
 }
 
-void expect_coverage(ImuGrade grade) {
+void expect_coverage(ImuClass grade) {
     const int runs = draws({.daily = 1, .study = 200});
     double inside = 0.0;
     int kinds = 0;
@@ -108,13 +108,13 @@ void expect_coverage(ImuGrade grade) {
 }
 
 TEST(InertialCoverage, Tactical) {
-    expect_coverage(ImuGrade::tactical);
+    expect_coverage(ImuClass::tactical);
 }
 TEST(InertialCoverage, Mems) {
-    expect_coverage(ImuGrade::mems);
+    expect_coverage(ImuClass::mems);
 }
 TEST(InertialCoverage, Consumer) {
-    expect_coverage(ImuGrade::consumer);
+    expect_coverage(ImuClass::consumer);
 }
 
 TEST(InertialCoverage, CorrectsTheSpeedUnderAMast) {
@@ -122,7 +122,7 @@ TEST(InertialCoverage, CorrectsTheSpeedUnderAMast) {
     const int runs = draws({.daily = 8, .study = 80});
     for (int i = 0; i < runs; ++i) {
         const InertialRunSpec spec =
-            test::lake(ImuGrade::mems, static_cast<std::uint64_t>(100 + i));
+            test::lake(ImuClass::mems, static_cast<std::uint64_t>(100 + i));
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
         const test::SpeedErrors errors = test::speed_errors(run, solution);

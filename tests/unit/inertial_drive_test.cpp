@@ -83,7 +83,7 @@ Drive read_drive(const std::string& folder) {
     Drive drive;
     drive.samples = read_imu(folder + "imu.csv");
     drive.fixes = read_positions(folder + "rover.pos", drive.setup.origin);
-    drive.setup.noise = imu_noise(ImuGrade::mems);
+    drive.setup.noise = imu_noise(ImuClass::mems);
     // The antenna is 5 cm left of the IMU, whose second axis points right.
     drive.setup.antenna_m = {0.0, -0.05, 0.0};
     drive.setup.estimate_time_offset = true;
@@ -200,7 +200,7 @@ TEST(InertialFreeway, RollAndPitchAreThoseOfTheReference) {
             Eigen::Quaterniond(v[7], v[8], v[9], v[10]).toRotationMatrix());
     }
     ASSERT_GT(drive.fixes.size(), 1000U);
-    drive.setup.noise = imu_noise(ImuGrade::consumer);
+    drive.setup.noise = imu_noise(ImuClass::consumer);
     drive.setup.noise.gyro_bias_rad_s = 5.0 * rad;
     const InertialSolution solution = smooth_inertial(drive.samples, drive.fixes, drive.setup);
     std::vector<double> roll, pitch, heading, speeds;
@@ -228,7 +228,7 @@ TEST(InertialFreeway, RollAndPitchAreThoseOfTheReference) {
         solution.consistency.nis, mean(roll), standard_deviation(roll), mean(pitch),
         standard_deviation(pitch), mean(heading), standard_deviation(heading), heading_sigma,
         1e3 * root_mean_square(speeds), solution.noise.motion_sqrt_s);
-    EXPECT_EQ(solution.start, InertialStart::course);
+    EXPECT_EQ(solution.start, StartMethod::course);
     // The pose is smoothed: its positions scatter far less than a receiver's, which is said.
     ASSERT_EQ(solution.consistency.doubts.size(), 1U);
     EXPECT_EQ(solution.consistency.doubts[0].finding, InertialFinding::innovations_small);
@@ -263,10 +263,10 @@ TEST(InertialWalk, DoubtsAnImuCarriedByHand) {
              .interval_s = interval_s,
              .angle_rad = interval_s * rad * Eigen::Vector3d(v[3], v[4], v[5]),
              .velocity_m_s = interval_s * 9.80665 * Eigen::Vector3d(v[0], v[1], v[2])});
-    walk.setup.noise = imu_noise(ImuGrade::mems);
+    walk.setup.noise = imu_noise(ImuClass::mems);
     walk.setup.estimate_time_offset = true;
     const InertialSolution solution = smooth_inertial(walk.samples, walk.fixes, walk.setup);
-    EXPECT_EQ(solution.start, InertialStart::search);
+    EXPECT_EQ(solution.start, StartMethod::search);
     EXPECT_FALSE(solution.consistency.consistent());
     EXPECT_TRUE(std::ranges::any_of(solution.consistency.doubts, [](const InertialDoubt& doubt) {
         return doubt.finding == InertialFinding::noise_large;

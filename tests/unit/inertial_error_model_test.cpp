@@ -188,15 +188,15 @@ TEST(ErrorModel, NoiseGrowsAsItsIntegrals) {
 
 // Data sheets: 1 deg/h, 0.125 deg/sqrt(h), 1 mg and so on.
 TEST(ErrorModel, GradesAreTheirDataSheets) {
-    const ImuNoise tactical = imu_noise(ImuGrade::tactical);
+    const ImuNoise tactical = imu_noise(ImuClass::tactical);
     EXPECT_NEAR(tactical.gyro_bias_rad_s, 4.848e-6, 1e-9);
     EXPECT_NEAR(tactical.angle_walk_rad_sqrt_s, 3.636e-5, 1e-8);
     EXPECT_NEAR(tactical.accelerometer_bias_m_s2, 9.80665e-3, 1e-9);
     EXPECT_NEAR(tactical.velocity_walk_m_s_sqrt_s, 1e-3, 1e-12);
-    const ImuNoise consumer = imu_noise(ImuGrade::consumer);
+    const ImuNoise consumer = imu_noise(ImuClass::consumer);
     EXPECT_NEAR(consumer.angle_walk_rad_sqrt_s * degrees_per_radian, 0.0038, 5e-5);
     EXPECT_NEAR(consumer.velocity_walk_m_s_sqrt_s / 9.80665, 150e-6, 5e-6);
-    const ImuNoise mems = imu_noise(ImuGrade::mems), craft = on_a_craft(mems);
+    const ImuNoise mems = imu_noise(ImuClass::mems), craft = on_a_craft(mems);
     EXPECT_NEAR(craft.velocity_walk_m_s_sqrt_s / mems.velocity_walk_m_s_sqrt_s, 10.0, 1e-12);
     EXPECT_NEAR(craft.angle_walk_rad_sqrt_s / mems.angle_walk_rad_sqrt_s, 2.0, 1e-12);
     EXPECT_EQ(craft.motion_sqrt_s, 0.006);

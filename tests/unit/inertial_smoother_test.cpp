@@ -21,7 +21,7 @@ double error_after_a_second_deg(const InertialRunSpec& spec, int* passes = nullp
     const InertialRun run = simulate_inertial(spec);
     const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
     if (passes) *passes = solution.passes;
-    EXPECT_EQ(solution.start, InertialStart::course);
+    EXPECT_EQ(solution.start, StartMethod::course);
     EXPECT_TRUE(solution.consistency.consistent()) << solution.consistency.nis;
     const std::size_t first = test::first_truth(run, solution);
     return attitude_error_deg(solution.epochs[10].enu_from_body,
@@ -31,8 +31,8 @@ double error_after_a_second_deg(const InertialRunSpec& spec, int* passes = nullp
 TEST(InertialSmoother, FindsTheAttitudeAtTheStartFromTheCourse) {
     std::vector<double> tactical, mems;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-        tactical.push_back(error_after_a_second_deg(oval(ImuGrade::tactical, seed)));
-        mems.push_back(error_after_a_second_deg(lake(ImuGrade::mems, seed)));
+        tactical.push_back(error_after_a_second_deg(oval(ImuClass::tactical, seed)));
+        mems.push_back(error_after_a_second_deg(lake(ImuClass::mems, seed)));
     }
     EXPECT_LT(median(tactical), 0.05);
     EXPECT_LT(median(mems), 0.1);
@@ -41,7 +41,7 @@ TEST(InertialSmoother, FindsTheAttitudeAtTheStartFromTheCourse) {
 }
 
 TEST(InertialSmoother, VarianceOfADifferenceIsThatOfTheDisplacement) {
-    InertialRunSpec spec = lake(ImuGrade::mems, 21);
+    InertialRunSpec spec = lake(ImuClass::mems, 21);
     spec.reference_point_m = {0.5, -0.3, 0.8};
     const InertialRun run = simulate_inertial(spec);
     InertialSetup setup = setup_of(spec);
@@ -78,7 +78,7 @@ TEST(InertialSmoother, VarianceOfADifferenceIsThatOfTheDisplacement) {
 TEST(InertialSmoother, MeanSpeedsErrAsStated) {
     double squares = 0.0, count = 0.0;
     for (std::uint64_t seed = 40; seed < 44; ++seed) {
-        InertialRunSpec spec = lake(ImuGrade::mems, seed);
+        InertialRunSpec spec = lake(ImuClass::mems, seed);
         spec.reference_point_m = {0.5, -0.3, 0.8};
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));

@@ -16,19 +16,19 @@ using test::oval;
 
 constexpr double rad = radians_per_degree;
 
-InertialRunSpec standing(ImuGrade grade, std::uint64_t seed) {
+InertialRunSpec standing(ImuClass grade, std::uint64_t seed) {
     InertialRunSpec spec = lake(grade, seed);
     spec.stand_s = 60.0;
     spec.duration_s = 60.0;
     return spec;
 }
 
-TEST(InertialStart, StandingGivesWhatGravityAndTheEarthCan) {
+TEST(StartMethod, StandingGivesWhatGravityAndTheEarthCan) {
     double tilt = 0.0, heading = 0.0;
     StandingAlignment last;
     constexpr int runs = 60;
     for (int i = 0; i < runs; ++i) {
-        InertialRunSpec spec = standing(ImuGrade::tactical, static_cast<std::uint64_t>(i));
+        InertialRunSpec spec = standing(ImuClass::tactical, static_cast<std::uint64_t>(i));
         spec.duration_s = 1.0;
         const InertialRun run = simulate_inertial(spec);
         const StandingAlignment found =
@@ -49,8 +49,8 @@ TEST(InertialStart, StandingGivesWhatGravityAndTheEarthCan) {
                 last.heading_sigma_rad / rad);
 }
 
-TEST(InertialStart, AHeadingThatTheGyrosCannotTellIsSaidToBeNone) {
-    const InertialRunSpec spec = standing(ImuGrade::mems, 3);
+TEST(StartMethod, AHeadingThatTheGyrosCannotTellIsSaidToBeNone) {
+    const InertialRunSpec spec = standing(ImuClass::mems, 3);
     const InertialRun run = simulate_inertial(spec);
     const StandingAlignment found =
         align_standing(run.samples, 1.0, 55.0, EarthFrame(spec.origin), spec.noise);
@@ -62,8 +62,8 @@ TEST(InertialStart, AHeadingThatTheGyrosCannotTellIsSaidToBeNone) {
     EXPECT_NEAR(level.pitch, truth.pitch, 4.0 * found.tilt_sigma_rad);
 }
 
-TEST(InertialStart, AccelerometersInOtherUnitsAreRefused) {
-    const InertialRunSpec spec = standing(ImuGrade::mems, 3);
+TEST(StartMethod, AccelerometersInOtherUnitsAreRefused) {
+    const InertialRunSpec spec = standing(ImuClass::mems, 3);
     InertialRun run = simulate_inertial(spec);
     for (ImuSample& sample : run.samples)
         sample.velocity_m_s /= 9.8;
@@ -76,12 +76,12 @@ TEST(InertialStart, AccelerometersInOtherUnitsAreRefused) {
     }
 }
 
-TEST(InertialStart, ACraftThatStandsFirstIsSmoothedFromItsFirstPosition) {
-    for (const ImuGrade grade : {ImuGrade::tactical, ImuGrade::mems, ImuGrade::consumer}) {
+TEST(StartMethod, ACraftThatStandsFirstIsSmoothedFromItsFirstPosition) {
+    for (const ImuClass grade : {ImuClass::tactical, ImuClass::mems, ImuClass::consumer}) {
         const InertialRunSpec spec = standing(grade, 4);
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
-        EXPECT_EQ(solution.start, InertialStart::course);
+        EXPECT_EQ(solution.start, StartMethod::course);
         EXPECT_TRUE(solution.consistency.consistent()) << solution.consistency.nis;
         const std::size_t first = test::first_truth(run, solution);
         EXPECT_LE(first, 6U);
@@ -95,14 +95,14 @@ TEST(InertialStart, ACraftThatStandsFirstIsSmoothedFromItsFirstPosition) {
     }
 }
 
-TEST(InertialStart, WithoutACourseTheLikeliestHeadingIsFound) {
+TEST(StartMethod, WithoutACourseTheLikeliestHeadingIsFound) {
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-        InertialRunSpec spec = lake(ImuGrade::mems, seed);
+        InertialRunSpec spec = lake(ImuClass::mems, seed);
         spec.speed_m_s = 4.0;
         spec.antenna_m = {0.0, 0.0, -1.0};
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
-        EXPECT_EQ(solution.start, InertialStart::search);
+        EXPECT_EQ(solution.start, StartMethod::search);
         const std::size_t first = test::first_truth(run, solution);
         const double error = attitude_error_deg(solution.epochs[500].enu_from_body,
                                                 run.truth[first + 500].imu.enu_from_body);
@@ -113,8 +113,8 @@ TEST(InertialStart, WithoutACourseTheLikeliestHeadingIsFound) {
 }
 
 // A craft that runs backwards, or an IMU with its axes turned: the course is no heading.
-TEST(InertialStart, ACourseThatIsNoHeadingIsCorrected) {
-    const InertialRunSpec spec = lake(ImuGrade::mems, 6);
+TEST(StartMethod, ACourseThatIsNoHeadingIsCorrected) {
+    const InertialRunSpec spec = lake(ImuClass::mems, 6);
     InertialRun run = simulate_inertial(spec);
     const Eigen::DiagonalMatrix<double, 3> about_down(-1.0, -1.0, 1.0);
     for (ImuSample& sample : run.samples) {
@@ -128,8 +128,8 @@ TEST(InertialStart, ACourseThatIsNoHeadingIsCorrected) {
     EXPECT_LT(attitude_error_deg(found, run.truth[first + 500].imu.enu_from_body), 0.4);
 }
 
-TEST(InertialStart, RefusesWhatCannotBeSmoothed) {
-    const InertialRunSpec spec = lake(ImuGrade::mems, 7);
+TEST(StartMethod, RefusesWhatCannotBeSmoothed) {
+    const InertialRunSpec spec = lake(ImuClass::mems, 7);
     const InertialRun run = simulate_inertial(spec);
     const auto problem = [&](const std::vector<ImuSample>& samples,
                              const std::vector<PositionFix>& fixes) -> std::string {
@@ -158,7 +158,7 @@ TEST(InertialStart, RefusesWhatCannotBeSmoothed) {
 }
 
 TEST(InertialGaps, SpansThatOnlyTheImuBridgesAreNamed) {
-    const InertialRunSpec spec = oval(ImuGrade::mems, 8);
+    const InertialRunSpec spec = oval(ImuClass::mems, 8);
     InertialRun run = simulate_inertial(spec);
     const InertialSolution whole = smooth_inertial(run.samples, run.fixes, setup_of(spec));
     EXPECT_TRUE(whole.bridged.empty());
@@ -183,12 +183,12 @@ TEST(InertialGaps, SpansThatOnlyTheImuBridgesAreNamed) {
 
 TEST(InertialGaps, MissingSamplesAreNamedAndSurvived) {
     for (const std::ptrdiff_t missing : {3, 200}) {
-        const InertialRunSpec spec = lake(ImuGrade::mems, 9);
+        const InertialRunSpec spec = lake(ImuClass::mems, 9);
         InertialRun run = simulate_inertial(spec);
         run.samples.erase(run.samples.begin() + 5000, run.samples.begin() + 5000 + missing);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
         ASSERT_GE(solution.bridged.size(), 1U) << missing;
-        for (const BridgedSpan& span : solution.bridged) {
+        for (const BridgedStretch& span : solution.bridged) {
             EXPECT_TRUE(span.imu_missing);
             EXPECT_GE(span.to_s, 50.0);
             EXPECT_LE(span.from_s, 50.0 + 0.01 * static_cast<double>(missing));

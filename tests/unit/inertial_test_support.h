@@ -10,13 +10,13 @@ namespace runcert::test {
 
 /// A salt lake and an oval as WITNESS simulates them: the lake with a mast of 5 m, 10 degrees of
 /// roll and 2 of pitch; the oval with an antenna on the roof, from the middle of its first turn.
-inline InertialRunSpec lake(ImuGrade grade, std::uint64_t seed) {
+inline InertialRunSpec lake(ImuClass grade, std::uint64_t seed) {
     InertialRunSpec spec;
     spec.noise = imu_noise(grade);
     spec.seed = seed;
     return spec;
 }
-inline InertialRunSpec oval(ImuGrade grade, std::uint64_t seed) {
+inline InertialRunSpec oval(ImuClass grade, std::uint64_t seed) {
     InertialRunSpec spec = lake(grade, seed);
     spec.course = InertialCourse::oval;
     spec.start_m = 1000.0;

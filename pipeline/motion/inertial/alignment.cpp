@@ -235,15 +235,15 @@ StandingAlignment align_standing(std::span<const ImuSample> samples, double from
 }
 
 std::optional<FoundStart> find_start(const InertialData& data, const InertialSetup& setup) {
-    const auto found = [&](const StartAttitude& start, InertialStart kind) {
+    const auto found = [&](const StartAttitude& start, StartMethod kind) {
         return FoundStart{prior_with(start, data, setup), kind};
     };
-    if (setup.start) return found(*setup.start, InertialStart::given);
+    if (setup.start) return found(*setup.start, StartMethod::given);
     const auto standing = standing_at_first(data, setup);
     if (const auto fast = first_faster(data.fixes, least_course_speed_m_s))
-        return found(course_start(data, setup, *fast, standing), InertialStart::course);
+        return found(course_start(data, setup, *fast, standing), StartMethod::course);
     if (standing && standing->heading_sigma_rad < useful_heading_rad)
-        return found(earth_start(*standing), InertialStart::earth_rotation);
+        return found(earth_start(*standing), StartMethod::earth_rotation);
     return std::nullopt;
 }
 
@@ -280,7 +280,7 @@ FoundStart search_start(const InertialData& data, const InertialSetup& setup) {
                                                   from_s, found.bias.gyro_rad_s)
                                         .transpose();
     return {prior_with({first, attitude_covariance(first, sigma)}, data, setup),
-            InertialStart::search};
+            StartMethod::search};
 }
 
 }  // namespace runcert

@@ -47,7 +47,7 @@ Eigen::Matrix3d body_rotation(std::span<const ImuSample> samples, double from_s,
 /// A start of the filter at the first position.
 struct FoundStart {
     InertialPrior prior;
-    InertialStart kind = InertialStart::given;
+    StartMethod kind = StartMethod::given;
 };
 
 /// The start that the setup gives, or else the course or the Earth's rotation. None where only a

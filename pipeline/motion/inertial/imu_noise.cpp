@@ -30,13 +30,13 @@ ImuNoise noise_of(const DataSheet& sheet) {
 
 }  // namespace
 
-ImuNoise imu_noise(ImuGrade grade) {
+ImuNoise imu_noise(ImuClass grade) {
     switch (grade) {
-        case ImuGrade::tactical:
+        case ImuClass::tactical:
             return noise_of({1.0, 0.125, 0.5, 1.0, 0.06, 0.1});
-        case ImuGrade::mems:
+        case ImuClass::mems:
             return noise_of({50.0, 0.3, 10.0, 5.0, 0.20, 0.5});
-        case ImuGrade::consumer:
+        case ImuClass::consumer:
             return noise_of({600.0, 0.23, 60.0, 20.0, 0.09, 2.0});
     }
     return {};

@@ -3,7 +3,7 @@
 namespace runcert {
 
 /// The quality of an IMU by its class.
-enum class ImuGrade {
+enum class ImuClass {
     tactical,  ///< HG1700 class
     mems,
     consumer,  ///< of a phone
@@ -25,7 +25,7 @@ struct ImuNoise {
 };
 
 /// The figures of a class, as data sheets state them. None has noise that grows with motion.
-ImuNoise imu_noise(ImuGrade grade);
+ImuNoise imu_noise(ImuClass grade);
 
 /// The same with random walks and noise that grows with motion as real MEMS sensors on a craft
 /// need them: velocity random walk ten times, angular random walk twice, 0.006 of the motion. On a

@@ -51,7 +51,7 @@ struct InertialSetup {
 };
 
 /// How the attitude at the start was found.
-enum class InertialStart {
+enum class StartMethod {
     given,
     course,          ///< heading from the course over ground, level
     earth_rotation,  ///< while standing: level by gravity, heading by the Earth's rotation
@@ -100,7 +100,7 @@ struct InertialDoubt {
 };
 
 /// A stretch between positions, or between samples, longer than is usual in the recording.
-struct BridgedSpan {
+struct BridgedStretch {
     double from_s = 0.0;
     double to_s = 0.0;
     bool imu_missing = false;  ///< samples are missing; otherwise only the IMU carries across
@@ -113,7 +113,7 @@ struct Estimated {
     Value sigma{};
 };
 
-struct InertialConsistency {
+struct InertialStatistics {
     double nis = 0.0;  ///< mean of the normalised innovations squared, by 3: 1 is expected
     Eigen::Vector3d axis_nis = Eigen::Vector3d::Zero();  ///< of each component
     double lag_one_correlation = 0.0;                    ///< of successive innovations
@@ -141,11 +141,11 @@ class JointCovariance;
 
 struct InertialSolution {
     std::vector<InertialEpoch> epochs;  ///< one for each position that the samples reach
-    InertialConsistency consistency;
-    InertialStart start = InertialStart::given;
+    InertialStatistics consistency;
+    StartMethod start = StartMethod::given;
     int passes = 0;
     double log_likelihood = 0.0;
-    std::vector<BridgedSpan> bridged;
+    std::vector<BridgedStretch> bridged;
     Estimated<double> time_offset_s;       ///< sigma 0 if it is not estimated
     Estimated<Eigen::Vector3d> antenna_m;  ///< sigma as declared if it is not estimated
     bool time_offset_asked_by_innovations = false;

@@ -89,7 +89,7 @@ double InertialSolution::variance(std::size_t s, std::span<const PointGradient> 
 }
 
 bool InertialSolution::bridged_between(std::size_t s, std::size_t e) const {
-    return std::ranges::any_of(bridged, [&](const BridgedSpan& span) {
+    return std::ranges::any_of(bridged, [&](const BridgedStretch& span) {
         return span.from_s < epochs[e].time_s && span.to_s > epochs[s].time_s;
     });
 }

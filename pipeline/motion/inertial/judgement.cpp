@@ -50,7 +50,7 @@ Judged judge_part(InertialData part, InertialSetup setup, bool search) {
                         : FittedImuNoise{setup.noise, passes.last.log_likelihood, false};
     setup.noise = fitted.noise;
     return {.setup = setup,
-            .search = start.kind == InertialStart::search,
+            .search = start.kind == StartMethod::search,
             .log_likelihood = fitted.log_likelihood,
             .nis = squares / (3.0 * static_cast<double>(about.size())),
             .noise_at_limit = fitted.at_limit};

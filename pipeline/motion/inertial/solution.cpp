@@ -106,8 +106,8 @@ InertialEpoch epoch_of(const InertialPass<N>& pass, std::size_t k, const Inertia
     return epoch;
 }
 
-InertialConsistency consistency_of(const std::vector<InertialEpoch>& epochs) {
-    InertialConsistency result;
+InertialStatistics consistency_of(const std::vector<InertialEpoch>& epochs) {
+    InertialStatistics result;
     const double limit = chi_squared_quantile(0.999, 3);
     const std::size_t first = std::min(prior_epochs, epochs.size() / 2);
     double products = 0.0;
@@ -150,14 +150,14 @@ void find_doubts(InertialSolution& solution, const InertialSetup& setup, double 
 
 /// Steps between positions well above the median, and those where samples are missing.
 template <int N>
-std::vector<BridgedSpan> bridged_spans(const InertialPass<N>& pass, const InertialData& data) {
+std::vector<BridgedStretch> bridged_spans(const InertialPass<N>& pass, const InertialData& data) {
     const std::vector<PositionFix>& fixes = data.fixes;
     std::vector<double> steps;
     for (std::size_t k = 1; k < fixes.size(); ++k)
         steps.push_back(fixes[k].time_s - fixes[k - 1].time_s);
     constexpr double usual = 2.5;
     const double longest_s = usual * median(steps);
-    std::vector<BridgedSpan> spans;
+    std::vector<BridgedStretch> spans;
     for (std::size_t k = 1; k < fixes.size(); ++k) {
         const bool missing = pass.imu_gap_s[k] > 0.0;
         if (missing || steps[k - 1] > longest_s)

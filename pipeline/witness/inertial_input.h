@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "inertial/inertial_smoother.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/imu/declared.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+
+namespace runcert {
+
+/// What the inertial smoother takes of a run.
+struct InertialInput {
+    std::vector<ImuSample> samples;
+    std::vector<PositionFix> fixes;  ///< usable epochs with all three coordinates
+    InertialSetup setup;
+
+    /// Fixes that the samples reach, with half a second on either side.
+    std::size_t fixes_within() const;
+};
+
+/// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the
+/// noise fit of the trajectory found; its correlated error, if it found one. The positions must
+/// have an origin on the Earth, by which gravity and the Earth's rotation are known.
+InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory);
+
+}  // namespace runcert

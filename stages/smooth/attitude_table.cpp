@@ -1,0 +1,252 @@
+#include "stages/smooth/attitude_table.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+#include "inertial/mount.h"
+#include "reports/words/figures.h"
+#include "witness/inertial_input.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t fewest_positions = 10;  // that `smooth_inertial` asks for
+
+struct Doubted {
+    InertialStanding standing;
+    std::string reason;
+};
+
+/// A finding of the solution in a word and a sentence.
+Doubted doubted_for(const InertialDoubt& doubt) {
+    const std::string figure = significant_text(doubt.figure, 3);
+    const std::string limit = significant_text(doubt.limit, 3);
+    switch (doubt.finding) {
+        case InertialFinding::innovations_large:
+            return {InertialStanding::innovations_too_large,
+                    fmt::format("The positions differ from what the IMU says by more than both "
+                                "explain: the mean square of the normalised innovations is {}, at "
+                                "most {} is accepted.",
+                                figure, limit)};
+        case InertialFinding::innovations_small:
+            return {InertialStanding::innovations_too_small,
+                    fmt::format("The positions differ from what the IMU says by less than chance: "
+                                "the mean square of the normalised innovations is {}, at least {} "
+                                "is accepted. Their stated uncertainties are too large.",
+                                figure, limit)};
+        case InertialFinding::heading_unobservable:
+            return {InertialStanding::heading_unobservable,
+                    fmt::format("The motion does not show the heading: its standard uncertainty is "
+                                "{} degrees, at most {} is accepted, and the reference point lies "
+                                "beside the antenna.",
+                                significant_text(doubt.figure * degrees_per_radian, 3),
+                                significant_text(doubt.limit * degrees_per_radian, 3))};
+        case InertialFinding::vertical_arm_unobservable:
+            return {InertialStanding::arm_unobservable,
+                    "The craft hardly rolls or pitches, so that the motion does not show how high "
+                    "the antenna is above the IMU. Measure it."};
+        case InertialFinding::noise_large:
+            return {InertialStanding::innovations_too_large,
+                    "No noise of an IMU of its class explains the positions. It may not have been "
+                    "fixed to the craft, or it belongs to another run."};
+        case InertialFinding::not_converged:
+            return {InertialStanding::not_aligned,
+                    "The attitude still turned when the solution was repeated: no start of it "
+                    "leads to a solution."};
+    }
+    return {InertialStanding::not_aligned, ""};
+}
+
+InertialStart start_of(StartMethod method) {
+    switch (method) {
+        case StartMethod::given:
+        case StartMethod::course:
+            return InertialStart::course;
+        case StartMethod::earth_rotation:
+            return InertialStart::standing;
+        case StartMethod::search:
+            return InertialStart::headings;
+    }
+    return InertialStart::course;
+}
+
+InertialConsistency consistency_of(const InertialSolution& solution) {
+    constexpr std::int64_t searched_headings = 12;
+    InertialConsistency consistency{
+        .start = start_of(solution.start),
+        .starts = solution.start == StartMethod::search ? searched_headings : 1,
+        .passes = solution.passes,
+        .epochs = std::ssize(solution.epochs),
+        .normalised_innovations = solution.consistency.nis,
+        .autocorrelation = solution.consistency.lag_one_correlation,
+        .beyond_share = solution.consistency.beyond_share};
+    if (!solution.consistency.consistent()) {
+        const Doubted doubted = doubted_for(solution.consistency.doubts.front());
+        consistency.standing = doubted.standing;
+        consistency.reason = doubted.reason;
+    }
+    return consistency;
+}
+
+LeverArm arm_of(const Eigen::Vector3d& m) {
+    return {m.x(), m.y(), m.z()};
+}
+
+MountAngles degrees_of(const EulerAngles& angles) {
+    const auto signed_deg = [](double radians) {
+        return std::remainder(radians * degrees_per_radian, 360.0);
+    };
+    return {signed_deg(angles.roll), signed_deg(angles.pitch), signed_deg(angles.heading)};
+}
+
+/// What the course says of the axes as stated.
+void judge_mount(const InertialSolution& solution, EstimatedMount& mount) {
+    const auto found = estimate_mount(solution, {});
+    if (!found) {
+        mount.judgement =
+            "The run has too few epochs of even motion at 5 m/s or more to judge the axes.";
+        return;
+    }
+    // A mean by course and level is good to a few tenths of a degree, whatever its scatter.
+    constexpr double least_sigma_deg = 0.2;
+    const auto sigma = [&](double scatter_rad) {
+        return std::hypot(least_sigma_deg, scatter_rad * degrees_per_radian /
+                                               std::sqrt(static_cast<double>(found->kept)));
+    };
+    mount.remaining = degrees_of(found->angles);
+    mount.sigma = MountAngles{sigma(found->scatter_rad.x()), sigma(found->scatter_rad.y()),
+                              sigma(found->scatter_rad.z())};
+    mount.judgement = fmt::format(
+        "Against course and level the axes as stated are turned by {:.1f} degrees in roll, {:.1f} "
+        "in pitch and {:.1f} in yaw. Slope of the ground, lean and leeway of the craft are in "
+        "these figures.",
+        mount.remaining->roll, mount.remaining->pitch, mount.remaining->yaw);
+}
+
+void set_point(AttitudeEpoch& row, const PointMotion& point) {
+    const Eigen::Vector3d position_sigma = point.position_covariance_m2.diagonal().cwiseSqrt();
+    const Eigen::Vector3d velocity_sigma = point.velocity_covariance_m2_s2.diagonal().cwiseSqrt();
+    row.reference_east_m = point.position_m.x();
+    row.reference_north_m = point.position_m.y();
+    row.reference_up_m = point.position_m.z();
+    row.sigma_reference_east_m = position_sigma.x();
+    row.sigma_reference_north_m = position_sigma.y();
+    row.sigma_reference_up_m = position_sigma.z();
+    row.reference_velocity_east_m_s = point.velocity_m_s.x();
+    row.reference_velocity_north_m_s = point.velocity_m_s.y();
+    row.reference_velocity_up_m_s = point.velocity_m_s.z();
+    row.sigma_reference_velocity_east_m_s = velocity_sigma.x();
+    row.sigma_reference_velocity_north_m_s = velocity_sigma.y();
+    row.sigma_reference_velocity_up_m_s = velocity_sigma.z();
+}
+
+void set_attitude(AttitudeEpoch& row, const InertialEpoch& epoch, const Geodetic& origin) {
+    row.roll_deg = epoch.attitude.roll * degrees_per_radian;
+    row.pitch_deg = epoch.attitude.pitch * degrees_per_radian;
+    row.heading_deg = epoch.attitude.heading * degrees_per_radian;
+    row.sigma_roll_deg = epoch.attitude_sigma.roll * degrees_per_radian;
+    row.sigma_pitch_deg = epoch.attitude_sigma.pitch * degrees_per_radian;
+    row.sigma_heading_deg = epoch.attitude_sigma.heading * degrees_per_radian;
+    row.rate_forward_deg_s = epoch.rate_rad_s.x() * degrees_per_radian;
+    row.rate_right_deg_s = epoch.rate_rad_s.y() * degrees_per_radian;
+    row.rate_down_deg_s = epoch.rate_rad_s.z() * degrees_per_radian;
+    const Eigen::Quaterniond turned = quaternion_of(ecef_from_body(origin, epoch.enu_from_body));
+    row.quaternion_w = turned.w();
+    row.quaternion_x = turned.x();
+    row.quaternion_y = turned.y();
+    row.quaternion_z = turned.z();
+}
+
+void set_errors(AttitudeEpoch& row, const InertialEpoch& epoch) {
+    row.gyro_bias_forward_deg_s = epoch.bias.gyro_rad_s.x() * degrees_per_radian;
+    row.gyro_bias_right_deg_s = epoch.bias.gyro_rad_s.y() * degrees_per_radian;
+    row.gyro_bias_down_deg_s = epoch.bias.gyro_rad_s.z() * degrees_per_radian;
+    row.accelerometer_bias_forward_m_s2 = epoch.bias.accelerometer_m_s2.x();
+    row.accelerometer_bias_right_m_s2 = epoch.bias.accelerometer_m_s2.y();
+    row.accelerometer_bias_down_m_s2 = epoch.bias.accelerometer_m_s2.z();
+    row.innovation_east = epoch.innovation.x();
+    row.innovation_north = epoch.innovation.y();
+    row.innovation_up = epoch.innovation.z();
+}
+
+/// Sets the rows whose positions took part; both are in the order of time.
+void set_rows(const InertialSolution& solution, const Geodetic& origin, AttitudeTable& table) {
+    auto row = table.rows.begin();
+    for (const InertialEpoch& epoch : solution.epochs) {
+        row = std::find_if(row, table.rows.end(), [&](const AttitudeEpoch& one) {
+            return one.usable && one.time.seconds() == epoch.time_s;
+        });
+        if (row == table.rows.end()) return;
+        set_attitude(*row, epoch, origin);
+        set_point(*row, epoch.reference_point);
+        set_errors(*row, epoch);
+    }
+}
+
+/// The table before anything is solved.
+AttitudeTable stated_table(const ImuTable& table, const ScreenedTable& screened, const Imu& imu) {
+    AttitudeTable attitude{
+        .header = {},
+        .facts = screened.facts,
+        .origin = screened.origin,
+        .grade = table.grade,
+        .time_offset = {.declared_s = imu.time_offset_s, .used_s = imu.time_offset_s},
+        .antenna = {.declared = imu.antenna, .used = imu.antenna},
+        .reference_point = table.reference_point,
+        .mount = {.declared = imu.mount},
+        .rows = {}};
+    for (const ScreenedEpoch& row : screened.rows)
+        attitude.rows.push_back({.epoch = row.epoch, .time = row.time, .usable = row.usable});
+    return attitude;
+}
+
+AttitudeTable unsolved(AttitudeTable attitude, std::string reason) {
+    attitude.consistency.standing = InertialStanding::not_aligned;
+    attitude.consistency.reason = std::move(reason);
+    return attitude;
+}
+
+void set_estimates(const InertialSolution& solution, const Imu& imu, AttitudeTable& attitude) {
+    if (solution.time_offset_s.sigma > 0.0) {
+        attitude.time_offset.estimated_s = imu.time_offset_s + solution.time_offset_s.value;
+        attitude.time_offset.sigma_s = solution.time_offset_s.sigma;
+        attitude.time_offset.used_s = *attitude.time_offset.estimated_s;
+    }
+    attitude.antenna.used = arm_of(solution.antenna_m.value);
+    judge_mount(solution, attitude.mount);
+    for (const BridgedStretch& bridged : solution.bridged)
+        attitude.bridged.push_back({.from_s = bridged.from_s, .to_s = bridged.to_s});
+    if (solution.time_offset_asked_by_innovations)
+        attitude.notes.push_back(
+            fmt::format("The motion shows that the IMU's stamps are {} s late, {} s were stated.",
+                        significant_text(attitude.time_offset.used_s, 3),
+                        significant_text(imu.time_offset_s, 3)));
+}
+
+}  // namespace
+
+AttitudeTable attitude_table(const ImuTable& table, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory, const Imu& imu) {
+    AttitudeTable attitude = stated_table(table, screened, imu);
+    if (!screened.origin)
+        return unsolved(std::move(attitude),
+                        "Positions in a plane have no place on the Earth, by which gravity and the "
+                        "Earth's rotation would be known. The attempt's origin states it.");
+    const InertialInput input = inertial_input(table, screened, trajectory);
+    if (const std::size_t within = input.fixes_within(); within < fewest_positions)
+        return unsolved(std::move(attitude),
+                        fmt::format("{} usable positions with heights lie within the IMU's "
+                                    "samples, {} are needed.",
+                                    within, fewest_positions));
+    const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
+    attitude.consistency = consistency_of(solution);
+    set_estimates(solution, imu, attitude);
+    set_rows(solution, input.setup.origin, attitude);
+    return attitude;
+}
+
+}  // namespace runcert

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "schemas/attempt/attempt.h"
+#include "schemas/attitude/declared.h"
+#include "schemas/imu/declared.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+
+namespace runcert {
+
+/// Attitude of the craft and motion of its reference point at every epoch that the IMU covers, by
+/// `smooth_inertial`, and whether IMU and positions agree. Where they do not, too few positions lie
+/// within the samples, or they have no place on the Earth, the table says why (`consistency`): that
+/// is a finding, and the solution is used for nothing. `imu` is what the attempt states of it. The
+/// caller sets the header.
+AttitudeTable attitude_table(const ImuTable& table, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory, const Imu& imu);
+
+}  // namespace runcert

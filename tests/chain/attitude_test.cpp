@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "chain_support.h"
+#include "core/geodesy.h"
+#include "schemas/attitude/declared.h"
+#include "schemas/windows/windows.h"
+#include "simulation/inertial_run.h"
+
+// A craft whose antenna swings on a mast, with an IMU at its hull: from the attempt to the speeds
+// of both points.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+/// Simulated recordings and their attempt; `antenna_down_m` is what the attempt states.
+class MastRun {
+  public:
+    explicit MastRun(const InertialRunSpec& spec, double antenna_down_m, double rate_sign = 1.0)
+        : simulated_(simulate_inertial(spec)) {
+        const LocalFrame frame(spec.origin);
+        std::string positions = "time,lat,lon,height\n";
+        for (const PositionFix& fix : simulated_.fixes) {
+            const Geodetic place = frame.geodetic_from_enu({fix.enu_m});
+            positions +=
+                fmt::format("{:.3f},{:.10f},{:.10f},{:.4f}\n", fix.time_s, place.latitude.degrees(),
+                            place.longitude.degrees(), place.height_m);
+        }
+        write_file_atomically(folder_.path() / "run.csv", positions);
+        std::string imu = "time,gx,gy,gz,ax,ay,az\n";
+        for (const ImuSample& sample : simulated_.samples) {
+            const Eigen::Vector3d rate = rate_sign * sample.angle_rad / sample.interval_s;
+            const Eigen::Vector3d force = sample.velocity_m_s / sample.interval_s;
+            imu += fmt::format("{:.4f},{:.9f},{:.9f},{:.9f},{:.8f},{:.8f},{:.8f}\n", sample.time_s,
+                               rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z());
+        }
+        write_file_atomically(folder_.path() / "imu.csv", imu);
+        write_file_atomically(folder_.path() / "attempt.yaml", fmt::format(R"(schema: attempt/1.0
+id: mast
+craft: {{name: simulated yacht, class: land-yacht}}
+place: a simulated lake
+officials: [{{role: measurer}}]
+receivers:
+  - id: primary
+    recording: run.csv
+    format: csv
+    frame: geodetic
+    columns: {{time: time, latitude: lat, longitude: lon, height: height}}
+    accuracy: {{horizontal_m: 0.012, vertical_m: 0.020}}
+    solution: fixed
+    imu:
+      file: imu.csv
+      columns: {{time: time, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}}
+      axes: {{x: forward, y: right, z: down}}
+      grade: mems
+      antenna_m: {{forward: 0.0, right: 0.0, down: {:.2f}}}
+      reference_point_m: {{forward: 0.0, right: 0.0, down: 0.0}}
+record: {{speed: 150, unit: km/h, source: "a simulation"}}
+profiles: [nalsa]
+)",
+                                                                           antenna_down_m));
+    }
+    fs::path folder() const { return folder_.path() / "run"; }
+    ProcessResult certified() const {
+        return certify(folder_.path() / "attempt.yaml", folder(), {"--no-render"});
+    }
+    AttitudeTable attitude() const {
+        return read_attitude(read_file(folder() / "4-attitude.ecsv"), "4-attitude.ecsv");
+    }
+    CertifiableWindow window() const {
+        return *read_windows(read_file(folder() / "5-windows.yaml"), "f").profiles.at(0).best;
+    }
+    const std::vector<InertialTruth>& truth() const { return simulated_.truth; }
+
+    /// The true chord speed of the reference point over a window.
+    double true_speed_m_s(const WindowSpan& span) const {
+        const auto at = [&](double time_s) {
+            for (const InertialTruth& one : truth())
+                if (std::abs(one.time_s - time_s - truth().front().time_s) < 1e-4)
+                    return one.reference_point_m;
+            ADD_FAILURE() << time_s;
+            return truth().front().reference_point_m;
+        };
+        const double start_s = span.start.seconds(), duration_s = span.duration.seconds();
+        return (at(start_s + duration_s) - at(start_s)).head<2>().norm() / duration_s;
+    }
+
+  private:
+    TemporaryFolder folder_;
+    InertialRun simulated_;
+};
+
+InertialRunSpec mast_spec() {
+    InertialRunSpec spec;
+    spec.noise = imu_noise(ImuClass::mems);
+    spec.seed = 5;
+    spec.pitch_deg = 5.0;
+    return spec;
+}
+
+TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
+    const MastRun run(mast_spec(), -5.0);
+    const ProcessResult certified = run.certified();
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const AttitudeTable attitude = run.attitude();
+    EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+        << attitude.consistency.reason;
+    EXPECT_EQ(attitude.consistency.start, InertialStart::course);
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < attitude.rows.size(); ++i) {
+        const AttitudeEpoch& row = attitude.rows[i];
+        if (!row.roll_deg) continue;
+        ++known;
+        const EulerAngles truth = euler_angles(run.truth()[i].imu.enu_from_body);
+        EXPECT_NEAR(*row.roll_deg, truth.roll * degrees_per_radian, 0.3) << i;
+        EXPECT_NEAR(*row.pitch_deg, truth.pitch * degrees_per_radian, 0.3) << i;
+        EXPECT_NEAR(std::remainder(*row.heading_deg - truth.heading * degrees_per_radian, 360.0),
+                    0.0, 0.6)
+            << i;
+    }
+    EXPECT_GT(known, attitude.rows.size() - 15);
+    const CertifiableWindow window = run.window();
+    EXPECT_EQ(window.points.antenna_speed_m_s, window.speed_m_s);
+    ASSERT_TRUE(window.points.reference_point_speed_m_s);
+    const double expanded = *window.points.reference_point_expanded_uncertainty_m_s;
+    EXPECT_LT(expanded, 0.008);
+    EXPECT_NEAR(*window.points.reference_point_speed_m_s, run.true_speed_m_s(window.span),
+                1.5 * expanded);
+    // Beside the swinging antenna.
+    EXPECT_GT(std::abs(*window.points.reference_point_speed_m_s - window.speed_m_s), 0.01);
+    // Each step of it can be made again.
+    const ProcessResult verified = runcert({"verify", run.folder().string(), "--recompute"});
+    EXPECT_NE(verified.output.find("recomput"), std::string::npos) << verified.output;
+    EXPECT_EQ(verified.output.find("recomputed differently"), std::string::npos);
+}
+
+TEST(MastChain, WhereImuAndPositionsDoNotAgreeThereIsNoSecondSpeedButAReason) {
+    // The mast is twice as long as stated; the gyros' signs are wrong.
+    for (const bool wrong_mast : {true, false}) {
+        const MastRun run(mast_spec(), wrong_mast ? -2.5 : -5.0, wrong_mast ? 1.0 : -1.0);
+        const ProcessResult certified = run.certified();
+        ASSERT_NE(certified.exit_status, 2) << certified.errors;
+        const AttitudeTable attitude = run.attitude();
+        EXPECT_NE(attitude.consistency.standing, InertialStanding::consistent);
+        EXPECT_FALSE(attitude.consistency.reason.empty());
+        EXPECT_FALSE(run.window().points.reference_point_speed_m_s);
+        EXPECT_TRUE(run.window().points.antenna_speed_m_s);
+    }
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -125,6 +125,11 @@ void judge_mount(const InertialSolution& solution, EstimatedMount& mount) {
         "in pitch and {:.1f} in yaw. Slope of the ground, lean and leeway of the craft are in "
         "these figures.",
         mount.remaining->roll, mount.remaining->pitch, mount.remaining->yaw);
+    constexpr double noticed_deg = 3.0;
+    if (std::max(std::abs(mount.remaining->pitch), std::abs(mount.remaining->yaw)) > noticed_deg)
+        mount.judgement +=
+            " The distances to antenna and reference point are taken along these axes: if the IMU "
+            "is turned in the craft, mount_deg says so.";
 }
 
 void set_point(AttitudeEpoch& row, const PointMotion& point) {

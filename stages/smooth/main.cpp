@@ -16,15 +16,16 @@ std::string summary_line(const EstimationSummary& estimation) {
                        noise.measurement_scale.value, estimation.largest_position_difference_m);
 }
 
-void write_attitude_of(StageRun& run, const Receiver& receiver, const ScreenedTable& screened,
-                       const TrajectoryTable& trajectory) {
-    (void)run.read(products::screened, receiver, read_screened);
+/// Writes what the IMU says, and returns whether it agrees with the positions.
+std::string write_attitude_of(StageRun run, const Receiver& receiver,
+                              const TrajectoryTable& trajectory) {
+    const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
     AttitudeTable attitude = attitude_table(run.read(products::imu, receiver, read_imu), screened,
                                             trajectory, *receiver.imu);
     attitude.header = run.header();
     run.write(products::attitude, receiver, write_attitude(attitude));
-    run.say(attitude.consistency.reason.empty() ? "IMU and positions agree"
-                                                : attitude.consistency.reason);
+    return attitude.consistency.reason.empty() ? "IMU and positions agree"
+                                               : attitude.consistency.reason;
 }
 
 }  // namespace
@@ -44,10 +45,8 @@ int main(int argc, char** argv) {
                               table.header = one.header();
                               one.write(products::trajectory, receiver, write_trajectory(table));
                               run.say(summary_line(table.estimation));
-                              if (has_imu(receiver)) {
-                                  StageRun beside = run;
-                                  write_attitude_of(beside, receiver, screened, table);
-                              }
+                              if (has_imu(receiver))
+                                  run.say(write_attitude_of(run, receiver, table));
                           }
                       });
 }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/random.h"
 #include "draws.h"
@@ -47,7 +48,8 @@ StartAttitude start_of(Method method, const InertialTruth& truth, RandomGenerato
         case Method::blind:
             break;
     }
-    return start_with(rotation_of({.heading = 2.0 * M_PI * random.uniform()}), 8.0, 10.0, 100.0);
+    return start_with(rotation_of({.heading = 2.0 * std::numbers::pi * random.uniform()}), 8.0,
+                      10.0, 100.0);
 }
 
 void add_run(Method method, std::uint64_t seed, Converged& result) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include "core/statistics.h"
@@ -213,7 +214,8 @@ TEST(InertialFreeway, RollAndPitchAreThoseOfTheReference) {
         const EulerAngles truth = euler_angles(reference[at]);
         roll.push_back((epoch.attitude.roll - truth.roll) / rad);
         pitch.push_back((epoch.attitude.pitch - truth.pitch) / rad);
-        heading.push_back(std::remainder(epoch.attitude.heading - truth.heading, 2.0 * M_PI) / rad);
+        heading.push_back(
+            std::remainder(epoch.attitude.heading - truth.heading, 2.0 * std::numbers::pi) / rad);
         heading_sigma = std::max(heading_sigma, epoch.attitude_sigma.heading / rad);
         if (k + 60 >= solution.epochs.size()) continue;
         const double way_m =

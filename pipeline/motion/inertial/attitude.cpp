@@ -35,10 +35,6 @@ double angle_between(const VectorPair& pair) {
     return std::atan2(pair.first.cross(pair.second).norm(), pair.first.dot(pair.second));
 }
 
-[[noreturn]] void refuse_vectors(std::string what, std::string remedy) {
-    throw Failure("attitude", std::move(what), std::move(remedy));
-}
-
 }  // namespace
 
 Eigen::Matrix3d vehicle_from_body() {
@@ -119,20 +115,24 @@ Eigen::Matrix3d rotation_of_two_vectors(const VectorPair& from, const VectorPair
     const double angle_to = angle_between(to);
     if (!from.first.allFinite() || !from.second.allFinite() || !to.first.allFinite() ||
         !to.second.allFinite())
-        refuse_vectors("a component of a vector is not a finite number", "Check the vectors");
+        throw Failure("attitude", "a component of a vector is not a finite number",
+                      "Check the vectors");
     for (const auto& [a, b] : {std::pair(from.first, to.first), std::pair(from.second, to.second)})
         if (!(std::abs(a.norm() - b.norm()) <= tolerance.length * std::max(a.norm(), b.norm())))
-            refuse_vectors(
+            throw Failure(
+                "attitude",
                 fmt::format("a vector is {:.6g} long in one frame and {:.6g} in the other",
                             a.norm(), b.norm()),
                 "Give the same vector in both frames");
     if (!(std::min(std::sin(angle_from), std::sin(angle_to)) >= tolerance.least_sine))
-        refuse_vectors("the two vectors are nearly parallel", "Give vectors that are not");
+        throw Failure("attitude", "the two vectors are nearly parallel",
+                      "Give vectors that are not");
     if (!(std::abs(angle_from - angle_to) <= tolerance.angle_rad))
-        refuse_vectors(fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
-                                   "in the other",
-                                   angle_from, angle_to),
-                       "Give the same two vectors in both frames");
+        throw Failure("attitude",
+                      fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
+                                  "in the other",
+                                  angle_from, angle_to),
+                      "Give the same two vectors in both frames");
     return nearest_rotation(triad(to) * triad(from).inverse());
 }
 

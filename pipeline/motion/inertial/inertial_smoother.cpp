@@ -21,9 +21,8 @@ namespace {
 /// Samples must reach so far beyond the positions for a time offset to be found.
 constexpr double offset_room_s = 0.5;
 
-[[noreturn]] void refuse_fix(const PositionFix& fix, std::string what, std::string remedy) {
-    throw Failure(fmt::format("positions, time {:.3f} s", fix.time_s), std::move(what),
-                  std::move(remedy));
+std::string place_of(const PositionFix& fix) {
+    return fmt::format("positions, time {:.3f} s", fix.time_s);
 }
 
 /// The positions that the samples reach, their covariances no smaller than the floors.
@@ -37,11 +36,11 @@ std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const Sample
         PositionFix fix = fixes[k];
         if (!std::isfinite(fix.time_s) || !fix.enu_m.allFinite() ||
             !fix.covariance_m2.allFinite() || !(fix.covariance_m2.diagonal().minCoeff() >= 0.0))
-            refuse_fix(fix, "a position or its covariance is not a finite number",
-                       "Leave the position out");
+            throw Failure(place_of(fix), "a position or its covariance is not a finite number",
+                          "Leave the position out");
         if (k > 0 && !(fix.time_s > fixes[k - 1].time_s))
-            refuse_fix(fix, "the time is not after that of the position before",
-                       "Order the positions by time");
+            throw Failure(place_of(fix), "the time is not after that of the position before",
+                          "Order the positions by time");
         const double at_s = fix.time_s + setup.time_offset_s;
         if (at_s < reader.begin_s() + offset_room_s || at_s > reader.end_s() - offset_room_s)
             continue;

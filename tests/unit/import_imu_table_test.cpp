@@ -155,6 +155,26 @@ TEST(ImuTables, LinesThatCannotBeReadAreListed) {
     EXPECT_EQ(read.head.found.gaps, 1);
 }
 
+TEST(ImuTables, NumbersThatNoSensorReadsAreBadRecords) {
+    std::string text = imu_table(300);
+    text = replaced(text, "-9.790000\n", "-1e300\n");
+    const ReadImu read = read_imu_text(imu_receiver(), text);
+    EXPECT_EQ(read.head.records.bad, 1);
+    EXPECT_TRUE(has(read.head.records.bad_records[0].what, "no sensor reads"));
+    text = replaced(text, "\n0.050000", "\n9000000000");
+    EXPECT_EQ(read_imu_text(imu_receiver(), text).head.records.bad, 2);
+    // Times at the ends of what can be counted share nothing, and wrap nowhere.
+    const imu::RecordingSpan late{
+        .first_epoch = GpsTime::from_nanoseconds(9'000'000'000'000'000'000), .span_s = 100.0};
+    Receiver receiver = imu_receiver();
+    const auto shifted = [](double by_s) {
+        return imu_table(300, [=](std::size_t, SampleText& sample) { sample[0] += by_s; });
+    };
+    EXPECT_TRUE(has(imu_failure(receiver, shifted(-3.9e9), late), "share no time"));
+    receiver.imu->start_gps = GpsTime::from_nanoseconds(-9'000'000'000'000'000'000);
+    EXPECT_NE(imu_failure(receiver, shifted(3.9e9), late), "read");
+}
+
 TEST(ImuTables, NamesThatAreNotThereAreRefusedWithTheLine) {
     Receiver receiver = imu_receiver();
     receiver.imu->columns["gyro_x"] = "gyr";
@@ -200,7 +220,7 @@ TEST(ImuTimes, StartAndOffsetAreTheAttempts) {
     const ReadImu read = read_imu_text(
         receiver, imu_table(300, [](std::size_t, SampleText& sample) { sample[0] += 46408.0; }),
         {.first_epoch = first, .span_s = 100.0});
-    EXPECT_EQ(read.rows[0].time.nanoseconds, 1'625'000'000);
+    EXPECT_EQ(read.rows[0].time.nanoseconds, 1'375'000'000);
     EXPECT_EQ(read.head.clock.offset_s, -0.125);
     EXPECT_TRUE(has(imu_failure(receiver, imu_table(300)), "the recording's times are relative"));
 }

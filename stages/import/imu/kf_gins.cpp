@@ -85,6 +85,7 @@ RawFile read_kf_gins(const Receiver& /*receiver*/, const RecordingBytes& file) {
                 sample.gyro[i] = read_real(cells[1 + at], "angle increment");
                 sample.accelerometer[i] = read_real(cells[4 + at], "velocity increment");
             }
+            require_possible(sample, cells.front());
             raw.samples.push_back(sample);
             log.count_good();
         } catch (const Failure& failure) {

@@ -232,7 +232,7 @@ void require_gravity(const Imu& imu, const RawFile& raw, const Sampling& samplin
     const bool rests = quiet && may_be_at_rest(*quiet);
     const Stretch& judged = rests ? *quiet : whole;
     const double size = judged.force_m_s2.norm();
-    if (size < least_gravity * gravity_m_s2 || size > most_gravity * gravity_m_s2)
+    if (!(size >= least_gravity * gravity_m_s2 && size <= most_gravity * gravity_m_s2))
         refuse_size(imu, size, sampling.clock.interval_s, raw.increments);
     const double cosine = -judged.force_m_s2.dot(down) / size;
     const double tilt_deg = Angle::from_radians(std::acos(std::clamp(cosine, -1.0, 1.0))).degrees();

@@ -35,6 +35,18 @@ double accelerometer_unit(const Imu& imu) {
            (imu.accelerometer_sense == ImuSense::negative ? -1.0 : 1.0);
 }
 
+void require_possible(const RawSample& sample, const Cell& first) {
+    constexpr std::int64_t longest_ns = 4'000'000'000'000'000'000;
+    constexpr double largest = 1e6;  // rad/s, m/s^2, whatever the unit or scale should have been
+    if (sample.time_ns > longest_ns || sample.time_ns < -longest_ns)
+        first.fail("the time is more than 120 years from its zero",
+                   "Hand in the file as the logger wrote it, or correct time_unit");
+    if (sample.gyro.cwiseAbs().maxCoeff() > largest ||
+        sample.accelerometer.cwiseAbs().maxCoeff() > largest)
+        first.fail("a reading is as large as no sensor reads",
+                   "Hand in the file as the logger wrote it, or correct units and scales");
+}
+
 RawFile read_raw(const Receiver& receiver, const RecordingBytes& file, bool utc) {
     require_readable(file);
     const Imu& imu = *receiver.imu;

@@ -10,6 +10,7 @@
 #include "core/optional_number.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/cell.h"
 #include "stages/import/recording.h"
 
 namespace runcert::imu {
@@ -46,6 +47,10 @@ struct RawFile {
 /// each times its scale and sense. Of increments the same times seconds.
 double gyro_unit(const Imu& imu);
 double accelerometer_unit(const Imu& imu);
+
+/// Failure at the cell, the first of a sample's, where a time is more than 120 years from its zero,
+/// or a reading is one that no sensor gives.
+void require_possible(const RawSample& sample, const Cell& first);
 
 /// Reads a file in its format. `utc`: dates without a letter are of UTC. Failure where it cannot be
 /// read, or more than half of its records cannot.

@@ -59,6 +59,7 @@ RawFile read_rawimu(const Receiver& receiver, const RecordingBytes& file) {
             sample.accelerometer =
                 accelerometer_unit(imu) * counts(read.fields, 3, "count of velocity");
             sample.gyro = gyro_unit(imu) * counts(read.fields, 6, "count of angle");
+            require_possible(sample, read.fields.front());
             raw.samples.push_back(sample);
             log.count_good();
         } catch (const Failure& failure) {

@@ -90,11 +90,17 @@ class Evening {
                               ? period_
                               : even_times(samples_, begins[k], begins[k + 1], 0.0).step;
             }
+        if (!is_near(longest)) longest = period_;
         for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
             const std::ptrdiff_t begin = begins[k], end = begins[k + 1];
             const std::int64_t zero = at(begin).time_ns;
-            const EvenTimes even =
+            EvenTimes even =
                 even_times(samples_, begin, end, end - begin < fitted_from ? longest : 0.0);
+            if (!is_near(even.step)) even = even_times(samples_, begin, end, longest);
+            // Where stamps jitter by more than the gap, the stretches must not overlap.
+            if (begin > 0)
+                even.first = std::max(even.first,
+                                      static_cast<double>(at(begin - 1).time_ns - zero) + period_);
             for (std::ptrdiff_t i = begin; i < end; ++i) {
                 const double time = even.first + even.step * static_cast<double>(i - begin);
                 const double off = static_cast<double>(at(i).time_ns - zero) - time;
@@ -119,6 +125,8 @@ class Evening {
     }
 
   private:
+    /// Whether a fitted step can be that of the nominal rate.
+    bool is_near(double step) const { return std::abs(step / period_ - 1.0) < 0.1; }
     RawSample& at(std::ptrdiff_t i) { return samples_[static_cast<std::size_t>(i)]; }
     double step(std::ptrdiff_t i) const {
         return residual_[static_cast<std::size_t>(i)] - residual_[static_cast<std::size_t>(i - 1)] +

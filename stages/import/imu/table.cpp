@@ -198,6 +198,7 @@ RawFile read_table(const Receiver& receiver, const RecordingBytes& file, bool ut
                 read_sample(cells, places, times, gyro_unit(imu), accelerometer_unit(imu));
             sample.line = static_cast<std::int32_t>(line->number);
             sample.byte = line->byte;
+            require_possible(sample, cells.front());
             raw.samples.push_back(sample);
             log.count_good();
         } catch (const Failure& failure) {

@@ -18,11 +18,24 @@ struct Reading {
     std::string_view what;
 };
 
+double seconds_of(const RawSample& sample, const Reading& reading) {
+    return (static_cast<double>(sample.time_ns) + static_cast<double>(reading.added_ns)) * 1e-9;
+}
+
 bool shares_time(const Reading& reading, const RawFile& raw, double span_s) {
-    const auto seconds = [&](const RawSample& sample) {
-        return static_cast<double>(sample.time_ns + reading.added_ns) * 1e-9;
-    };
-    return seconds(raw.samples.front()) < span_s && seconds(raw.samples.back()) > 0.0;
+    constexpr double counted_s = 9e9;  // in nanoseconds of 64 bits
+    const double from_s = seconds_of(raw.samples.front(), reading);
+    const double to_s = seconds_of(raw.samples.back(), reading);
+    return from_s > -counted_s && from_s < span_s && to_s > 0.0 && to_s < counted_s;
+}
+
+/// Failure where the difference does not fit.
+std::int64_t less(std::int64_t from, std::int64_t taken) {
+    std::int64_t difference = 0;
+    if (__builtin_sub_overflow(from, taken, &difference))
+        throw Failure("time", "two times are more than 292 years apart",
+                      "Correct start_gps, time_unit or the column of the time in imu");
+    return difference;
 }
 
 /// Added to seconds of the week, so that the first sample is within half a week of the first epoch.
@@ -41,7 +54,7 @@ std::optional<std::int64_t> since_1970(const GpsTime& first_epoch, std::int64_t 
     if (seconds < epoch_1980 || seconds > year_2100) return std::nullopt;
     const GpsTime utc = GpsTime::from_nanoseconds(first_sample_ns - epoch_1980 * second);
     const GpsTime gps = gps_from_utc(utc.calendar());
-    return gps.nanoseconds() - first_sample_ns - first_epoch.nanoseconds();
+    return less(gps.nanoseconds() - first_sample_ns, first_epoch.nanoseconds());
 }
 
 /// The ways in which times without a date may be taken, the likeliest first.
@@ -62,7 +75,8 @@ std::vector<Reading> readings_of_count(const RecordingSpan& recording, const Raw
 }
 
 std::string span_text(double from_s, double to_s, const RecordingSpan& recording) {
-    if (!recording.first_epoch)
+    constexpr double dated_s = 2e9;
+    if (!recording.first_epoch || std::abs(from_s) > dated_s || std::abs(to_s) > dated_s)
         return fmt::format("{} s to {} s", format_fixed(from_s, 1), format_fixed(to_s, 1));
     const auto at = [&](double seconds) {
         return to_iso(recording.first_epoch->plus_nanoseconds(std::llround(seconds * 1e9)), 1);
@@ -72,15 +86,13 @@ std::string span_text(double from_s, double to_s, const RecordingSpan& recording
 
 [[noreturn]] void refuse_other_times(const Reading& reading, const Imu& imu, const RawFile& raw,
                                      const RecordingSpan& recording) {
-    const auto seconds = [&](const RawSample& sample) {
-        return static_cast<double>(sample.time_ns + reading.added_ns) * 1e-9;
-    };
     throw Failure(
         imu.place,
         fmt::format("the IMU's samples share no time with the recording: taken as {} they are from "
                     "{}, the recording from {}",
                     reading.what,
-                    span_text(seconds(raw.samples.front()), seconds(raw.samples.back()), recording),
+                    span_text(seconds_of(raw.samples.front(), reading),
+                              seconds_of(raw.samples.back(), reading), recording),
                     span_text(0.0, recording.span_s, recording)),
         imu.start_gps ? "Correct start_gps, the GPS time of the first sample, or name the IMU's "
                         "file of this run"
@@ -97,7 +109,7 @@ Reading reading_of(const Receiver& receiver, const RecordingSpan& recording, con
                       "Give start_gps in the receiver, the GPS time of the recording's time zero");
     const std::int64_t first = raw.samples.front().time_ns;
     if (imu.start_gps)
-        return {imu.start_gps->nanoseconds() - first - recording.first_epoch->nanoseconds(),
+        return {less(imu.start_gps->nanoseconds_since(*recording.first_epoch), first),
                 "begun at start_gps"};
     if (raw.stamps == Stamps::gps) return {-recording.first_epoch->nanoseconds(), "dates"};
     const std::vector<Reading> ways = readings_of_count(recording, raw);
@@ -115,7 +127,7 @@ Reading reading_of(const Receiver& receiver, const RecordingSpan& recording, con
 void tie_to_recording(const Receiver& receiver, const RecordingSpan& recording, RawFile& raw) {
     const Imu& imu = *receiver.imu;
     Reading reading = reading_of(receiver, recording, raw);
-    reading.added_ns -= std::llround(imu.time_offset_s * 1e9);
+    reading.added_ns += std::llround(imu.time_offset_s * 1e9);
     if (!shares_time(reading, raw, recording.span_s))
         refuse_other_times(reading, imu, raw, recording);
     for (RawSample& sample : raw.samples)

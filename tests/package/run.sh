@@ -32,7 +32,7 @@ lintian --fail-on error,warning "$package"
 said "lintian"
 
 mirror=$(sed -n 's/^URIs: *//p; s/^deb \(http[^ ]*\/debian\) .*/\1/p' \
-    /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources 2>/dev/null | head -n 1)
+    /etc/apt/sources.list /etc/apt/sources.list.d/debian.sources 2>/dev/null | head -n 1) || true # either file may be missing
 . /etc/os-release
 mmdebstrap --variant=minbase "$VERSION_CODENAME" "$root" "deb $mirror $VERSION_CODENAME main" ||
     skip "no bare system could be made from $mirror"

@@ -115,7 +115,8 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                        .windows_file = named(products::windows),
                        .phase_file = named(products::phase),
                        .screened_phase_file = named(products::screened_phase),
-                       .imu_file = named(products::imu)};
+                       .imu_file = named(products::imu),
+                       .attitude_file = named(products::attitude)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
     one.screened = witnesses.read("screened", one.screened_file, read_screened);
@@ -128,6 +129,8 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                                      }
                                      return std::move(table.head);
                                  });
+    if (has_imu(receiver))
+        one.attitude = witnesses.read("attitude", one.attitude_file, read_attitude);
     one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);
     one.windows = witnesses.read("windows", one.windows_file, read_windows);
     return one;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
+#include "schemas/attitude/declared.h"
 #include "schemas/common/header.h"
 #include "schemas/document/document.h"
 #include "schemas/enu/declared.h"
@@ -35,7 +36,7 @@ struct ReceiverRecord {
     Receiver receiver;
     std::string recording;  ///< names of the files that were handed in
     std::string observations_file, enu_file, screened_file, trajectory_file, windows_file;
-    std::string phase_file, screened_phase_file, imu_file;
+    std::string phase_file, screened_phase_file, imu_file, attitude_file;
     std::optional<Observations> observations = {};
     std::optional<EnuTable> enu = {};
     std::optional<ScreenedTable> screened = {};
@@ -45,6 +46,7 @@ struct ReceiverRecord {
     std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
     std::vector<SlipRecord> slips = {};
     std::optional<ImuTable> imu = {};  ///< without its rows
+    std::optional<AttitudeTable> attitude = {};
 };
 
 /// A run folder as an audit finds it; all hashes that its files name of one another hold.

@@ -28,8 +28,8 @@ inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
 inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
 /// In the order in which the stages write them.
-inline constexpr std::array all{observations,   phase,      imu,     enu,    screened,
-                                screened_phase, trajectory, windows, verdict};
+inline constexpr std::array all{observations,   phase,      imu,      enu,     screened,
+                                screened_phase, trajectory, attitude, windows, verdict};
 
 /// Names of files of the first receiver, and of the one of the run.
 inline constexpr std::string_view observations_file = "1-observations.ecsv";

@@ -217,7 +217,8 @@ AttitudeTable unsolved(AttitudeTable attitude, std::string reason) {
 
 void set_estimates(const InertialSolution& solution, const Imu& imu, AttitudeTable& attitude) {
     if (solution.time_offset_s.sigma > 0.0) {
-        attitude.time_offset.estimated_s = imu.time_offset_s + solution.time_offset_s.value;
+        // The estimator says how late the samples still are.
+        attitude.time_offset.estimated_s = imu.time_offset_s - solution.time_offset_s.value;
         attitude.time_offset.sigma_s = solution.time_offset_s.sigma;
         attitude.time_offset.used_s = *attitude.time_offset.estimated_s;
     }
@@ -226,10 +227,10 @@ void set_estimates(const InertialSolution& solution, const Imu& imu, AttitudeTab
     for (const BridgedStretch& bridged : solution.bridged)
         attitude.bridged.push_back({.from_s = bridged.from_s, .to_s = bridged.to_s});
     if (solution.time_offset_asked_by_innovations)
-        attitude.notes.push_back(
-            fmt::format("The motion shows that the IMU's stamps are {} s late, {} s were stated.",
-                        significant_text(attitude.time_offset.used_s, 3),
-                        significant_text(imu.time_offset_s, 3)));
+        attitude.notes.push_back(fmt::format(
+            "The motion shows that {} s are to be added to the IMU's times; {} s are stated.",
+            significant_text(attitude.time_offset.used_s, 3),
+            significant_text(imu.time_offset_s, 3)));
 }
 
 }  // namespace

@@ -113,7 +113,7 @@ void require_sound(const YamlValue& entry, const Receiver& receiver) {
     require_sound_imu(entry, receiver);
     if (receiver.calibration)
         require_sound_calibration(entry["calibration"], *receiver.calibration);
-    if (receiver.rotation_bound_deg && !receiver.lever_arm)
+    if (receiver.rotation_bound_deg && !receiver.lever_arm && !receiver.imu)
         entry["rotation_bound_deg"].fail(
             "the craft's rotation is bounded, but no lever arm is given for it to act on",
             "Add lever_arm_m: {forward, right, down}, or remove rotation_bound_deg");

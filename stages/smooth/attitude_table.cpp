@@ -193,15 +193,15 @@ void set_rows(const InertialSolution& solution, const Geodetic& origin, Attitude
 }
 
 /// The table before anything is solved.
-AttitudeTable stated_table(const ImuTable& table, const ScreenedTable& screened, const Imu& imu) {
+AttitudeTable stated_table(const ImuTable& imu, const ScreenedTable& screened) {
     AttitudeTable attitude{
         .header = {},
         .facts = screened.facts,
         .origin = screened.origin,
-        .grade = table.grade,
-        .time_offset = {.declared_s = imu.time_offset_s, .used_s = imu.time_offset_s},
+        .grade = imu.grade,
+        .time_offset = {.declared_s = imu.clock.offset_s, .used_s = imu.clock.offset_s},
         .antenna = {.declared = imu.antenna, .used = imu.antenna},
-        .reference_point = table.reference_point,
+        .reference_point = imu.reference_point,
         .mount = {.declared = imu.mount},
         .rows = {}};
     for (const ScreenedEpoch& row : screened.rows)
@@ -215,10 +215,11 @@ AttitudeTable unsolved(AttitudeTable attitude, std::string reason) {
     return attitude;
 }
 
-void set_estimates(const InertialSolution& solution, const Imu& imu, AttitudeTable& attitude) {
+void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
+    const double stated_s = attitude.time_offset.declared_s;
     if (solution.time_offset_s.sigma > 0.0) {
         // The estimator says how late the samples still are.
-        attitude.time_offset.estimated_s = imu.time_offset_s - solution.time_offset_s.value;
+        attitude.time_offset.estimated_s = stated_s - solution.time_offset_s.value;
         attitude.time_offset.sigma_s = solution.time_offset_s.sigma;
         attitude.time_offset.used_s = *attitude.time_offset.estimated_s;
     }
@@ -229,20 +230,19 @@ void set_estimates(const InertialSolution& solution, const Imu& imu, AttitudeTab
     if (solution.time_offset_asked_by_innovations)
         attitude.notes.push_back(fmt::format(
             "The motion shows that {} s are to be added to the IMU's times; {} s are stated.",
-            significant_text(attitude.time_offset.used_s, 3),
-            significant_text(imu.time_offset_s, 3)));
+            significant_text(attitude.time_offset.used_s, 3), significant_text(stated_s, 3)));
 }
 
 }  // namespace
 
-AttitudeTable attitude_table(const ImuTable& table, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory, const Imu& imu) {
-    AttitudeTable attitude = stated_table(table, screened, imu);
+AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory) {
+    AttitudeTable attitude = stated_table(imu, screened);
     if (!screened.origin)
         return unsolved(std::move(attitude),
                         "Positions in a plane have no place on the Earth, by which gravity and the "
                         "Earth's rotation would be known. The attempt's origin states it.");
-    const InertialInput input = inertial_input(table, screened, trajectory);
+    const InertialInput input = inertial_input(imu, screened, trajectory);
     if (const std::size_t within = input.fixes_within(); within < fewest_positions)
         return unsolved(std::move(attitude),
                         fmt::format("{} usable positions with heights lie within the IMU's "
@@ -250,7 +250,7 @@ AttitudeTable attitude_table(const ImuTable& table, const ScreenedTable& screene
                                     within, fewest_positions));
     const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     attitude.consistency = consistency_of(solution);
-    set_estimates(solution, imu, attitude);
+    set_estimates(solution, attitude);
     set_rows(solution, input.setup.origin, attitude);
     return attitude;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "schemas/attempt/attempt.h"
 #include "schemas/attitude/declared.h"
 #include "schemas/imu/declared.h"
 #include "schemas/screened/screened.h"
@@ -11,9 +10,9 @@ namespace runcert {
 /// Attitude of the craft and motion of its reference point at every epoch that the IMU covers, by
 /// `smooth_inertial`, and whether IMU and positions agree. Where they do not, too few positions lie
 /// within the samples, or they have no place on the Earth, the table says why (`consistency`): that
-/// is a finding, and the solution is used for nothing. `imu` is what the attempt states of it. The
+/// is a finding, and the solution is used for nothing. The
 /// caller sets the header.
-AttitudeTable attitude_table(const ImuTable& table, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory, const Imu& imu);
+AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory);
 
 }  // namespace runcert

@@ -1,3 +1,5 @@
+#include "stages/smooth/batch_problem.h"
+
 #include <ceres/ceres.h>
 #include <ceres/sized_cost_function.h>
 #include <fmt/format.h>
@@ -8,8 +10,6 @@
 #include <cassert>
 #include <cmath>
 #include <utility>
-
-#include "stages/smooth/batch_problem.h"
 
 namespace runcert {
 namespace {

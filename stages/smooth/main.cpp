@@ -20,8 +20,8 @@ std::string summary_line(const EstimationSummary& estimation) {
 std::string write_attitude_of(StageRun run, const Receiver& receiver,
                               const TrajectoryTable& trajectory) {
     const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
-    AttitudeTable attitude = attitude_table(run.read(products::imu, receiver, read_imu), screened,
-                                            trajectory, *receiver.imu);
+    AttitudeTable attitude =
+        attitude_table(run.read(products::imu, receiver, read_imu), screened, trajectory);
     attitude.header = run.header();
     run.write(products::attitude, receiver, write_attitude(attitude));
     return attitude.consistency.reason.empty() ? "IMU and positions agree"

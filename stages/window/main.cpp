@@ -24,6 +24,7 @@ struct ReceiverTables {
     TrajectoryTable trajectory;
     std::shared_ptr<const JudgedPhases> phases;
     GpsTime first_of_phases;
+    std::optional<ImuTable> imu = {};
 };
 
 void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables) {
@@ -42,6 +43,7 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
                           .phases = nullptr,
                           .first_of_phases = {}};
     if (has_phases(receiver)) read_phases(run, receiver, tables);
+    if (has_imu(receiver)) tables.imu = run.read(products::imu, receiver, read_imu);
     return tables;
 }
 
@@ -60,14 +62,19 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
     return all;
 }
 
+/// The lever arm between antenna and reference point, as the attempt states both from the IMU.
+Eigen::Vector3d arm_beside(const ImuTable& imu) {
+    const LeverArm reference = imu.reference_point.value_or(LeverArm{});
+    return Eigen::Vector3d(reference.data()) - Eigen::Vector3d(imu.antenna.data());
+}
+
 /// Beside the antenna's speeds, those of the reference point, if IMU and positions agree.
 void add_reference_point(StageRun& run, const Receiver& receiver, const ReceiverTables& tables,
                          const std::vector<Profile>& profiles, Windows& windows) {
     const AttitudeTable attitude = run.read(products::attitude, receiver, read_attitude);
-    const ImuTable imu = run.read(products::imu, receiver, read_imu);
     InertialSolution solution;
     if (attitude.consistency.standing == InertialStanding::consistent) {
-        const InertialInput input = inertial_input(imu, tables.screened, tables.trajectory);
+        const InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory);
         solution = smooth_inertial(input.samples, input.fixes, input.setup);
     }
     add_craft_speeds(solution, profiles, windows);
@@ -85,11 +92,11 @@ int main(int argc, char** argv) {
                 tables.push_back(read_tables(run, receiver));
             for (std::size_t i = 0; i < tables.size(); ++i) {
                 const Receiver& receiver = attempt.receivers[i];
+                WindowConfig config = window_config(attempt, receiver);
+                if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
-                                               window_config(attempt, receiver), attempt.course,
-                                               beside(run, tables, i));
-                if (has_imu(receiver))
-                    add_reference_point(run, receiver, tables[i], profiles, windows);
+                                               config, attempt.course, beside(run, tables, i));
+                if (tables[i].imu) add_reference_point(run, receiver, tables[i], profiles, windows);
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

@@ -108,6 +108,8 @@ TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
     EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
         << attitude.consistency.reason;
     EXPECT_EQ(attitude.consistency.start, InertialStart::course);
+    EXPECT_EQ(attitude.antenna.declared, (LeverArm{0.0, 0.0, -5.0}));
+    EXPECT_EQ(attitude.antenna.used, (LeverArm{0.0, 0.0, -5.0}));
     std::size_t known = 0;
     for (std::size_t i = 0; i < attitude.rows.size(); ++i) {
         const AttitudeEpoch& row = attitude.rows[i];

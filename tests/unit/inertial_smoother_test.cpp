@@ -110,7 +110,7 @@ TEST(InertialSmoother, AttitudeErrsAsStated) {
     double sum = 0.0, count = 0.0;
     for (std::uint64_t seed = 60; seed < 66; ++seed) {
         const InertialRunSpec spec =
-            seed % 2 == 0 ? lake(ImuGrade::mems, seed) : oval(ImuGrade::tactical, seed);
+            seed % 2 == 0 ? lake(ImuClass::mems, seed) : oval(ImuClass::tactical, seed);
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
         const auto& joint = std::get<JointErrors<error_state::plain>>(solution.joint->errors);

@@ -48,6 +48,13 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
     return names;
 }
 
+/// What a step makes one of its products from: an IMU's are no part of the others.
+std::vector<ProductFile> made_from(const Step& step, const ProductFile& product) {
+    std::vector<ProductFile> products = step.made_from;
+    if (!product.of_imu) std::erase_if(products, [](const ProductFile& one) { return one.of_imu; });
+    return products;
+}
+
 /// The series that the step reads as witnesses.
 Names heard_files(const Step& step, const Attempt& attempt) {
     Names names;
@@ -201,13 +208,15 @@ RunInventory inventory_of(const Attempt& attempt) {
         append(inventory.files, recorded);
         for (const Step& step : steps()) {
             if (is_of_run(step)) continue;
-            for (const std::string& file : files_of(step.products, attempt, receiver)) {
-                inventory.files.push_back(file);
-                Names& needed = inventory.made_from[file];
-                needed =
-                    step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
-                append(needed, heard_files(step, attempt));
-            }
+            for (const ProductFile& product : step.products)
+                for (const std::string& file : files_of({product}, attempt, receiver)) {
+                    inventory.files.push_back(file);
+                    Names& needed = inventory.made_from[file];
+                    needed = step.made_from.empty()
+                                 ? recorded
+                                 : files_of(made_from(step, product), attempt, receiver);
+                    append(needed, heard_files(step, attempt));
+                }
         }
     }
     for (const Step& step : steps()) {

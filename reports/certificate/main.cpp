@@ -50,10 +50,12 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
         run.note_file(file.role, file.name);
     ReceiverResults results;
     results.observations = run.read(products::observations, receiver, read_observations);
+    if (has_imu(receiver)) run.note_file("imu", run.file_of(products::imu, receiver));
     results.enu_header = run.read(products::enu, receiver, read_enu).header;
     results.screened = run.read(products::screened, receiver, read_screened);
     const auto read_the_rest = [&] {
         results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
+        if (has_imu(receiver)) run.note_file("attitude", run.file_of(products::attitude, receiver));
         results.windows = run.read(products::windows, receiver, read_windows);
     };
     if (!has_phases(receiver)) {

@@ -12,8 +12,7 @@ namespace runcert {
 /// Where an IMU is simulated.
 enum class InertialCourse {
     /// A sailing craft on a salt lake: from a sixth of its speed to all of it along a straight
-    /// line,
-    /// with gusts, slow meanders and leeway.
+    /// line, with gusts, slow meanders and leeway.
     salt_lake,
     /// A car on a banked oval: straights of 600 m and turns of 320 m radius, 3 to 14 degrees of
     /// bank, 66 to 85 m/s, side slip and body roll.

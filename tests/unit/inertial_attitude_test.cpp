@@ -74,7 +74,7 @@ TEST(Attitude, EachAngleTurnsTheCraftAsItIsDefined) {
     EXPECT_GT((rotation_of({.heading = 0.2}) * forward).x(), 0.0);  // towards east
 }
 
-// WITNESS: the surface example's attitude by its columns, right axis x = y cross n.
+// The attitude of a craft on a plane by its columns: right axis x = y cross n.
 TEST(Attitude, AnglesOfASurfaceAndAVelocityAreThePublishedOnes) {
     const Eigen::Vector3d a(10.0, 0.0, 10.0 * std::tan(14.0 * radians_per_degree));
     const Eigen::Vector3d b(0.0, 10.0, 0.2);

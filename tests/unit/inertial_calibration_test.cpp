@@ -152,7 +152,7 @@ TEST(InertialCalibration, AHeadingOnAStraightIsDoubtedWithAHorizontalArm) {
     std::printf("heading known to %.2f deg on a straight\n", sigma / rad);
 }
 
-// The box turned in the craft, 5 % gross errors: WITNESS has 0.2 degrees with the 0.5 g gate.
+// The box turned in the craft, 5 % gross errors: good to 0.2 degrees with the 0.5 g gate.
 TEST(InertialCalibration, FindsTheMountFromTheCourse) {
     InertialRunSpec spec = oval(ImuClass::tactical, 15);
     const InertialRun run = simulate_inertial(spec);

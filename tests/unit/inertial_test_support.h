@@ -8,7 +8,7 @@
 
 namespace runcert::test {
 
-/// A salt lake and an oval as WITNESS simulates them: the lake with a mast of 5 m, 10 degrees of
+/// A salt lake and an oval: the lake with a mast of 5 m, 10 degrees of
 /// roll and 2 of pitch; the oval with an antenna on the roof, from the middle of its first turn.
 inline InertialRunSpec lake(ImuClass grade, std::uint64_t seed) {
     InertialRunSpec spec;

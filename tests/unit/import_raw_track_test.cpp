@@ -31,7 +31,7 @@ TEST(RawTrack, HasTheSpeedFromEachPositionToTheNextButAcrossNoGap) {
     EXPECT_NEAR(*track.north_m[1], 0.4, 1e-12);
     EXPECT_FALSE(track.east_m[2]);
     EXPECT_NEAR(*track.position_speed_m_s[1], 5.0, 1e-9);
-    for (const std::size_t none : {0, 2, 3, 4})
+    for (const std::size_t none : {0U, 2U, 3U, 4U})
         EXPECT_FALSE(track.position_speed_m_s[none]) << none;
     EXPECT_NEAR(*track.sigma_horizontal_m[1], 0.5, 1e-12);
     ASSERT_EQ(track.gaps.size(), 1U);

@@ -15,8 +15,6 @@ using test::attitude_error_deg;
 using test::lake;
 using test::oval;
 
-constexpr double rad = radians_per_degree;
-
 /// The attitude's smoothed error a second after the start.
 double error_after_a_second_deg(const InertialRunSpec& spec, int* passes = nullptr) {
     const InertialRun run = simulate_inertial(spec);

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
 #include "store_test_support.h"

@@ -1,6 +1,5 @@
 #include "witness/inertial_input.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -74,15 +73,6 @@ std::vector<PositionFix> fixes_of(const ScreenedTable& screened,
 }
 
 }  // namespace
-
-std::size_t InertialInput::fixes_within() const {
-    if (samples.empty()) return 0;
-    constexpr double margin_s = 0.5;
-    const double from_s = samples.front().time_s - samples.front().interval_s + margin_s;
-    const double to_s = samples.back().time_s - margin_s;
-    return static_cast<std::size_t>(std::ranges::count_if(
-        fixes, [&](const PositionFix& fix) { return fix.time_s >= from_s && fix.time_s <= to_s; }));
-}
 
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory) {

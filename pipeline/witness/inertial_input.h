@@ -16,9 +16,6 @@ struct InertialInput {
     std::vector<ImuSample> samples;
     std::vector<PositionFix> fixes;  ///< usable epochs with all three coordinates
     InertialSetup setup;
-
-    /// Fixes that the samples reach, with half a second on either side.
-    std::size_t fixes_within() const;
 };
 
 /// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the

@@ -14,8 +14,6 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t fewest_positions = 10;  // that `smooth_inertial` asks for
-
 struct Doubted {
     InertialStanding standing;
     std::string reason;
@@ -243,11 +241,12 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
                         "Positions in a plane have no place on the Earth, by which gravity and the "
                         "Earth's rotation would be known. The attempt's origin states it.");
     const InertialInput input = inertial_input(imu, screened, trajectory);
-    if (const std::size_t within = input.fixes_within(); within < fewest_positions)
+    if (const std::size_t within = positions_within(input.samples, input.fixes, input.setup);
+        within < least_positions)
         return unsolved(std::move(attitude),
                         fmt::format("{} usable positions with heights lie within the IMU's "
                                     "samples, {} are needed.",
-                                    within, fewest_positions));
+                                    within, least_positions));
     const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, attitude);

@@ -25,6 +25,11 @@ std::string place_of(const PositionFix& fix) {
     return fmt::format("positions, time {:.3f} s", fix.time_s);
 }
 
+bool is_reached(const PositionFix& fix, const SampleReader& reader, const InertialSetup& setup) {
+    const double at_s = fix.time_s + setup.time_offset_s;
+    return at_s >= reader.begin_s() + offset_room_s && at_s <= reader.end_s() - offset_room_s;
+}
+
 /// The positions that the samples reach, their covariances no smaller than the floors.
 std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const SampleReader& reader,
                                 const InertialSetup& setup) {
@@ -41,9 +46,7 @@ std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const Sample
         if (k > 0 && !(fix.time_s > fixes[k - 1].time_s))
             throw Failure(place_of(fix), "the time is not after that of the position before",
                           "Order the positions by time");
-        const double at_s = fix.time_s + setup.time_offset_s;
-        if (at_s < reader.begin_s() + offset_room_s || at_s > reader.end_s() - offset_room_s)
-            continue;
+        if (!is_reached(fix, reader, setup)) continue;
         fix.covariance_m2.diagonal() =
             fix.covariance_m2.diagonal().cwiseMax(least.cwiseProduct(least));
         kept.push_back(fix);
@@ -92,6 +95,13 @@ InertialData data_of(std::span<const ImuSample> samples, std::span<const Positio
 }
 
 }  // namespace
+
+std::size_t positions_within(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
+                             const InertialSetup& setup) {
+    const SampleReader reader(samples);
+    return static_cast<std::size_t>(std::ranges::count_if(
+        fixes, [&](const PositionFix& fix) { return is_reached(fix, reader, setup); }));
+}
 
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup) {

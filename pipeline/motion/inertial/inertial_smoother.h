@@ -169,6 +169,14 @@ struct InertialSolution {
     std::shared_ptr<const JointCovariance> joint;  ///< what `displacement` needs
 };
 
+/// Positions that a solution needs.
+inline constexpr std::size_t least_positions = 10;
+
+/// How many positions the samples reach, with half a second to spare at either end: those that take
+/// part in a solution. Failure (at "IMU") as for `smooth_inertial`.
+std::size_t positions_within(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
+                             const InertialSetup& setup);
+
 /// Attitude, velocity and position of a craft by an inertial measurement unit and positions: a
 /// closed-loop extended Kalman filter of 18 or 22 error states (`error_model.h`), an RTS smoother,
 /// and again about the smoothed trajectory until the attitude stays.

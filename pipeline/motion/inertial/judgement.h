@@ -4,9 +4,6 @@
 
 namespace runcert {
 
-/// Positions that a solution needs.
-inline constexpr std::size_t least_positions = 10;
-
 /// How a recording is to be solved, as judged on a part of it.
 struct Judged {
     InertialSetup setup;  ///< with the likeliest noise, and a time offset if that is likelier

@@ -69,30 +69,23 @@ RawFile read_kf_gins(const Receiver& /*receiver*/, const RecordingBytes& file) {
     raw.format = "kf-gins";
     raw.stamps = Stamps::week;
     raw.increments = true;
-    RecordLog log;
-    LineReader lines(file);
-    for (auto line = lines.next(); line; line = lines.next()) {
-        if (csv::is_skipped(*line)) continue;
-        try {
-            const std::vector<Cell> cells = split_words(*line, line->text, file);
-            require_count(cells.size(), kf_gins_fields, *line, file, lines.at_end() && !line->ended,
-                          "KF-GINS text has", "Hand in the file as the program wrote it");
-            RawSample sample{.time_ns = read_nanoseconds(cells[0], "time of the week"),
-                             .line = static_cast<std::int32_t>(line->number),
-                             .byte = line->byte};
+    read_lines(
+        file,
+        [&](const SourceLine& line, bool cut_off) -> std::optional<RawSample> {
+            if (csv::is_skipped(line)) return std::nullopt;
+            const std::vector<Cell> cells = split_words(line, line.text, file);
+            require_count(cells.size(), kf_gins_fields, line, file, cut_off, "KF-GINS text has",
+                          "Hand in the file as the program wrote it");
+            RawSample sample{.time_ns = read_nanoseconds(cells[0], "time of the week")};
             for (Eigen::Index i = 0; i < 3; ++i) {
                 const auto at = static_cast<std::size_t>(i);
                 sample.gyro[i] = read_real(cells[1 + at], "angle increment");
                 sample.accelerometer[i] = read_real(cells[4 + at], "velocity increment");
             }
             require_possible(sample, cells.front());
-            raw.samples.push_back(sample);
-            log.count_good();
-        } catch (const Failure& failure) {
-            log.count_bad(*line, failure, std::ssize(raw.samples));
-        }
-    }
-    raw.records = std::move(log).finish(raw.notes);
+            return sample;
+        },
+        raw);
     return raw;
 }
 

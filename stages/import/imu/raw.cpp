@@ -4,6 +4,7 @@
 
 #include "core/angle.h"
 #include "core/failure.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::imu {
 namespace {
@@ -23,6 +24,24 @@ void settle_axes(const Imu& imu, RawFile& raw) {
 }
 
 }  // namespace
+
+void read_lines(const RecordingBytes& file, const SampleOfLine& sample_of, RawFile& raw) {
+    RecordLog log;
+    LineReader lines(file);
+    for (auto line = lines.next(); line; line = lines.next()) {
+        try {
+            std::optional<RawSample> sample = sample_of(*line, lines.at_end() && !line->ended);
+            if (!sample) continue;
+            sample->line = static_cast<std::int32_t>(line->number);
+            sample->byte = line->byte;
+            raw.samples.push_back(*sample);
+            log.count_good();
+        } catch (const Failure& failure) {
+            log.count_bad(*line, failure, std::ssize(raw.samples));
+        }
+    }
+    raw.records = std::move(log).finish(raw.notes);
+}
 
 double gyro_unit(const Imu& imu) {
     return imu.gyro_scale.value_or(1.0) *

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +53,14 @@ double accelerometer_unit(const Imu& imu);
 /// Failure at the cell, the first of a sample's, where a time is more than 120 years from its zero,
 /// or a reading is one that no sensor gives.
 void require_possible(const RawSample& sample, const Cell& first);
+
+/// The sample of a line; nothing where it is no record of the format. `cut_off`: the file ends
+/// within the line. Failure where it cannot be read.
+using SampleOfLine = std::function<std::optional<RawSample>(const SourceLine& line, bool cut_off)>;
+
+/// Adds the samples of a file of text, one a line at most, and counts the lines that cannot be
+/// read. Failure where more than half cannot.
+void read_lines(const RecordingBytes& file, const SampleOfLine& sample_of, RawFile& raw);
 
 /// Reads a file in its format. `utc`: dates without a letter are of UTC. Failure where it cannot be
 /// read, or more than half of its records cannot.

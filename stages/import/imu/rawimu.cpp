@@ -44,29 +44,23 @@ RawFile read_rawimu(const Receiver& receiver, const RecordingBytes& file) {
     raw.format = "novatel";
     raw.stamps = Stamps::gps;
     raw.increments = true;
-    RecordLog log;
-    LineReader lines(file);
-    for (auto line = lines.next(); line; line = lines.next()) {
-        if (!is_rawimu_line(line->text)) continue;
-        try {
-            const novatel::Log read = novatel::read_log(*line, file);
-            require_count(read.fields.size(), rawimu_fields, *line, file, false, "a RAWIMU log has",
+    read_lines(
+        file,
+        [&](const SourceLine& line, bool) -> std::optional<RawSample> {
+            if (!is_rawimu_line(line.text)) return std::nullopt;
+            const novatel::Log read = novatel::read_log(line, file);
+            require_count(read.fields.size(), rawimu_fields, line, file, false, "a RAWIMU log has",
                           "Hand in the file as the receiver wrote it");
             RawSample sample{
-                .time_ns = read_week_time(read.fields[0], read.fields[1], Clock::gps).nanoseconds(),
-                .line = static_cast<std::int32_t>(line->number),
-                .byte = line->byte};
+                .time_ns =
+                    read_week_time(read.fields[0], read.fields[1], Clock::gps).nanoseconds()};
             sample.accelerometer =
                 accelerometer_unit(imu) * counts(read.fields, 3, "count of velocity");
             sample.gyro = gyro_unit(imu) * counts(read.fields, 6, "count of angle");
             require_possible(sample, read.fields.front());
-            raw.samples.push_back(sample);
-            log.count_good();
-        } catch (const Failure& failure) {
-            log.count_bad(*line, failure, std::ssize(raw.samples));
-        }
-    }
-    raw.records = std::move(log).finish(raw.notes);
+            return sample;
+        },
+        raw);
     raw.notes.push_back(
         "RAWIMU logs are read by their published description; none that was recorded was at hand.");
     return raw;

@@ -184,28 +184,21 @@ RawFile read_table(const Receiver& receiver, const RecordingBytes& file, bool ut
     if (head.passed_over > 0)
         raw.notes.push_back(
             fmt::format("Lines above the table that are no part of it: {}.", head.passed_over));
-    RecordLog log;
-    LineReader lines(file);
-    for (auto line = lines.next(); line; line = lines.next()) {
-        if (line->number < head.first_row || csv::is_skipped(*line)) continue;
-        try {
-            std::vector<Cell> cells = csv::split(*line, file, head.delimiter);
+    read_lines(
+        file,
+        [&](const SourceLine& line, bool cut_off) -> std::optional<RawSample> {
+            if (line.number < head.first_row || csv::is_skipped(line)) return std::nullopt;
+            std::vector<Cell> cells = csv::split(line, file, head.delimiter);
             if (cells.size() == places.fields + 1 && cells.back().text.empty()) cells.pop_back();
-            require_count(cells.size(), places.fields, *line, file, lines.at_end() && !line->ended,
+            require_count(cells.size(), places.fields, line, file, cut_off,
                           "the first line of the table has",
                           "Hand in the table as the logger wrote it, or another export");
-            RawSample sample =
+            const RawSample sample =
                 read_sample(cells, places, times, gyro_unit(imu), accelerometer_unit(imu));
-            sample.line = static_cast<std::int32_t>(line->number);
-            sample.byte = line->byte;
             require_possible(sample, cells.front());
-            raw.samples.push_back(sample);
-            log.count_good();
-        } catch (const Failure& failure) {
-            log.count_bad(*line, failure, std::ssize(raw.samples));
-        }
-    }
-    raw.records = std::move(log).finish(raw.notes);
+            return sample;
+        },
+        raw);
     return raw;
 }
 

@@ -134,7 +134,9 @@ void print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const 
     if (verdict.window) say("window", window_text(*verdict.window));
     for (const std::string& witness : verdict.witnesses)
         say("witness", witness);
-    if (verdict.unseen_drift_m_s) say("witness", "none. " + positions_alone_text(verdict));
+    if (verdict.unseen_drift_m_s)
+        say("witness", (verdict.witnesses.empty() ? "none. " : "none that confirms. ") +
+                           positions_alone_text(verdict));
     say("why", verdict.reason);
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);

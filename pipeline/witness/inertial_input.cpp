@@ -29,6 +29,41 @@ ImuNoise noise_of(const ImuErrors& errors) {
                 errors.accelerometer_bias_walk_mg_sqrt_h * mg / root_hour};
 }
 
+ImuNoise with_likeliest(ImuNoise noise, const LikeliestNoise& found) {
+    const double root_hour = std::sqrt(seconds_per_hour);
+    noise.angle_walk_rad_sqrt_s =
+        found.angle_random_walk_deg_sqrt_h * radians_per_degree / root_hour;
+    noise.velocity_walk_m_s_sqrt_s = found.velocity_random_walk_m_s_sqrt_h / root_hour;
+    noise.motion_sqrt_s = found.with_motion_sqrt_s;
+    return noise;
+}
+
+/// The IMU's own motion, from that of the reference point.
+ImuState state_of(const AttitudeEpoch& row, const Eigen::Vector3d& reference_point_m) {
+    const Eigen::Vector3d rate_rad_s =
+        radians_per_degree *
+        Eigen::Vector3d(*row.rate_forward_deg_s, *row.rate_right_deg_s, *row.rate_down_deg_s);
+    ImuState state;
+    NavigationState& motion = state.motion;
+    motion.enu_from_body = rotation_of({.roll = *row.roll_deg * radians_per_degree,
+                                        .pitch = *row.pitch_deg * radians_per_degree,
+                                        .heading = *row.heading_deg * radians_per_degree});
+    motion.position_m =
+        Eigen::Vector3d(*row.reference_east_m, *row.reference_north_m, *row.reference_up_m) -
+        motion.enu_from_body * reference_point_m;
+    motion.velocity_m_s =
+        Eigen::Vector3d(*row.reference_velocity_east_m_s, *row.reference_velocity_north_m_s,
+                        *row.reference_velocity_up_m_s) -
+        motion.enu_from_body * rate_rad_s.cross(reference_point_m);
+    state.bias.gyro_rad_s =
+        radians_per_degree * Eigen::Vector3d(*row.gyro_bias_forward_deg_s,
+                                             *row.gyro_bias_right_deg_s, *row.gyro_bias_down_deg_s);
+    state.bias.accelerometer_m_s2 = {*row.accelerometer_bias_forward_m_s2,
+                                     *row.accelerometer_bias_right_m_s2,
+                                     *row.accelerometer_bias_down_m_s2};
+    return state;
+}
+
 /// A phone's, if nothing is stated.
 ImuNoise noise_of(const std::optional<ImuGrade>& grade) {
     if (grade && grade->errors) return noise_of(*grade->errors);
@@ -81,7 +116,8 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                         .fixes = fixes_of(screened, trajectory.estimation),
                         .setup = {.origin = screened.origin->position,
                                   .noise = noise_of(imu.grade),
-                                  .antenna_m = vector_of(imu.antenna)}};
+                                  .antenna_m = vector_of(imu.antenna),
+                                  .antenna_sigma_m = imu.arm_sigma_m}};
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);
     const NoiseSummary& noise = trajectory.estimation.horizontal.noise;
     if (noise.correlated_error_detected && noise.error_sigma_m && noise.error_tau_s) {
@@ -91,6 +127,29 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
         error.time_s = noise.error_tau_s->value;
     }
     return input;
+}
+
+InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory, const AttitudeTable& attitude) {
+    InertialInput input = inertial_input(imu, screened, trajectory);
+    InertialSetup& setup = input.setup;
+    setup.noise = with_likeliest(setup.noise, attitude.noise);
+    setup.estimate_time_offset = attitude.time_offset.estimated_s.has_value();
+    SolvedBefore& before = setup.before.emplace();
+    // The estimator says how late the samples still are.
+    before.time_offset_s = attitude.time_offset.declared_s - attitude.time_offset.used_s;
+    before.searched = attitude.consistency.start == InertialStart::headings;
+    for (const AttitudeEpoch& row : attitude.rows)
+        if (row.roll_deg) before.states.push_back(state_of(row, setup.reference_point_m));
+    return input;
+}
+
+LikeliestNoise likeliest_noise(const ImuNoise& noise) {
+    const double root_hour = std::sqrt(seconds_per_hour);
+    return {.angle_random_walk_deg_sqrt_h =
+                noise.angle_walk_rad_sqrt_s * root_hour * degrees_per_radian,
+            .velocity_random_walk_m_s_sqrt_h = noise.velocity_walk_m_s_sqrt_s * root_hour,
+            .with_motion_sqrt_s = noise.motion_sqrt_s};
 }
 
 }  // namespace runcert

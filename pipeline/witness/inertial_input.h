@@ -5,6 +5,7 @@
 
 #include "inertial/inertial_smoother.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/attitude/declared.h"
 #include "schemas/imu/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
@@ -23,5 +24,12 @@ struct InertialInput {
 /// have an origin on the Earth, by which gravity and the Earth's rotation are known.
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory);
+
+/// The same with the solution of 4-attitude, about which one pass is enough.
+InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
+                             const TrajectoryTable& trajectory, const AttitudeTable& attitude);
+
+/// An IMU's noise as 4-attitude states it.
+LikeliestNoise likeliest_noise(const ImuNoise& noise);
 
 }  // namespace runcert

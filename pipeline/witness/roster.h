@@ -73,6 +73,9 @@ struct WitnessEntry {
     /// Probability and size of its undetected errors in a window, given those of the positions.
     FaultPrior (*fault)(const FaultPrior& positions);
     std::string_view silent;  ///< why an existing witness may say nothing; printed after a colon
+    /// Why it may agree with a window and not confirm it; printed after a colon. Empty if it always
+    /// does.
+    std::string_view unconfirming = {};
     std::optional<ScreeningTest> screening = {};
     /// Makes a witness from a series. Empty if the series determines no motion. Null if a
     /// receiver records this kind.

@@ -117,24 +117,7 @@ std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord
     std::vector<Block> blocks{heading("Attitude")};
     add(blocks, product_blocks(record, attitude.header, one.attitude_file,
                                counted(found.epochs, "position") + " took part", all));
-    const bool agree = found.standing == InertialStanding::consistent;
-    Block facts_of = facts({});
-    add_fact(facts_of, "Agreement",
-             agree ? std::string(words_of(found.standing))
-                   : found.reason + " Nothing rests on this solution.");
-    add_fact(facts_of, "Normalised innovations",
-             fmt::format("mean square {}, 0.3 to 2 is accepted; {} % beyond the 99.9 % point",
-                         format_fixed(found.normalised_innovations, 2),
-                         format_fixed(100.0 * found.beyond_share, 1)));
-    add_fact(facts_of, "Start of the attitude", std::string(words_of(found.start)));
-    add_fact(facts_of, "Added to the IMU's times",
-             fmt::format("{} s, {} s stated", format_fixed(attitude.time_offset.used_s, 4),
-                         format_fixed(attitude.time_offset.declared_s, 4)));
-    add_fact(facts_of, "Stretches that only the IMU bridges",
-             counted(std::ssize(attitude.bridged)));
-    blocks.push_back(std::move(facts_of));
-    if (!attitude.mount.judgement.empty()) blocks.push_back(paragraph(attitude.mount.judgement));
-    if (!attitude.notes.empty()) blocks.push_back(list_of(attitude.notes));
+    add(blocks, attitude_facts(attitude));
     return blocks;
 }
 

@@ -53,6 +53,7 @@ Document certificate_document(const ReportInputs& inputs, const std::string& rep
     add_if_any(document, uncertainty_section(inputs));
     add_if_any(document, screening_section(inputs, figures));
     add_if_any(document, witnesses_section(inputs, figures));
+    add_if_any(document, attitude_section(inputs, figures));
     add_if_any(document, run_section(inputs, figures));
     add_if_any(document, recording_section(inputs));
     add_if_any(document, method_section(inputs));

@@ -36,6 +36,8 @@ Section uncertainty_section(const ReportInputs& inputs);
 Section screening_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
 /// Empty where there are neither witnesses nor raw signals.
 Section witnesses_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
+/// Empty where no receiver has an IMU.
+Section attitude_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
 Section run_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
 Section recording_section(const ReportInputs& inputs);
 Section method_section(const ReportInputs& inputs);

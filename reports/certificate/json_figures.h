@@ -31,6 +31,11 @@ void add_phase_speed(Json& figure, const PhaseView& view, const SpeedUnit& unit)
 /// Sky, satellites over time, residuals, displacements; none where the phases say nothing.
 std::vector<Json> phase_figures(const PhaseView& view, const WindowSpan& window);
 
+/// Around the window of a rule: roll and pitch, heading and course, the speeds of antenna and
+/// reference point, and the craft to scale. None where fewer than two epochs have an attitude.
+std::vector<Json> attitude_figures(const AttitudeTable& table, const TrajectoryTable& trajectory,
+                                   const RuleView& rule);
+
 /// Least and largest of what was seen.
 struct Range {
     std::optional<double> least, most;

@@ -55,7 +55,8 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     results.screened = run.read(products::screened, receiver, read_screened);
     const auto read_the_rest = [&] {
         results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
-        if (has_imu(receiver)) run.note_file("attitude", run.file_of(products::attitude, receiver));
+        if (has_imu(receiver))
+            results.attitude = run.read(products::attitude, receiver, read_attitude);
         results.windows = run.read(products::windows, receiver, read_windows);
     };
     if (!has_phases(receiver)) {

@@ -7,6 +7,7 @@
 
 #include "core/satellite.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/attitude/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
@@ -73,6 +74,7 @@ struct ReceiverResults {
     /// What the phases say around the first certified window, for its figures.
     std::optional<PhaseView> phase_view = {};
     TrajectoryTable trajectory;
+    std::optional<AttitudeTable> attitude = {};  ///< by its IMU
     Windows windows;
 };
 

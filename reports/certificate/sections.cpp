@@ -157,6 +157,22 @@ Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
     return section;
 }
 
+Section attitude_section(const ReportInputs& inputs, const Json& figures) {
+    Section section{.anchor = "attitude", .title = "Attitude of the craft"};
+    for (std::size_t i = 0; i < inputs.receivers.size(); ++i) {
+        const ReceiverResults& results = inputs.receivers[i];
+        if (!results.attitude) continue;
+        add_receiver_heading(section, inputs, results);
+        add(section, attitude_facts(*results.attitude));
+        const auto& imu = inputs.attempt.receivers[i].imu;
+        if (imu && !imu->reference_point_name.empty())
+            add(section, paragraph("The reference point: " + imu->reference_point_name + "."));
+    }
+    for (const char* kind : {"attitude", "heading", "points", "craft", "craft_behind"})
+        add(section, plots_of(figures, kind));
+    return section;
+}
+
 Section run_section(const ReportInputs& inputs, const Json& figures) {
     Section section{.anchor = "run", .title = "Run and course"};
     add(section, plots_of(figures, "speed"));

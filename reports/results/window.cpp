@@ -113,12 +113,37 @@ void add_further(std::vector<Block>& blocks, const RuleView& rule) {
     blocks.push_back(speed_table("Windows that make the figure", rows, rule));
 }
 
+/// The speeds of antenna and reference point, where an IMU tells both.
+void add_points(std::vector<Block>& blocks, const RuleView& rule) {
+    const CraftSpeeds& points = rule.best()->points;
+    if (!points.antenna_speed_m_s) return;
+    const bool of_craft = rule.profile.speed_of == SpeedOf::reference_point;
+    const auto label = [](const char* point, bool counts) {
+        return fmt::format("{}{}", point, counts ? " – the rule's" : "");
+    };
+    blocks.push_back(
+        speed_table("At two points of the craft",
+                    {{label("The antenna", !of_craft), *points.antenna_speed_m_s,
+                      SpeedKind::measured, !of_craft},
+                     {label("The craft's reference point", of_craft),
+                      points.reference_point_speed_m_s, SpeedKind::measured, of_craft},
+                     {"Expanded uncertainty of the latter (k = 2)",
+                      points.reference_point_expanded_uncertainty_m_s, SpeedKind::uncertainty}},
+                    rule));
+    if (!points.reference_point_speed_m_s)
+        blocks.push_back(
+            paragraph("The craft's own speed is not known: IMU and positions do not "
+                      "agree, or only one of the two covers the window.",
+                      "note"));
+}
+
 }  // namespace
 
 std::string rule_words(const Profile& profile) {
     const bool recorded = profile.speed_source == SpeedSource::velocity;
     return fmt::format(
-        "{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
+        "{}{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
+        profile.speed_of ? fmt::format(" of {}", words_of(*profile.speed_of)) : "",
         window_words(profile), count_words(profile), capitalised(words_of(profile.definition)),
         recorded ? ", from the velocities that the recording states" : "", ends_words(profile),
         profile.current == CurrentUse::subtracted
@@ -164,6 +189,7 @@ std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span) {
     if (rule.best() == nullptr) return blocks;
     add_best_facts(blocks.back(), rule);
     add_definitions(blocks, rule);
+    add_points(blocks, rule);
     add_further(blocks, rule);
     return blocks;
 }

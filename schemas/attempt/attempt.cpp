@@ -46,7 +46,8 @@ nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other :
          {"id", "recording", "base", "navigation", "phase", "imu", "antenna_height_m",
-          "lever_arm_m", "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
+          "lever_arm_m", "antenna_motion", "rotation_bound_deg", "calibration", "device_deduction",
+          "instrument"})
         stated.erase(other);
     return stated;
 }
@@ -113,6 +114,11 @@ void require_sound(const YamlValue& entry, const Receiver& receiver) {
     require_sound_imu(entry, receiver);
     if (receiver.calibration)
         require_sound_calibration(entry["calibration"], *receiver.calibration);
+    if (receiver.antenna_motion && (receiver.lever_arm || receiver.imu))
+        entry["antenna_motion"].fail(
+            fmt::format("the motion of the antenna is known from {} already",
+                        receiver.imu ? "imu" : "lever_arm_m"),
+            fmt::format("Remove antenna_motion or {}", receiver.imu ? "imu" : "lever_arm_m"));
     if (receiver.rotation_bound_deg && !receiver.lever_arm && !receiver.imu)
         entry["rotation_bound_deg"].fail(
             "the craft's rotation is bounded, but no lever arm is given for it to act on",

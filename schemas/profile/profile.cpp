@@ -344,6 +344,11 @@ Profile read_profile(std::string_view text, const std::string& where) {
         profile.margin_value * (!profile.evidence && profile.margin_kind == MarginKind::absolute
                                     ? metres_per_second(profile.margin_unit)
                                     : 1.0);
+    if (profile.speed_of == SpeedOf::reference_point &&
+        profile.speed_source == SpeedSource::velocity)
+        document["speed_of"].fail(
+            "recorded velocities are those of the antenna",
+            "Take the speed from positions (window: {source: position}), or leave out speed_of");
     if (profile.current == CurrentUse::subtracted &&
         (profile.windows > 1 || profile.opposite_runs_within_s))
         document["current"].fail(

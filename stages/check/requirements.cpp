@@ -20,6 +20,13 @@ bool is_computed(const Clause& own, const Profile& profile, const Attempt& attem
     if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
     if (own.decided_by == Computation::recorded_speeds)
         return profile.speed_source == SpeedSource::velocity;
+    if (own.decided_by == Computation::speed_of)
+        return !profile.speed_of && profile.speed_source == SpeedSource::position &&
+               std::ranges::any_of(attempt.inputs, [](const AttemptInput& input) {
+                   return input.name.starts_with("receivers.") &&
+                          (input.name.find(".imu.") != std::string::npos ||
+                           input.name.find(".antenna_motion.") != std::string::npos);
+               });
     return own.decided_by != Computation::claims;
 }
 

@@ -133,6 +133,37 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
 
 }  // namespace
 
+Finding computation::speed_of(const Clause&, const ClauseContext& context) {
+    std::string evidence = "the rule does not say whose speed counts, and the antenna's is judged";
+    const auto& best = context.windows.best;
+    if (!best || !context.shown) return {RequirementStatus::attest, std::move(evidence)};
+    const CraftSpeeds& points = best->points;
+    if (!points.reference_point_speed_m_s)
+        return {RequirementStatus::attest,
+                evidence +
+                    "; by how much the craft was slower or faster over the window is not "
+                    "known"};
+    const double craft_m_s = *points.reference_point_speed_m_s;
+    const double expanded_m_s = *points.reference_point_expanded_uncertainty_m_s;
+    const ComparedSpeeds shown =
+        compared_speeds(context, craft_m_s, expanded_m_s, *points.antenna_speed_m_s);
+    evidence += fmt::format(
+        "; the craft's reference point made {} over the same window, {} "
+        "against the antenna's {}",
+        shown.other, shown.difference, shown.judged);
+    if (context.required_speed)
+        evidence += fmt::format(
+            ": it {} the required {} {}",
+            craft_m_s - expanded_m_s >= context.required_speed->speed_m_s  ? "reaches"
+            : craft_m_s + expanded_m_s < context.required_speed->speed_m_s ? "stays below"
+                                                                           : "may or may not reach",
+            context.shown->required_speed, context.shown->unit);
+    return {RequirementStatus::attest,
+            std::move(evidence),
+            {speed_figure("speed of the craft's reference point", craft_m_s, context.shown->unit,
+                          shown.other)}};
+}
+
 Finding computation::window_complete(const Clause&, const ClauseContext& context) {
     if (!context.windows.best) return {RequirementStatus::not_met, no_window(context)};
     if (!figure_of(context.windows))

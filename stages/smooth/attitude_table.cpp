@@ -221,6 +221,7 @@ void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
         attitude.time_offset.sigma_s = solution.time_offset_s.sigma;
         attitude.time_offset.used_s = *attitude.time_offset.estimated_s;
     }
+    attitude.noise = likeliest_noise(solution.noise);
     attitude.antenna.used = arm_of(solution.antenna_m.value);
     judge_mount(solution, attitude.mount);
     for (const BridgedStretch& bridged : solution.bridged)

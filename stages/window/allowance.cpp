@@ -192,7 +192,7 @@ class Expectation {
                                 .largest_m_s = evidence->fault_m_s,
                                 .upwards_alone = evidence->fault_upwards_alone};
         }
-        for (const char* symbol : {"k", "m", "h", "c", "a", "q"})
+        for (const char* symbol : {"k", "m", "h", "c", "a", "y", "z", "q"})
             reference_.others = std::hypot(reference_.others, contribution(window.budget, symbol));
         double rest = 1.0;
         for (const WitnessedSpeed& one : window.witnesses)

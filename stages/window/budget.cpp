@@ -227,7 +227,29 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
             .note = "as the attempt states it"};
 }
 
+/// What an antenna at a height on a craft that rolls and pitches may add to the craft's speed, m/s:
+/// first order in pitch, in roll only as far as the craft does not head where it goes. A path, or a
+/// mean of speeds, also has what the antenna swings across.
+double swinging_m_s(const AntennaMotion& motion, const BudgetInput& input) {
+    const double speed_m_s = std::max(std::abs(input.noise.speed.speed_m_s), 1e-3);
+    const double roll = motion.roll_deg * radians_per_degree;
+    const double across_m = motion.height_m * std::sin(roll);
+    const double ends_m = motion.height_m * std::sin(motion.pitch_deg * radians_per_degree) +
+                          across_m * std::sin(motion.leeway_deg * radians_per_degree) +
+                          across_m * across_m / (speed_m_s * input.duration_s);
+    const double chord_m_s = 2.0 * ends_m / input.duration_s;
+    if (!input.by_path) return chord_m_s;
+    const double swing_m_s = motion.height_m * roll * 2.0 * std::numbers::pi / motion.roll_period_s;
+    return chord_m_s + swing_m_s * swing_m_s / (4.0 * speed_m_s);
+}
+
 BudgetRow antenna_row(const BudgetInput& input) {
+    if (const auto& motion = input.config.antenna_motion)
+        return bounded_row("a", "motion of the antenna against the craft",
+                           swinging_m_s(*motion, input), "m / s", 1.0,
+                           fmt::format("antenna {:g} m above the craft, roll of at most {:g} and "
+                                       "pitch of at most {:g} degrees, as the attempt states",
+                                       motion->height_m, motion->roll_deg, motion->pitch_deg));
     const auto& arm = input.config.lever_arm;
     const auto& rotation = input.config.rotation_bound_deg;
     double moved_m = 0.0;
@@ -241,6 +263,28 @@ BudgetRow antenna_row(const BudgetInput& input) {
     }
     return bounded_row("a", "antenna against the craft's reference point", moved_m, "m",
                        1.0 / input.duration_s, std::move(note));
+}
+
+/// The rows of what an IMU says of antenna and reference point.
+void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) {
+    rows.push_back(speed_row(
+        "a", "lever arm between antenna and reference point", "B", craft.arm_m_s,
+        independent_of_other_rows,
+        fmt::format("each of its components measured to {:.3f} m; the reference point is {:+.4f} "
+                    "m/s faster than the antenna",
+                    craft.arm_sigma_m, craft.speed_m_s)));
+    rows.push_back(speed_row("y", "attitude of the craft", "A", craft.attitude_m_s,
+                             independent_of_other_rows,
+                             "by the joint covariance of IMU and positions"));
+    BudgetRow lag =
+        speed_row("z", "clock of the IMU against that of the positions", "B",
+                  craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), independent_of_other_rows,
+                  craft.lag_sigma_s > 0.0 ? "not estimated: the motion would show a greater one"
+                                          : "estimated with the attitude, and part of its row");
+    lag.unit = "s";
+    lag.standard_uncertainty = craft.lag_sigma_s;
+    lag.sensitivity = craft.lag_m_s_per_s;
+    rows.push_back(std::move(lag));
 }
 
 BudgetRow undetected_row(const BudgetInput& input) {
@@ -329,7 +373,10 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     rows.push_back(frame_row(input));
     if (auto height = height_row(input)) rows.push_back(*std::move(height));
     if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
-    rows.push_back(antenna_row(input));
+    if (input.craft)
+        add_craft_rows(*input.craft, rows);
+    else
+        rows.push_back(antenna_row(input));
     if (auto calibration = calibration_row(input.config)) rows.push_back(*std::move(calibration));
     rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));
@@ -337,7 +384,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
 }
 
 double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows) {
-    constexpr std::string_view own_rows = "wjotra";
+    constexpr std::string_view own_rows = "wjotrayz";
     double square = noise.own_correlated_m_s * noise.own_correlated_m_s;
     for (const BudgetRow& row : rows)
         if (row.symbol.size() == 1 && own_rows.find(row.symbol) != std::string_view::npos)

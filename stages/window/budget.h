@@ -4,6 +4,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/window/combination.h"
+#include "stages/window/craft_speeds.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/window.h"
 
@@ -37,6 +38,9 @@ struct BudgetInput {
     /// Probability with which the tests detect an error as large as `reliability` states, 0 to 1.
     double detection_power = 0.0;
     WindowFault fault = {};  ///< an undetected error
+    bool by_path = false;    ///< the speed grows with every swing of the antenna
+    /// Set where the speed is that of the craft's reference point.
+    std::optional<CraftCorrection> craft = std::nullopt;
     /// Factor on the rows of the positions when combined with witnesses (`condition_on`).
     double position_share = 1.0;
 };
@@ -72,7 +76,8 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 ///
 /// The symbols, in this order: w white noise, b time-correlated error, j motion, o choice of the
 /// motion model, t time stamps, k clock rate, r resolution, m frame or plumb line, h stated height
-/// (only where heights were not measured), c surveyed length (only where there is one), a antenna,
+/// (only where heights were not measured), c surveyed length (only where there is one), a antenna
+/// (where an IMU tells the craft's speed: the distances on it, y its attitude, z its clock),
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
 /// choice of the fastest window. Each row has the unit of its own quantity;
 /// all contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
@@ -94,7 +99,7 @@ CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 /// the frame and the clock rate, which both may have in common. It also leaves out the bound that
 /// allows for more than a receiver's own time-correlated error, and errors that the comparison is
 /// meant to reveal. Standard uncertainty in m/s: the root of the sum of squares of the rows w, j,
-/// o, t, r and a, and of `noise.own_correlated_m_s`.
+/// o, t, r, a, y and z, and of `noise.own_correlated_m_s`.
 double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows);
 
 /// Propagation of distributions through the measurement model [GUM-S1]. The speed is the length of

@@ -179,7 +179,9 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
                           : std::nullopt,
             .reliability = window.reliability,
             .detection_power = window.detection_power.value_or(0.0),
-            .fault = fault};
+            .fault = fault,
+            .by_path = counts_path(choice.profile.definition),
+            .craft = choice.craft};
 }
 
 /// The window's figures by positions.
@@ -218,7 +220,7 @@ double bias_beside(const SelectionBias& selection, double share, double differen
 double common_uncertainty(const std::vector<BudgetRow>& rows) {
     double square = 0.0;
     for (const BudgetRow& row : rows)
-        if (std::string_view("kmhcaqf").find(row.symbol) != std::string_view::npos)
+        if (std::string_view("kmhcayzqf").find(row.symbol) != std::string_view::npos)
             square += row.contribution_m_s * row.contribution_m_s;
     return std::sqrt(square);
 }
@@ -313,8 +315,9 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         estimate, figures_of(choice, at, noise, fault, window.definitions, position_terms(alone)),
         noise, fault, selection, alone);
     input.position_share = heard.position_share;
-    window.speed_m_s =
-        subtracted ? less_bias(noise.speed.speed_m_s, heard.bias_m_s) : noise.speed.speed_m_s;
+    const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
+    const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
+    window.speed_m_s = subtracted ? less_bias(measured_m_s, heard.bias_m_s) : measured_m_s;
     window.bias_limit_m_s = heard.position_share * (subtracted ? selection.bias_half_range_m_s
                                                                : selection.bounded_bias_m_s);
     window.own_standard_uncertainty_m_s = own_uncertainty(noise, alone);
@@ -329,6 +332,25 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
+}
+
+/// What is stated beside the speed, of the reference point as the speed itself.
+void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
+    SpeedDefinitions& by = window.definitions;
+    by.displacement_m_s += craft.definitions.displacement_m_s;
+    by.path_length_m_s += craft.definitions.path_length_m_s;
+    by.mean_n_plus_1_m_s += craft.definitions.mean_n_plus_1_m_s;
+    by.mean_n_m_s += craft.definitions.mean_n_m_s;
+    window.fitted->speed_m_s += craft.speed_m_s;
+    window.estimates = raised(*window.estimates, craft.speed_m_s);
+    if (window.robust) window.robust->speed_m_s += craft.speed_m_s;
+    const double duration_s = window.span.duration.seconds();
+    window.displacement_m += craft.definitions.displacement_m_s * duration_s;
+    *window.length_m += craft.speed_m_s * duration_s;
+    for (std::optional<double>* const mean :
+         {&window.methods.smoothed_m_s, &window.methods.batch_m_s, &window.methods.v1_m_s,
+          &window.methods.v2_m_s, &window.methods.kalman_m_s})
+        if (*mean) **mean += craft.definitions.mean_n_plus_1_m_s;
 }
 
 /// Sets position and time of the window.
@@ -447,6 +469,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     window.selection = selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s,
                                     noise.speed.speed_m_s);
     set_speed(estimate, choice, estimated, noise, window);
+    if (choice.craft) move_to_craft(*choice.craft, window);
     return window;
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "stages/window/best_window.h"
+#include "stages/window/craft_speeds.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
@@ -42,6 +43,8 @@ struct WindowChoice {
                                           ///< included
     SpeedQuantity quantity;
     double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, for a course
+    /// From the antenna's speed to the craft's, where the rule counts that.
+    std::optional<CraftCorrection> craft = std::nullopt;
 };
 
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its

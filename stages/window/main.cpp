@@ -25,6 +25,8 @@ struct ReceiverTables {
     std::shared_ptr<const JudgedPhases> phases;
     GpsTime first_of_phases;
     std::optional<ImuTable> imu = {};
+    /// By IMU and positions; empty if they do not agree. Null without an IMU.
+    std::shared_ptr<const InertialSolution> inertial = nullptr;
 };
 
 void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables) {
@@ -37,19 +39,35 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
         run.attempt().parameters.screen.phase_mask_deg));
 }
 
+/// The solution that 4-attitude has, with the covariances between its epochs.
+std::shared_ptr<const InertialSolution> inertial_solution(const ReceiverTables& tables,
+                                                          const AttitudeTable& attitude) {
+    if (attitude.consistency.standing != InertialStanding::consistent)
+        return std::make_shared<const InertialSolution>();
+    const InertialInput input =
+        inertial_input(*tables.imu, tables.screened, tables.trajectory, attitude);
+    return std::make_shared<const InertialSolution>(
+        smooth_inertial(input.samples, input.fixes, input.setup));
+}
+
 ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
     ReceiverTables tables{.screened = run.read(products::screened, receiver, read_screened),
                           .trajectory = run.read(products::trajectory, receiver, read_trajectory),
                           .phases = nullptr,
                           .first_of_phases = {}};
     if (has_phases(receiver)) read_phases(run, receiver, tables);
-    if (has_imu(receiver)) tables.imu = run.read(products::imu, receiver, read_imu);
+    if (has_imu(receiver)) {
+        tables.imu = run.read(products::imu, receiver, read_imu);
+        tables.inertial =
+            inertial_solution(tables, run.read(products::attitude, receiver, read_attitude));
+    }
     return tables;
 }
 
 WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     WitnessRecords all{.phases = tables[own].phases,
-                       .first_of_phases = tables[own].first_of_phases};
+                       .first_of_phases = tables[own].first_of_phases,
+                       .inertial = tables[own].inertial};
     // Series handed in belong to the first receiver's craft and use its time.
     if (own == 0)
         all.handed_in = {run.attempt(),
@@ -68,18 +86,6 @@ Eigen::Vector3d arm_beside(const ImuTable& imu) {
     return Eigen::Vector3d(reference.data()) - Eigen::Vector3d(imu.antenna.data());
 }
 
-/// Beside the antenna's speeds, those of the reference point, if IMU and positions agree.
-void add_reference_point(StageRun& run, const Receiver& receiver, const ReceiverTables& tables,
-                         const std::vector<Profile>& profiles, Windows& windows) {
-    const AttitudeTable attitude = run.read(products::attitude, receiver, read_attitude);
-    InertialSolution solution;
-    if (attitude.consistency.standing == InertialStanding::consistent) {
-        const InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory);
-        solution = smooth_inertial(input.samples, input.fixes, input.setup);
-    }
-    add_craft_speeds(solution, profiles, windows);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -96,7 +102,7 @@ int main(int argc, char** argv) {
                 if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                config, attempt.course, beside(run, tables, i));
-                if (tables[i].imu) add_reference_point(run, receiver, tables[i], profiles, windows);
+                if (tables[i].inertial) add_craft_speeds(*tables[i].inertial, profiles, windows);
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

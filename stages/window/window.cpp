@@ -33,7 +33,13 @@ class Certifier {
               const WitnessRecords& beside)
         : screened_(screened),
           trajectory_(trajectory),
+          inertial_(beside.inertial),
           horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
+        const auto of_craft = [](const Profile& profile) {
+            return profile.speed_of == SpeedOf::reference_point;
+        };
+        if (inertial_ && std::ranges::any_of(profiles, of_craft))
+            of_craft_ = at_reference_point(trajectory, *inertial_);
         const auto of_heights = [](const Profile& profile) {
             return profile.dimension != Dimension::horizontal;
         };
@@ -58,6 +64,25 @@ class Certifier {
         static const HeardWitnesses<1> none;
         return expected_allowance(screened_, trajectory_, rows(), profile, reference,
                                   horizontal_.witnesses, vertical_ ? vertical_->witnesses : none);
+    }
+    /// The trajectory in which a profile's windows are searched.
+    const TrajectoryTable& trajectory_for(const Profile& profile) const {
+        return counts_craft(profile) ? of_craft_ : trajectory_;
+    }
+
+    /// Why the speed that the profile counts is not known. Empty if it is.
+    std::string craft_is_unknown(const Profile& profile, const WindowConfig& config) const {
+        if (profile.speed_of != SpeedOf::reference_point) return {};
+        if (inertial_)
+            return inertial_->epochs.empty() || !inertial_->consistency.consistent()
+                       ? "the rule counts the speed of the craft's reference point, which the IMU "
+                         "does not give: it and the positions do not agree"
+                       : "";
+        return config.antenna_motion
+                   ? ""
+                   : "the rule counts the speed of the craft's reference point: give an IMU "
+                     "(receivers[].imu), or bounds of the antenna's motion "
+                     "(receivers[].antenna_motion)";
     }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
@@ -102,18 +127,44 @@ class Certifier {
                               const std::optional<SurveyedCourse>& gates) const {
         if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
-        WindowChoice choice{
-            .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
         if (profile.window_kind == WindowKind::course)
             return certify_course(profile, found, all, *gates);
-        if (profile.dimension == Dimension::vertical) return certified(*vertical_, choice);
-        const CertifiableWindow level = certified(horizontal_, choice);
+        const auto choice = [&](Dimension dimension) {
+            return WindowChoice{.profile = profile,
+                                .found = found,
+                                .all = all,
+                                .quantity = quantity_of(profile),
+                                .craft = craft_of(profile, found, dimension)};
+        };
+        if (profile.dimension == Dimension::vertical)
+            return certified(*vertical_, choice(Dimension::vertical));
+        const CertifiableWindow level = certified(horizontal_, choice(Dimension::horizontal));
         return profile.dimension == Dimension::space
-                   ? in_space(level, certified(*vertical_, choice))
+                   ? in_space(level, certified(*vertical_, choice(Dimension::vertical)))
                    : level;
     }
 
   private:
+    /// Whether windows are those of the reference point by the IMU.
+    bool counts_craft(const Profile& profile) const {
+        return inertial_ && profile.speed_of == SpeedOf::reference_point;
+    }
+
+    std::optional<CraftCorrection> craft_of(const Profile& profile, const FoundWindow& found,
+                                            Dimension dimension) const {
+        if (!counts_craft(profile)) return std::nullopt;
+        auto craft = craft_correction(*inertial_, {.from_s = found.start.seconds(),
+                                                   .to_s = found.end.seconds(),
+                                                   .definition = profile.definition,
+                                                   .dimension = dimension});
+        if (!craft)
+            throw Failure(
+                "receiver " + screened_.facts.receiver,
+                fmt::format("a window under {} lies where the IMU says nothing", profile.id),
+                "This is a fault of the program; please report it");
+        return craft;
+    }
+
     /// Certifies a course with the crossings of the smoothed track, in place of those of straight
     /// lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
@@ -128,9 +179,12 @@ class Certifier {
         const EpochPair enclosing{found.first, found.last};
         const ArcPart<2> part =
             part_around(arc, times, enclosing, memory_s(arc, enclosing, horizontal_.model));
+        // The reference point's crossings were found on its own track.
         const CrossingTimes crossed =
-            smoothed_crossings(part.arc, part.times, horizontal_.model,
-                               {.start = found.start, .end = found.end}, gates.start, gates.finish);
+            counts_craft(profile) ? CrossingTimes{.start = found.start, .end = found.end}
+                                  : smoothed_crossings(part.arc, part.times, horizontal_.model,
+                                                       {.start = found.start, .end = found.end},
+                                                       gates.start, gates.finish);
         found.start = crossed.start;
         found.end = crossed.end;
         found.first =
@@ -149,11 +203,14 @@ class Certifier {
                           .found = found,
                           .all = all,
                           .quantity = quantity,
-                          .length_standard_uncertainty_m = gates.length_standard_uncertainty_m});
+                          .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
+                          .craft = craft_of(profile, found, Dimension::horizontal)});
     }
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
+    std::shared_ptr<const InertialSolution> inertial_;
+    TrajectoryTable of_craft_;  ///< of the reference point, where a profile counts it
     AxesEstimate<2> horizontal_;
     std::optional<AxesEstimate<1>> vertical_;
     std::map<Dimension, VelocityEstimate> velocities_;
@@ -169,6 +226,7 @@ WindowRule rule_of(const Profile& profile) {
             .ends = profile.ends,
             .exact = profile.exact_duration,
             .count = profile.windows,
+            .speed_of = profile.speed_of,
             .opposite_runs = profile.opposite_runs_within_s.has_value()};
 }
 
@@ -465,8 +523,12 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing = "the recording has no heights that could be estimated";
         return entry;
     }
-    const Candidates among =
-        candidates_of(screened, trajectory, certifier.rows(), profile, config, gates, entry.part);
+    if (std::string unknown = certifier.craft_is_unknown(profile, config); !unknown.empty()) {
+        entry.missing = std::move(unknown);
+        return entry;
+    }
+    const Candidates among = candidates_of(screened, certifier.trajectory_for(profile),
+                                           certifier.rows(), profile, config, gates, entry.part);
     entry.score = score_of(among, config, entry.part);
     const Choice choice = choose(among);
     entry.candidates = std::ssize(choice.all);
@@ -508,6 +570,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
     config.gap_factor = attempt.parameters.screen.gap_factor;
     if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
     config.rotation_bound_deg = receiver.rotation_bound_deg;
+    config.antenna_motion = receiver.antenna_motion;
     config.part = {.ground_height_m = attempt.ground_height_m, .part = attempt.part};
     if (const auto& calibration = receiver.calibration;
         calibration && calibration->quantity == "speed")

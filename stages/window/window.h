@@ -22,6 +22,7 @@ struct WindowConfig : WindowParameters {
     double gap_factor = 1.5;               ///< or one of more intervals, if that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
+    std::optional<AntennaMotion> antenna_motion = std::nullopt;
     /// Of a speed, by the receiver's certificate of calibration. Empty if it states none.
     std::optional<double> calibration_standard_uncertainty_m_s = std::nullopt;
     bool velocity_accuracy_claimed = false;  ///< by the attempt, because the recording states none

@@ -12,6 +12,7 @@
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/shares.h"
+#include "witness/kinds/imu.h"
 #include "witness/receiver_witness.h"
 #include "witness/screened_phases.h"
 #include "witness/velocity_witness.h"
@@ -71,6 +72,9 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
+    if (beside.inertial && !beside.inertial->epochs.empty())
+        witnesses.push_back({.kind = WitnessKind::imu,
+                             .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial)});
     const bool related = !(beside.handed_in.series.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
     if constexpr (Axes == 2) {
@@ -96,6 +100,7 @@ std::vector<std::string> unheard(const WitnessRecords& beside, const HeardWitnes
         if (!series.left_out.empty()) sentences.push_back(series.left_out);
     const auto was_given = [&](WitnessKind kind) {
         return kind == WitnessKind::phases ? beside.phases != nullptr
+               : kind == WitnessKind::imu  ? beside.inertial != nullptr
                : kind == WitnessKind::receiver
                    ? !beside.receivers.empty()
                    : beside.handed_in.series.contains(std::string(to_text(kind)));
@@ -153,11 +158,8 @@ std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& 
     const double start_s = span.start.seconds();
     const auto moved = witness.motion->between(start_s, start_s + span.duration.seconds());
     if (!moved || moved->confirms) return {};
-    return fmt::format(
-        "The {} confirm nothing of the window certified under {}: their scale was fitted to the "
-        "run that it lies in, and takes in whatever drifts there in proportion to the speed. "
-        "Hand in two more runs, or state a calibrated scale.",
-        words_of(witness.kind), profile);
+    return fmt::format("The {} confirm nothing of the window certified under {}: {}.",
+                       words_of(witness.kind), profile, witness_entry(witness.kind).unconfirming);
 }
 
 bool counts_path(SpeedDefinition definition) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "inertial/inertial_smoother.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
@@ -27,6 +28,8 @@ struct OtherReceiver {
 struct WitnessRecords {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};  ///< their first epoch
+    /// By the receiver's IMU and its positions; null without an IMU.
+    std::shared_ptr<const InertialSolution> inertial = nullptr;
     std::vector<OtherReceiver> receivers = {};
     HandedIn handed_in = {};
 };
@@ -42,7 +45,7 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
                          const std::string& profile);
 
 /// All witnesses of the positions: the recorded velocities, if anything limits their errors; the
-/// carrier phases; series handed in; the other receivers.
+/// carrier phases; an IMU that agrees with the positions; series handed in; the other receivers.
 template <int Axes>
 HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                   const WitnessRecords& beside, double jerk_density);

@@ -15,11 +15,21 @@
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
-/// Simulated recordings and their attempt; `antenna_down_m` is what the attempt states.
+/// What an attempt states, and what is wrong with its recordings.
+struct MastAttempt {
+    double antenna_down_m = -5.0;
+    double rate_sign = 1.0;     ///< of the gyros
+    double drift_m_s = 0.0;     ///< of the positions, towards where the craft goes
+    double drift_from_s = 0.0;  ///< for 3 s
+    std::string profiles = "nalsa";
+};
+
+/// Simulated recordings and their attempt.
 class MastRun {
   public:
-    explicit MastRun(const InertialRunSpec& spec, double antenna_down_m, double rate_sign = 1.0)
+    explicit MastRun(const InertialRunSpec& spec, const MastAttempt& attempt)
         : simulated_(simulate_inertial(spec)) {
+        drift(attempt);
         const LocalFrame frame(spec.origin);
         std::string positions = "time,lat,lon,height\n";
         for (const PositionFix& fix : simulated_.fixes) {
@@ -31,13 +41,14 @@ class MastRun {
         write_file_atomically(folder_.path() / "run.csv", positions);
         std::string imu = "time,gx,gy,gz,ax,ay,az\n";
         for (const ImuSample& sample : simulated_.samples) {
-            const Eigen::Vector3d rate = rate_sign * sample.angle_rad / sample.interval_s;
+            const Eigen::Vector3d rate = attempt.rate_sign * sample.angle_rad / sample.interval_s;
             const Eigen::Vector3d force = sample.velocity_m_s / sample.interval_s;
             imu += fmt::format("{:.4f},{:.9f},{:.9f},{:.9f},{:.8f},{:.8f},{:.8f}\n", sample.time_s,
                                rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z());
         }
         write_file_atomically(folder_.path() / "imu.csv", imu);
-        write_file_atomically(folder_.path() / "attempt.yaml", fmt::format(R"(schema: attempt/1.0
+        write_file_atomically(folder_.path() / "attempt.yaml",
+                              fmt::format(R"(schema: attempt/1.0
 id: mast
 craft: {{name: simulated yacht, class: land-yacht}}
 place: a simulated lake
@@ -58,9 +69,10 @@ receivers:
       antenna_m: {{forward: 0.0, right: 0.0, down: {:.2f}}}
       reference_point_m: {{forward: 0.0, right: 0.0, down: 0.0}}
 record: {{speed: 150, unit: km/h, source: "a simulation"}}
-profiles: [nalsa]
+profiles: [{}]
 )",
-                                                                           antenna_down_m));
+                                          attempt.antenna_down_m, attempt.profiles));
+        write_craft_rule();
     }
     fs::path folder() const { return folder_.path() / "run"; }
     ProcessResult certified() const {
@@ -75,8 +87,9 @@ profiles: [nalsa]
     AttitudeTable attitude() const {
         return read_attitude(read_file(folder() / "4-attitude.ecsv"), "4-attitude.ecsv");
     }
-    CertifiableWindow window() const {
-        return *read_windows(read_file(folder() / "5-windows.yaml"), "f").profiles.at(0).best;
+    Windows windows() const { return read_windows(read_file(folder() / "5-windows.yaml"), "f"); }
+    CertifiableWindow window(std::size_t rule = 0) const {
+        return *windows().profiles.at(rule).best;
     }
     const std::vector<InertialTruth>& truth() const { return simulated_.truth; }
 
@@ -94,6 +107,26 @@ profiles: [nalsa]
     }
 
   private:
+    void drift(const MastAttempt& attempt) {
+        if (attempt.drift_m_s == 0.0) return;
+        const double begin_s = simulated_.fixes.front().time_s + attempt.drift_from_s;
+        const Eigen::Vector3d along =
+            (simulated_.fixes.back().enu_m - simulated_.fixes.front().enu_m).normalized();
+        for (PositionFix& fix : simulated_.fixes)
+            fix.enu_m += attempt.drift_m_s * std::clamp(fix.time_s - begin_s, 0.0, 3.0) * along;
+    }
+
+    /// NALSA's rule, of the craft's speed.
+    void write_craft_rule() const {
+        std::string rule =
+            read_file(fs::path(RUNCERT_SOURCE_DIR) / "stages/check/profiles/nalsa.yaml");
+        const auto replace = [&](std::string_view from, std::string_view to) {
+            rule.replace(rule.find(from), from.size(), to);
+        };
+        replace("id: nalsa\n", "id: craft\nspeed_of: reference_point\n");
+        write_file_atomically(folder_.path() / "craft.yaml", rule);
+    }
+
     std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
 
     TemporaryFolder folder_;
@@ -109,7 +142,7 @@ InertialRunSpec mast_spec() {
 }
 
 TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
-    const MastRun run(mast_spec(), -5.0);
+    const MastRun run(mast_spec(), {});
     const ProcessResult certified = run.certified();
     ASSERT_NE(certified.exit_status, 2) << certified.errors;
     const AttitudeTable attitude = run.attitude();
@@ -157,7 +190,8 @@ TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
 TEST(MastChain, WhereImuAndPositionsDoNotAgreeThereIsNoSecondSpeedButAReason) {
     // The mast is twice as long as stated; the gyros' signs are wrong.
     for (const bool wrong_mast : {true, false}) {
-        const MastRun run(mast_spec(), wrong_mast ? -2.5 : -5.0, wrong_mast ? 1.0 : -1.0);
+        const MastRun run(mast_spec(), {.antenna_down_m = wrong_mast ? -2.5 : -5.0,
+                                        .rate_sign = wrong_mast ? 1.0 : -1.0});
         const ProcessResult certified = run.certified();
         ASSERT_NE(certified.exit_status, 2) << certified.errors;
         const AttitudeTable attitude = run.attitude();
@@ -166,6 +200,41 @@ TEST(MastChain, WhereImuAndPositionsDoNotAgreeThereIsNoSecondSpeedButAReason) {
         EXPECT_FALSE(run.window().points.reference_point_speed_m_s);
         EXPECT_TRUE(run.window().points.antenna_speed_m_s);
     }
+}
+
+TEST(MastChain, ARuleThatCountsTheCraftJudgesTheHull) {
+    const MastRun run(mast_spec(), {.profiles = "nalsa, craft.yaml"});
+    const ProcessResult certified = run.certified();
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const CertifiableWindow antenna = run.window(0), craft = run.window(1);
+    EXPECT_GT(antenna.speed_m_s - craft.speed_m_s, 0.02);
+    EXPECT_EQ(craft.points.reference_point_speed_m_s, craft.speed_m_s);
+    EXPECT_NEAR(craft.speed_m_s, run.true_speed_m_s(craft.span),
+                *craft.points.reference_point_expanded_uncertainty_m_s);
+    // Another window is the craft's fastest; its speed there is that of the inertial solution.
+    const double own_u = craft.standard_uncertainty_m_s;
+    EXPECT_GT(own_u, 0.5 * antenna.standard_uncertainty_m_s);
+    EXPECT_LT(own_u, 2.0 * antenna.standard_uncertainty_m_s);
+    std::string symbols;
+    for (const BudgetRow& row : craft.budget)
+        if (std::string_view("ayz").find(row.symbol) != std::string_view::npos) {
+            symbols += row.symbol;
+            EXPECT_GT(row.contribution_m_s, 0.0) << row.source;
+            EXPECT_LT(row.contribution_m_s, 0.02) << row.source;
+        }
+    EXPECT_EQ(symbols, "ayz");
+    EXPECT_NE(run.verified().output.find("\nVERIFIED"), std::string::npos);
+}
+
+TEST(MastChain, TheImuContradictsADriftOfThePositions) {
+    const MastRun run(mast_spec(), {.drift_m_s = 0.3, .drift_from_s = 20.0});
+    const ProcessResult certified = run.certified();
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const Windows windows = run.windows();
+    const CertifiableWindow& best = *windows.profiles.at(0).best;
+    const auto imu = std::ranges::find(best.witnesses, WitnessKind::imu, &WitnessedSpeed::kind);
+    ASSERT_NE(imu, best.witnesses.end()) << certified.output;
+    std::printf("drift 0.3 m/s: %s", certified.output.c_str());
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ attempt:
       device_deduction: {speed: 0.1, unit: kn}
       instrument: {make: a maker, model: a logger, serial: "17", firmware: "1.2", antenna: a patch}
       calibration: {certificate: a number, laboratory: a laboratory, date: "2026-09-01", expanded_uncertainty: 0.05, unit: km/h, of: speed}
-    - {id: second, recording: b.pos}
+    - {id: second, recording: b.pos, antenna_motion: {height_m: 2, roll_deg: 5, pitch_deg: 2, roll_period_s: 3, leeway_deg: 4}}
   origin: {latitude_deg: -22.92, longitude_deg: 14.41, height_m: 30.0}
   record: {speed: 50, unit: kn, source: a list}
   rules:
@@ -120,6 +120,7 @@ pair:
   title: a title
   window: {duration_s: 2, definition: path_length}
   opposite_runs: {within_s: 600}
+  speed_of: antenna
   margin: {kind: relative, value: 0.002}
   clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
 )yaml";
@@ -131,7 +132,7 @@ inline constexpr const char* other_way = R"yaml(
 /attempt/secondary: {method: video, source: a sheet, speed: 54, unit: kn, expanded_uncertainty: 0.2}
 /attempt/receivers/0/lever_arm_m: null
 /attempt/receivers/0/rotation_bound_deg: null
-/attempt/receivers/0/imu: {file: imu.csv, columns: {time: t, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}, axes: {x: forward, y: right, z: down}, mount_deg: {roll: 1, pitch: 2, yaw: 3}, readings: rates, samples: instant, gyro_unit: rad/s, gyro_scale: 1, accelerometer_unit: m/s2, accelerometer_scale: 1, accelerometer_sense: specific_force, time_unit: s, rate_hz: 100, start_gps: "2026-10-20T11:00:58.000", time_offset_s: 0.1, grade: mems, antenna_m: {forward: 0.5, right: 0.1, down: -1.2}, reference_point_m: {forward: 0.1, right: 0.2, down: 0.3}}
+/attempt/receivers/0/imu: {file: imu.csv, columns: {time: t, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}, axes: {x: forward, y: right, z: down}, mount_deg: {roll: 1, pitch: 2, yaw: 3}, readings: rates, samples: instant, gyro_unit: rad/s, gyro_scale: 1, accelerometer_unit: m/s2, accelerometer_scale: 1, accelerometer_sense: specific_force, time_unit: s, rate_hz: 100, start_gps: "2026-10-20T11:00:58.000", time_offset_s: 0.1, grade: mems, antenna_m: {forward: 0.5, right: 0.1, down: -1.2}, reference_point_m: {forward: 0.1, right: 0.2, down: 0.3}, reference_point: the hull, arm_expanded_uncertainty_m: 0.05}
 )yaml";
 
 inline constexpr const char* other_way_changes = R"yaml(

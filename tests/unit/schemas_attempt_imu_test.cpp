@@ -85,6 +85,19 @@ TEST(ImuKeys, ALeverArmBesideItNamesTheTwoKeysInItsPlace) {
     EXPECT_TRUE(said.contains("attempt.yaml:17:")) << said.problem;
 }
 
+TEST(ImuKeys, ABoundOfTheAntennasMotionStandsForAnImuThatIsMissing) {
+    const std::string bound =
+        "    antenna_motion: {height_m: 5, roll_deg: 10, pitch_deg: 2, roll_period_s: 2}\n";
+    const Attempt attempt = read(bound);
+    ASSERT_TRUE(attempt.receivers[0].antenna_motion);
+    EXPECT_EQ(attempt.receivers[0].antenna_motion->leeway_deg, 5.0);
+    const auto said = failure_of([&] { (void)read(std::string(whole) + bound); });
+    EXPECT_TRUE(said.contains("known from imu already")) << said.problem;
+    EXPECT_TRUE(failure_of([&] {
+                    (void)read("    lever_arm_m: {forward: 0, right: 0, down: 1}\n" + bound);
+                }).contains("known from lever_arm_m already"));
+}
+
 TEST(ImuKeys, AxesAreRightHandedAndEachOnce) {
     const auto axes = [](const std::string& text) {
         return failure_of([&] {

@@ -142,7 +142,7 @@ TEST(OwnClauses, StandBesideThoseOfEveryRule) {
     }
     EXPECT_EQ(computations,
               (std::vector<std::string_view>{"time_scale", "recording_date", "measured_positions",
-                                             "stated_solution", "recorded_speeds"}));
+                                             "stated_solution", "recorded_speeds", "speed_of"}));
 }
 
 /// What is merely not known is a question for the body: no official could attest it.

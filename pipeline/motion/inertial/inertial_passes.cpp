@@ -27,9 +27,9 @@ double turned_by(const InertialPass<N>& pass) {
 }  // namespace
 
 template <int N>
-Passes<N> run_passes(const InertialData& data, const InertialPrior& prior) {
+Passes<N> run_passes(const InertialData& data, const InertialPrior& prior,
+                     std::vector<InertialNominal> about) {
     Passes<N> passes;
-    std::vector<InertialNominal> about;
     const std::size_t count = data.fixes.size();
     while (passes.count < most_passes) {
         passes.last = {};  // its memory is free before that of the next is taken
@@ -44,8 +44,10 @@ Passes<N> run_passes(const InertialData& data, const InertialPrior& prior) {
 }
 
 template Passes<error_state::plain> run_passes<error_state::plain>(const InertialData&,
-                                                                   const InertialPrior&);
+                                                                   const InertialPrior&,
+                                                                   std::vector<InertialNominal>);
 template Passes<error_state::full> run_passes<error_state::full>(const InertialData&,
-                                                                 const InertialPrior&);
+                                                                 const InertialPrior&,
+                                                                 std::vector<InertialNominal>);
 
 }  // namespace runcert

@@ -15,8 +15,9 @@ struct Passes {
 };
 
 /// Forwards in closed loop and backwards, then about the smoothed trajectory until the attitude
-/// stays, 12 times at most.
+/// stays, 12 times at most. With a trajectory given, the first pass is about that.
 template <int N>
-Passes<N> run_passes(const InertialData& data, const InertialPrior& prior);
+Passes<N> run_passes(const InertialData& data, const InertialPrior& prior,
+                     std::vector<InertialNominal> about = {});
 
 }  // namespace runcert

@@ -60,10 +60,30 @@ std::vector<PositionFix> usable(std::span<const PositionFix> fixes, const Sample
     return kept;
 }
 
+/// The trajectory found before, about which to be linear.
+std::vector<InertialNominal> found_before(const InertialData& data, const InertialSetup& setup) {
+    std::vector<InertialNominal> all;
+    if (!setup.before) return all;
+    if (setup.before->states.size() != data.fixes.size())
+        throw Failure(
+            "attitude",
+            fmt::format("the solution found before has {} epochs, the IMU's samples reach "
+                        "{} positions",
+                        setup.before->states.size(), data.fixes.size()),
+            "It belongs to other positions: run the stage smooth again");
+    all.reserve(data.fixes.size());
+    for (const ImuState& state : setup.before->states)
+        all.push_back({.state = state.motion,
+                       .bias = state.bias,
+                       .antenna_m = setup.antenna_m,
+                       .time_offset_s = setup.before->time_offset_s});
+    return all;
+}
+
 template <int N>
 InertialSolution solve(const InertialData& data, const FoundStart& start,
                        const InertialSetup& setup) {
-    Passes<N> passes = run_passes<N>(data, start.prior);
+    Passes<N> passes = run_passes<N>(data, start.prior, found_before(data, setup));
     InertialSolution solution = solution_of<N>(std::move(passes.last), data, setup, passes.turned);
     solution.passes = passes.count;
     solution.start = start.kind;
@@ -106,6 +126,7 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup) {
     InertialData data = data_of(samples, fixes, setup);
+    if (setup.before) return solve_from_start(data, setup, setup.before->searched);
     const Judged judged = judge(data, setup);
     data.noise = judged.setup.noise;
     InertialSolution solution = solve_from_start(data, judged.setup, judged.search);

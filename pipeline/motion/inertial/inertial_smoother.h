@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/geodetic.h"
@@ -28,6 +29,19 @@ struct StartAttitude {
     Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Identity();
 };
 
+/// What a solution says of the IMU at an epoch.
+struct ImuState {
+    NavigationState motion = {};
+    ImuBias bias = {};
+};
+
+/// A solution found before.
+struct SolvedBefore {
+    std::vector<ImuState> states;  ///< one for each position that the samples reach
+    double time_offset_s = 0.0;
+    bool searched = false;  ///< `StartMethod::search`
+};
+
 struct InertialSetup {
     Geodetic origin = {};
     ImuNoise noise = {};
@@ -42,6 +56,9 @@ struct InertialSetup {
     double time_offset_sigma_s = 0.3;  ///< if it is estimated
     /// Whether `noise` may be raised to what is likeliest (`fit_imu_noise`).
     bool fit_noise = true;
+    /// The solution with this noise and choice of what is estimated, if it was found before. One
+    /// pass about it is then enough.
+    std::optional<SolvedBefore> before = {};
     PositionErrorModel position_error = {};
     /// Least standard deviations of the white error of a position.
     double least_horizontal_m = 0.006;
@@ -136,6 +153,17 @@ struct PointGradient {
     Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 };
 
+/// A variance in two parts.
+struct PointVariance {
+    double by_errors = 0.0;  ///< by the errors that are estimated, and the gyros' noise
+    double by_arm = 0.0;     ///< by `antenna_sigma_m` of a lever arm that is not
+};
+
+/// A point of the craft between two neighbouring epochs: the cubic that has the positions and
+/// velocities of both.
+Eigen::Vector3d position_between(const InertialEpoch& before, const InertialEpoch& after,
+                                 double time_s, CraftPoint point);
+
 /// Covariances between epochs; see `InertialSolution`.
 class JointCovariance;
 
@@ -156,12 +184,27 @@ struct InertialSolution {
     /// that is not estimated adds `antenna_sigma_m` times the change of attitude.
     PointDisplacement displacement(std::size_t s, std::size_t e, CraftPoint point) const;
 
+    /// The antenna's displacement between two epochs by the IMU alone: the positions from s to e,
+    /// both included, are left out, and only those before and after align it. Their information is
+    /// taken back out of the joint covariance, with a Kalman filter backwards in time that has
+    /// negative covariances of measurement. None where rounding leaves too little of it.
+    std::optional<PointDisplacement> displacement_by_imu(std::size_t s, std::size_t e) const;
+
     /// Variance of a sum over the epochs from s on: gradients[i].position' position +
     /// gradients[i].velocity' velocity of a point at epoch s + i, from the joint covariance of all.
     /// Length of a path and mean of speeds are such sums. The gyros' white noise adds to
     /// velocities.
     double variance(std::size_t s, std::span<const PointGradient> gradients,
                     CraftPoint point) const;
+
+    /// The same of a sum over the reference point and another over the antenna, with gradients for
+    /// the same epochs: that of the first sum less the second.
+    PointVariance difference_variance(std::size_t s, std::span<const PointGradient> of_reference,
+                                      std::span<const PointGradient> of_antenna) const;
+
+    /// The last epoch at or before one instant and the first at or after another. None if the
+    /// solution does not reach both.
+    std::optional<std::pair<std::size_t, std::size_t>> enclosing(double from_s, double to_s) const;
 
     /// Whether a bridged span lies between two epochs.
     bool bridged_between(std::size_t s, std::size_t e) const;

@@ -1,6 +1,7 @@
 #include "inertial/joint_covariance.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 namespace runcert {
@@ -61,31 +62,134 @@ PointDisplacement InertialSolution::displacement(std::size_t s, std::size_t e,
     return result;
 }
 
+namespace {
+
+/// A measured position as the errors' function, its covariance, and what is left of it.
+template <int N>
+struct SeenPosition {
+    Eigen::Matrix<double, 3, N> h;
+    Eigen::Matrix3d covariance_m2;
+    Eigen::Vector3d residual_m;
+};
+
+}  // namespace
+
+std::optional<PointDisplacement> InertialSolution::displacement_by_imu(std::size_t s,
+                                                                       std::size_t e) const {
+    assert(s < e && e < epochs.size());
+    auto found = std::visit(
+        [&]<int N>(const JointErrors<N>& errors) {
+            const auto seen = [&](std::size_t k) {
+                const InertialEpoch& epoch = epochs[k];
+                return SeenPosition<N>{
+                    position_jacobian<N>(epoch.enu_from_body, joint->antenna_m,
+                                         epoch.antenna.velocity_m_s),
+                    joint->fixes[k].covariance_m2,
+                    joint->fixes[k].enu_m - epoch.antenna.position_m - epoch.position_error_m};
+            };
+            return errors.without(s, position_gradient<N>(epochs[s], *joint, CraftPoint::antenna),
+                                  e, position_gradient<N>(epochs[e], *joint, CraftPoint::antenna),
+                                  seen);
+        },
+        joint->errors);
+    if (!found) return found;
+    found->enu_m += epochs[e].antenna.position_m - epochs[s].antenna.position_m;
+    // Without a position there, the antenna is as far from the IMU as the declared arm says.
+    const Eigen::Matrix3d turned = epochs[e].enu_from_body - epochs[s].enu_from_body;
+    found->covariance_m2 +=
+        joint->antenna_sigma_m * joint->antenna_sigma_m * turned * turned.transpose();
+    return found;
+}
+
+namespace {
+
+/// A sum over a point's motion at successive epochs.
+struct PointSum {
+    std::span<const PointGradient> gradients;
+    CraftPoint point;
+    double sign = 1.0;
+};
+
+/// Variance of the sum of all these sums.
+PointVariance variance_of(const InertialSolution& solution, std::size_t s,
+                          std::span<const PointSum> sums) {
+    const JointCovariance& joint = *solution.joint;
+    const std::size_t count = sums.front().gradients.size();
+    PointVariance variance;
+    variance.by_errors = std::visit(
+        [&]<int N>(const JointErrors<N>& errors) {
+            std::vector<Eigen::Matrix<double, 1, N>> rows(count,
+                                                          Eigen::Matrix<double, 1, N>::Zero());
+            for (const PointSum& sum : sums)
+                for (std::size_t i = 0; i < count; ++i) {
+                    const InertialEpoch& epoch = solution.epochs[s + i];
+                    rows[i] += sum.sign * (sum.gradients[i].position.transpose() *
+                                               position_gradient<N>(epoch, joint, sum.point) +
+                                           sum.gradients[i].velocity.transpose() *
+                                               velocity_gradient<N>(epoch, joint, sum.point));
+                }
+            return errors.variance(s, rows);
+        },
+        joint.errors);
+    Eigen::RowVector3d by_arm = Eigen::RowVector3d::Zero();
+    for (std::size_t i = 0; i < count; ++i) {
+        const InertialEpoch& epoch = solution.epochs[s + i];
+        const Eigen::Matrix3d& c = epoch.enu_from_body;
+        Eigen::RowVector3d by_rate = Eigen::RowVector3d::Zero();
+        for (const PointSum& sum : sums) {
+            const Eigen::RowVector3d turning = sum.sign * sum.gradients[i].velocity.transpose() * c;
+            by_rate += turning * cross_matrix(arm_of(joint, sum.point));
+            // The antenna is where the positions are, however long the arm.
+            if (sum.point != CraftPoint::antenna)
+                by_arm += sum.sign * sum.gradients[i].position.transpose() * c +
+                          turning * cross_matrix(epoch.rate_rad_s);
+        }
+        variance.by_errors += joint.rate_variance * by_rate.squaredNorm();
+    }
+    variance.by_arm = joint.antenna_sigma_m * joint.antenna_sigma_m * by_arm.squaredNorm();
+    return variance;
+}
+
+}  // namespace
+
 double InertialSolution::variance(std::size_t s, std::span<const PointGradient> gradients,
                                   CraftPoint point) const {
     assert(!gradients.empty() && s + gradients.size() <= epochs.size());
-    double sum = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) {
-            std::vector<Eigen::Matrix<double, 1, N>> rows(gradients.size());
-            for (std::size_t i = 0; i < gradients.size(); ++i)
-                rows[i] = gradients[i].position.transpose() *
-                              position_gradient<N>(epochs[s + i], *joint, point) +
-                          gradients[i].velocity.transpose() *
-                              velocity_gradient<N>(epochs[s + i], *joint, point);
-            return errors.variance(s, rows);
-        },
-        joint->errors);
-    Eigen::RowVector3d by_arm = Eigen::RowVector3d::Zero();
-    for (std::size_t i = 0; i < gradients.size(); ++i) {
-        const InertialEpoch& epoch = epochs[s + i];
-        const Eigen::Matrix3d& c = epoch.enu_from_body;
-        const Eigen::RowVector3d turning = gradients[i].velocity.transpose() * c;
-        sum += joint->rate_variance * (turning * cross_matrix(arm_of(*joint, point))).squaredNorm();
-        by_arm += gradients[i].position.transpose() * c + turning * cross_matrix(epoch.rate_rad_s);
-    }
-    if (point != CraftPoint::antenna)
-        sum += joint->antenna_sigma_m * joint->antenna_sigma_m * by_arm.squaredNorm();
-    return sum;
+    const PointVariance found = variance_of(*this, s, std::array{PointSum{gradients, point}});
+    return found.by_errors + found.by_arm;
+}
+
+PointVariance InertialSolution::difference_variance(
+    std::size_t s, std::span<const PointGradient> of_reference,
+    std::span<const PointGradient> of_antenna) const {
+    assert(!of_reference.empty() && s + of_reference.size() <= epochs.size() &&
+           of_antenna.size() == of_reference.size());
+    return variance_of(*this, s,
+                       std::array{PointSum{of_reference, CraftPoint::reference_point},
+                                  PointSum{of_antenna, CraftPoint::antenna, -1.0}});
+}
+
+std::optional<std::pair<std::size_t, std::size_t>> InertialSolution::enclosing(double from_s,
+                                                                               double to_s) const {
+    constexpr double same_instant_s = 1e-7;
+    const auto after =
+        std::ranges::upper_bound(epochs, from_s + same_instant_s, {}, &InertialEpoch::time_s);
+    const auto last =
+        std::ranges::lower_bound(epochs, to_s - same_instant_s, {}, &InertialEpoch::time_s);
+    if (after == epochs.begin() || last == epochs.end() || last < after) return std::nullopt;
+    return std::pair{static_cast<std::size_t>(after - epochs.begin()) - 1,
+                     static_cast<std::size_t>(last - epochs.begin())};
+}
+
+Eigen::Vector3d position_between(const InertialEpoch& before, const InertialEpoch& after,
+                                 double time_s, CraftPoint point) {
+    const PointMotion& from = motion_of(before, point);
+    const PointMotion& to = motion_of(after, point);
+    const double step_s = after.time_s - before.time_s;
+    const double u = std::clamp((time_s - before.time_s) / step_s, 0.0, 1.0);
+    const double v = 1.0 - u;
+    return v * v * (1.0 + 2.0 * u) * from.position_m + u * u * (1.0 + 2.0 * v) * to.position_m +
+           u * v * step_s * (v * from.velocity_m_s - u * to.velocity_m_s);
 }
 
 bool InertialSolution::bridged_between(std::size_t s, std::size_t e) const {

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Cholesky>
+#include <optional>
 #include <variant>
+#include <vector>
 
 #include "inertial/inertial_filter.h"
 
@@ -39,10 +42,48 @@ struct JointErrors {
                                     b * covariance[e] * b.transpose() - cross - cross.transpose();
         return 0.5 * (sum + sum.transpose());
     }
+
+    /// Deviation and covariance of b' x_e - a' x_s if the measurements of the epochs from s to e
+    /// had not been taken. `seen(k)` gives that of epoch k as the function of the errors that it
+    /// measures, its covariance and its residual.
+    template <class Seen>
+    std::optional<PointDisplacement> without(std::size_t s, const Eigen::Matrix<double, 3, N>& a,
+                                             std::size_t e, const Eigen::Matrix<double, 3, N>& b,
+                                             const Seen& seen) const {
+        ErrorVector<N> mean = ErrorVector<N>::Zero();
+        ErrorMatrix<N> own = covariance[e];
+        Eigen::Vector3d end_mean = Eigen::Vector3d::Zero();
+        Eigen::Matrix3d end = b * own * b.transpose();
+        Eigen::Matrix<double, N, 3> cross = own * b.transpose();
+        for (std::size_t k = e;; --k) {
+            const auto [h, measured_m2, residual_m] = seen(k);
+            const Eigen::Matrix<double, 3, N> hp = h * own;
+            const Eigen::Matrix3d left = measured_m2 - hp * h.transpose();
+            const Eigen::LLT<Eigen::Matrix3d> factor(left);
+            if (factor.info() != Eigen::Success) return std::nullopt;
+            const Eigen::Vector3d innovation = residual_m - h * mean;
+            const Eigen::Matrix3d h_cross = h * cross;
+            mean -= hp.transpose() * factor.solve(innovation);
+            end_mean -= h_cross.transpose() * factor.solve(innovation);
+            end += h_cross.transpose() * factor.solve(h_cross);
+            cross += hp.transpose() * factor.solve(h_cross);
+            own += hp.transpose() * factor.solve(hp);
+            if (k == s) break;
+            const ErrorMatrix<N>& back = gain[k - 1];
+            own = (back * (own - covariance[k]) * back.transpose() + covariance[k - 1]).eval();
+            mean = (back * mean).eval();
+            cross = (back * cross).eval();
+        }
+        const Eigen::Matrix3d a_cross = a * cross;
+        const Eigen::Matrix3d sum = end + a * own * a.transpose() - a_cross - a_cross.transpose();
+        return PointDisplacement{.enu_m = end_mean - a * mean,
+                                 .covariance_m2 = 0.5 * (sum + sum.transpose())};
+    }
 };
 
 class JointCovariance {
   public:
+    std::vector<PositionFix> fixes;  ///< that took part, an epoch each
     std::variant<JointErrors<error_state::plain>, JointErrors<error_state::full>> errors;
     Eigen::Vector3d reference_point_m;  ///< from the IMU
     Eigen::Vector3d antenna_m;          ///< as estimated

@@ -192,6 +192,7 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
     solution.consistency = consistency_of(solution.epochs);
     find_doubts(solution, setup, turned);
     auto joint = std::make_shared<JointCovariance>();
+    joint->fixes = data.fixes;
     joint->errors =
         JointErrors<N>{.covariance = std::move(pass.covariance), .gain = std::move(pass.gain)};
     joint->reference_point_m = setup.reference_point_m;

@@ -336,6 +336,9 @@ extern const WitnessEntry wheel{
     .silent =
         "too few of them are at times at which the craft's motion was estimated, or nothing "
         "bounds their errors",
+    .unconfirming =
+        "their scale was fitted to the run that it lies in, and takes in whatever drifts there in "
+        "proportion to the speed. Hand in two more runs, or state a calibrated scale",
     .screening = ScreeningTest{.reason = Reason::wheel,
                                .hypothesis = Hypothesis::wheel,
                                .single_epochs = false,

@@ -158,6 +158,7 @@ StreamedImu import_imu(const Receiver& receiver, const RecordingBytes& file,
     head.format = held->raw.format;
     head.grade = imu.grade;
     head.antenna = imu.antenna;
+    head.arm_sigma_m = 0.5 * imu.arm_expanded_uncertainty_m;
     head.reference_point = imu.reference_point;
     for (const CraftAxis axis : {held->raw.axes.x, held->raw.axes.y, held->raw.axes.z})
         head.axes.emplace_back(to_text(axis));

@@ -1,0 +1,93 @@
+#include "witness/kinds/imu.h"
+
+#include "witness/roster.h"
+
+namespace runcert {
+namespace {
+
+/// The antenna at an instant of the step that begins at an epoch, and of the one that ends there.
+Eigen::Vector3d start_of(const InertialSolution& solution, std::size_t epoch, double time_s) {
+    return position_between(solution.epochs[epoch], solution.epochs[epoch + 1], time_s,
+                            CraftPoint::antenna);
+}
+Eigen::Vector3d end_of(const InertialSolution& solution, std::size_t epoch, double time_s) {
+    return position_between(solution.epochs[epoch - 1], solution.epochs[epoch], time_s,
+                            CraftPoint::antenna);
+}
+
+/// East and north, or up.
+template <int Axes>
+constexpr int first_axis = Axes == 1 ? 2 : 0;
+
+template <int Axes>
+double step_m(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    return (to - from).template segment<Axes>(first_axis<Axes>).norm();
+}
+
+}  // namespace
+
+template <int Axes>
+std::optional<WitnessedMotion<Axes>> ImuWitness<Axes>::between(double from_s, double to_s) const {
+    const auto found = solution_->enclosing(from_s, to_s);
+    if (!found) return std::nullopt;
+    const auto [s, e] = *found;
+    if (solution_->bridged_between(s, e)) return std::nullopt;
+    const auto moved = solution_->displacement_by_imu(s, e);
+    if (!moved) return std::nullopt;
+    const Eigen::Vector3d beyond =
+        start_of(*solution_, s, from_s) - solution_->epochs[s].antenna.position_m +
+        solution_->epochs[e].antenna.position_m - end_of(*solution_, e, to_s);
+    constexpr int axis = first_axis<Axes>;
+    WitnessedMotion<Axes> motion;
+    motion.displacement_m = (moved->enu_m - beyond).template segment<Axes>(axis);
+    motion.covariance_m2 = moved->covariance_m2.template block<Axes, Axes>(axis, axis);
+    motion.confirms = false;
+    return motion;
+}
+
+template <int Axes>
+TimeSpan ImuWitness<Axes>::covered() const {
+    return {solution_->epochs.front().time_s, solution_->epochs.back().time_s};
+}
+
+template <int Axes>
+std::optional<double> ImuWitness<Axes>::path_between(double from_s, double to_s) const {
+    const auto found = solution_->enclosing(from_s, to_s);
+    const auto moved = between(from_s, to_s);
+    if (!found || !moved) return std::nullopt;
+    const auto [s, e] = *found;
+    const Eigen::Vector3d start = start_of(*solution_, s, from_s);
+    const Eigen::Vector3d end = end_of(*solution_, e, to_s);
+    double length_m = 0.0;
+    Eigen::Vector3d at = start;
+    for (std::size_t k = s + 1; k < e; ++k) {
+        const Eigen::Vector3d& next = solution_->epochs[k].antenna.position_m;
+        length_m += step_m<Axes>(at, next);
+        at = next;
+    }
+    length_m += step_m<Axes>(at, end);
+    return length_m + moved->displacement_m.norm() - step_m<Axes>(start, end);
+}
+
+template class ImuWitness<1>;
+template class ImuWitness<2>;
+
+namespace witnesses {
+namespace {
+
+FaultPrior fault_of_imu(const FaultPrior& /*positions*/) {
+    return faults_of_speeds;
+}
+
+}  // namespace
+
+extern const WitnessEntry imu{
+    .kind = WitnessKind::imu,
+    .fault = fault_of_imu,
+    .silent = "IMU and positions do not agree, or have no solution",
+    .unconfirming =
+        "the positions around it align the IMU, which takes an error of theirs that "
+        "lasts longer than the window for motion"};
+
+}  // namespace witnesses
+}  // namespace runcert

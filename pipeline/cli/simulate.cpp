@@ -92,6 +92,15 @@ Json receiver_of(const SimulationSpec& spec) {
     return receiver;
 }
 
+Json wheel_of(const SimulatedWheel& wheel) {
+    Json series = {{"file", wheel_name}, {"source", "a wheel, simulated"}};
+    if (wheel.stated_scale) {
+        series["scale"] = *wheel.stated_scale;
+        series["expanded_uncertainty_scale"] = wheel.expanded_uncertainty_scale.value();
+    }
+    return series;
+}
+
 /// The attempt that certifies the recording as it stands. What an attempt's field table refuses of
 /// the spec's own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
@@ -106,8 +115,7 @@ std::string attempt_text(const SimulationDocument& simulation) {
         attempt["origin"] = {{"latitude_deg", simulation.place->latitude.degrees()},
                              {"longitude_deg", simulation.place->longitude.degrees()},
                              {"height_m", simulation.place->height_m}};
-    if (simulation.wheel)
-        attempt["wheel"] = {{"file", wheel_name}, {"source", "a wheel, simulated"}};
+    if (simulation.wheel) attempt["wheel"] = wheel_of(*simulation.wheel);
     take({"record", "profiles", "parameters"});
     std::string text =
         "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);

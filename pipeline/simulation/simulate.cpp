@@ -182,6 +182,7 @@ std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec) {
 std::vector<ImuSample> simulate_imu(const SimulationSpec& spec, const ImuNoise& noise) {
     require_valid(spec);
     InertialRunSpec run = craft_run(spec);
+    run.duration_s += 1.0;  // the IMU is switched off after the receiver
     run.noise = noise;
     run.imu_hz = static_cast<int>(spec.imu.value().rate_hz);
     run.scale_sigma = spec.imu->scale_error;
@@ -198,7 +199,8 @@ std::vector<double> simulate_wheel(const SimulatedWheel& wheel, std::uint64_t se
     for (const SimulatedEpoch& epoch : epochs) {
         const double true_m_s = epoch.craft ? epoch.craft->reference_velocity_m_s.head<2>().norm()
                                             : epoch.truth.speed_m_s;
-        speeds_m_s.push_back((true_m_s + wheel.noise_m_s * random.normal()) / wheel.scale);
+        const double turning_m_s = true_m_s + wheel.noise_m_s * random.normal();
+        speeds_m_s.push_back(std::max(0.0, turning_m_s) / wheel.scale);
     }
     return speeds_m_s;
 }

@@ -158,6 +158,12 @@ void require_sound_craft(const YamlValue& document, const SimulationSpec& spec) 
                             "Give 50, 80, 100, 200 or 400");
 }
 
+void require_sound_wheel(const YamlValue& wheel) {
+    if (wheel["stated_scale"].exists() != wheel["expanded_uncertainty_scale"].exists())
+        wheel.fail("a calibration gives a scale and its uncertainty, and one of them is missing",
+                   "Give both stated_scale and expanded_uncertainty_scale, or neither");
+}
+
 /// The attempt's own part, with what an attempt cannot do without.
 Json read_attempt_part(const YamlValue& part) {
     Json attempt = part.exists() ? json_from_yaml(part) : Json::object();
@@ -211,6 +217,7 @@ SimulationDocument read_simulation(std::string_view text, const std::string& whe
     take_accuracy(document["recording"], simulation);
     require_sound_raw(document["raw"], simulation);
     require_sound_craft(document, simulation);
+    require_sound_wheel(document["wheel"]);
     const YamlValue attempt = document["attempt"];
     simulation.attempt = read_attempt_part(attempt);
     simulation.attempt_place = attempt.exists() ? attempt.place() : document.place();

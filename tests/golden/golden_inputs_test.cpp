@@ -338,6 +338,8 @@ TEST(GoldenSimulation, CraftWithItsImuAndWheel) {
     EXPECT_EQ(simulation.imu->late_s, 0.02);
     EXPECT_EQ(simulation.wheel->noise_m_s, 0.05);
     EXPECT_EQ(simulation.wheel->scale, 1.25);
+    EXPECT_EQ(simulation.wheel->stated_scale, 1.5);
+    EXPECT_EQ(simulation.wheel->expanded_uncertainty_scale, 0.002);
     const SimulationDocument lake = read_simulation(text_of("v1.0/simulation.lake.yaml"), "f");
     EXPECT_EQ(lake.craft->course, CraftCourse::straight);
     EXPECT_EQ(lake.craft->leeway_deg, 2.5);

@@ -184,6 +184,8 @@ TEST_F(SimulateProgram, SaysWhatACraftAndItsImuCannotBe) {
     expect_refused(run + mast + "imu: {grade: mems, late_s: soon}\n",
                    {"spec.yaml:6:28", "not a number"});
     expect_refused(run + "wheel: {scale: 0}\n", {"spec.yaml:5:16", "below 0.5"});
+    expect_refused(run + "wheel: {stated_scale: 1}\n",
+                   {"spec.yaml:5:8", "Give both stated_scale and expanded_uncertainty_scale"});
 }
 
 TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
@@ -196,14 +198,15 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
         "imu: {grade: {gyro_bias_deg_h: 5, angle_random_walk_deg_sqrt_h: 0.25, "
         "gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 2, "
         "velocity_random_walk_m_s_sqrt_h: 0.125, accelerometer_bias_walk_mg_sqrt_h: 0.5}}\n"
-        "wheel: {noise_m_s: 0}\n";
+        "wheel: {noise_m_s: 0, stated_scale: 1.5, expanded_uncertainty_scale: 0.01}\n";
     ASSERT_EQ(simulate(write_spec(craft + imu), folder_ / "imu"), 0) << errors();
     const std::string attempt = text_of(folder_ / "imu/attempt.yaml");
     for (const char* part :
          {"file: imu.csv\n", "grade:\n        gyro_bias_deg_h: 5.0\n",
           "antenna_m:\n        forward: 0.5\n        right: 0.0\n        down: -9.875\n",
           "reference_point_m:\n        forward: 0.0\n        right: 0.25\n        down: 0.5\n",
-          "wheel:\n  file: wheel.csv\n"})
+          "wheel:\n  file: wheel.csv\n  source: \"a wheel, simulated\"\n  scale: 1.5\n  "
+          "expanded_uncertainty_scale: 0.01\n"})
         EXPECT_NE(attempt.find(part), std::string::npos) << part << attempt;
     EXPECT_EQ(attempt.find("lever_arm_m"), std::string::npos);
     const std::string samples = text_of(folder_ / "imu/imu.csv");

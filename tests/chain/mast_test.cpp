@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -39,20 +40,30 @@ std::vector<std::map<std::string, double>> read_truth(const fs::path& file) {
     return rows;
 }
 
-/// The example's simulation, changed, and certified.
+using Changes = std::vector<std::pair<std::string, std::string>>;
+
+void change(std::string& text, const Changes& changes) {
+    for (const auto& [from, to] : changes) {
+        EXPECT_NE(text.find(from), std::string::npos) << from;
+        text.replace(text.find(from), from.size(), to);
+    }
+}
+
+/// The example's simulation, changed, and certified by its attempt, changed too.
 class MastExample {
   public:
-    explicit MastExample(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
+    explicit MastExample(const Changes& of_spec = {}, const Changes& of_attempt = {}) {
         std::string spec = read_file(examples / "mast/spec.yaml");
-        for (const auto& [from, to] : changes) {
-            EXPECT_NE(spec.find(from), std::string::npos) << from;
-            spec.replace(spec.find(from), from.size(), to);
-        }
+        change(spec, of_spec);
         write_file_atomically(folder_.path() / "spec.yaml", spec);
         const ProcessResult made = runcert({"simulate", (folder_.path() / "spec.yaml").string(),
                                             "--out", (folder_.path() / "made").string()});
         EXPECT_EQ(made.exit_status, 0) << made.errors;
-        certified_ = certify(folder_.path() / "made/attempt.yaml", run(), {"--no-render"});
+        const fs::path attempt_file = folder_.path() / "made/attempt.yaml";
+        std::string attempt = read_file(attempt_file);
+        change(attempt, of_attempt);
+        write_file_atomically(attempt_file, attempt);
+        certified_ = certify(attempt_file, run(), {"--no-render"});
         EXPECT_LT(certified_.exit_status, 2) << certified_.errors;
         truth_ = read_truth(folder_.path() / "made/truth.csv");
     }
@@ -189,6 +200,80 @@ TEST(MastExample, OnABankedOvalTheCraftIsKnownAsWell) {
     EXPECT_LT(expanded_m_s, 0.008);
     EXPECT_NEAR(*window.points.reference_point_speed_m_s,
                 example.true_speed_m_s(window.span, "reference_"), expanded_m_s);
+}
+
+/// A receiver's raw signals, and a wheel whose scale was calibrated.
+Changes three_witnesses(const std::string& stated_scale = "1.02") {
+    return {{"imu:", "raw: {navigation: \"" + (examples / "phase/broadcast.nav").string() +
+                         "\", phase_noise_m: 0.001, clock_drift: 3.0e-7}\n"
+                         "wheel: {noise_m_s: 0.05, scale: 1.02, stated_scale: " +
+                         stated_scale + ", expanded_uncertainty_scale: 0.003}\nimu:"}};
+}
+
+/// The same craft, stiffer and with its antenna on the roof.
+Changes on_the_roof(Changes more) {
+    more.insert(more.end(), {{roll, "roll: {amplitude_deg: 1"},
+                             {"pitch: {amplitude_deg: 5", "pitch: {amplitude_deg: 0.5"},
+                             {"down: -10.0", "down: -1.2"}});
+    return more;
+}
+
+/// The normalised error of each witness of a window.
+std::map<std::string, double> witnesses_of(const CertifiableWindow& window) {
+    std::map<std::string, double> errors;
+    for (const WitnessedSpeed& one : window.witnesses)
+        errors[std::string(to_text(one.kind))] = one.normalised_error;
+    return errors;
+}
+
+TEST(ThreeWitnesses, WheelPhasesAndImuOfOneRunAgree) {
+    const MastExample example(on_the_roof(three_witnesses()));
+    const CertifiableWindow window = example.window();
+    const auto errors = witnesses_of(window);
+    ASSERT_EQ(errors.size(), 2U);
+    EXPECT_LE(errors.at("phases"), 1.0);
+    EXPECT_LE(errors.at("wheel"), 1.0);
+    ASSERT_EQ(example.attitude().consistency.standing, InertialStanding::consistent);
+    ASSERT_TRUE(window.points.reference_point_speed_m_s);
+    EXPECT_NEAR(*window.points.reference_point_speed_m_s,
+                example.true_speed_m_s(window.span, "reference_"),
+                *window.points.reference_point_expanded_uncertainty_m_s);
+    for (const WitnessedSpeed& one : window.witnesses)
+        EXPECT_NEAR(one.speed_m_s, example.true_speed_m_s(window.span, ""),
+                    2.0 * one.standard_uncertainty_m_s);
+    // The required speed is above what the craft did.
+    EXPECT_EQ(example.verdict()["outcome"].text(), "not_beaten");
+}
+
+TEST(ThreeWitnesses, TheOneThatIsWrongIsNamed) {
+    const auto says = [](const MastExample& example, std::string_view words) {
+        return example.certified().output.find(words) != std::string::npos;
+    };
+    // The wheel, by a scale that is 3 % too large.
+    const MastExample wheel(on_the_roof(three_witnesses("1.05")));
+    const auto errors = witnesses_of(wheel.window());
+    EXPECT_GT(errors.at("wheel"), 1.0);
+    EXPECT_LE(errors.at("phases"), 1.0);
+    EXPECT_TRUE(says(wheel, "multiplied by 1.01998 (standard uncertainty"))
+        << wheel.certified().output;
+    EXPECT_EQ(wheel.attitude().consistency.standing, InertialStanding::consistent);
+    // The positions, by a drift that makes them faster than required.
+    Changes drift = on_the_roof(three_witnesses());
+    drift.push_back({"raw:",
+                     "faults: {ramps: [{from_s: 38, to_s: 50, east_m_s: 0.15, north_m_s: "
+                     "0.08}]}\nraw:"});
+    const MastExample positions(drift);
+    EXPECT_TRUE(says(positions, "contradicted by the carrier phases"))
+        << positions.certified().output;
+    EXPECT_EQ(positions.verdict()["outcome"].text(), "not_certifiable");
+    // The IMU, by the unit of its gyros, where the craft swings.
+    const MastExample gyros(three_witnesses(), {{"gyro_unit: rad/s", "gyro_unit: deg/s"}});
+    const AttitudeTable attitude = gyros.attitude();
+    EXPECT_NE(attitude.consistency.standing, InertialStanding::consistent);
+    ASSERT_FALSE(attitude.consistency.reason.empty());
+    EXPECT_TRUE(says(gyros, attitude.consistency.reason)) << gyros.certified().output;
+    EXPECT_FALSE(gyros.window().points.reference_point_speed_m_s);
+    EXPECT_LE(witnesses_of(gyros.window()).at("phases"), 1.0);
 }
 
 }  // namespace

@@ -71,9 +71,9 @@ Eigen::Vector3d direction_of(const LogisticRun& run);
 /// sigma is negative, or the correlation time is not positive.
 std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec);
 
-/// What an IMU on the spec's craft measures during the run and a second more, with biases and noise of those sizes;
-/// its times count from the beginning of the run, and are as late as the spec says. Needs craft and
-/// imu. The epochs of `simulate` do not depend on the noise. Failure as `simulate`.
+/// What an IMU on the spec's craft measures during the run and a second more, with biases and noise
+/// of those sizes; its times count from the beginning of the run, and are as late as the spec says.
+/// Needs craft and imu. The epochs of `simulate` do not depend on the noise. Failure as `simulate`.
 std::vector<ImuSample> simulate_imu(const SimulationSpec& spec, const ImuNoise& noise);
 
 /// Speeds of a wheel of the craft (m/s), one for each epoch: with noise, never negative, and

@@ -84,7 +84,6 @@ Spread spread_of(const std::vector<double>& values) {
 }
 
 MastErrors errors_of(const MastCase& mast, int runs) {
-    MastErrors errors;
     std::vector<double> chords, paths, best_chords, best_paths;
     for (int i = 0; i < runs; ++i) {
         const InertialRun run = simulate_inertial(spec_of(mast, i));

@@ -152,17 +152,39 @@ class PointTrack {
     std::vector<Eigen::Vector3d> places_m_;
 };
 
+void add_points(const PointTrack& antenna, const PointTrack& reference_point, std::size_t tick,
+                InertialTruth& truth) {
+    truth.antenna_m = antenna.position_m(tick);
+    truth.antenna_velocity_m_s = antenna.velocity_m_s(tick);
+    truth.antenna_acceleration_m_s2 = antenna.acceleration_m_s2(tick);
+    truth.reference_point_m = reference_point.position_m(tick);
+    truth.reference_velocity_m_s = reference_point.velocity_m_s(tick);
+}
+
+/// Positions of the antenna with their errors.
+std::vector<PositionFix> fixes_of(const InertialRunSpec& spec,
+                                  const std::vector<InertialTruth>& truth) {
+    RandomGenerator draws(spec.seed + 2'000'003);
+    FixErrors errors(spec, draws);
+    const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
+                                spec.white_vertical_m);
+    std::vector<PositionFix> fixes;
+    for (const InertialTruth& epoch : truth)
+        fixes.push_back({.time_s = epoch.time_s,
+                         .enu_m = epoch.antenna_m + errors.next(),
+                         .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
+    return fixes;
+}
+
 }  // namespace
 
 InertialRun simulate_inertial(const InertialRunSpec& spec) {
     require_possible(spec);
     const EarthFrame earth(spec.origin);
     // One sequence for each kind of draw, so that a size changes no other draw.
-    RandomGenerator shapes(spec.seed), imu_draws(spec.seed + 1'000'003),
-        fix_draws(spec.seed + 2'000'003);
+    RandomGenerator shapes(spec.seed), imu_draws(spec.seed + 1'000'003);
     CraftMotion craft(spec, shapes);
     ImuErrorSequence imu_errors(spec, imu_draws);
-    FixErrors fix_errors(spec, fix_draws);
     const auto ticks =
         static_cast<std::int64_t>(std::floor((spec.stand_s + spec.duration_s) * ticks_hz + 1e-6));
     const std::int64_t per_sample = ticks_hz / spec.imu_hz;
@@ -203,20 +225,9 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
     }
     antenna.add(state);
     reference_point.add(state);
-    const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
-                                spec.white_vertical_m);
-    for (std::size_t i = 0; i < epochs.size(); ++i) {
-        InertialTruth& truth = run.truth[i];
-        truth.antenna_m = antenna.position_m(epochs[i]);
-        truth.antenna_velocity_m_s = antenna.velocity_m_s(epochs[i]);
-        truth.antenna_acceleration_m_s2 = antenna.acceleration_m_s2(epochs[i]);
-        truth.reference_point_m = reference_point.position_m(epochs[i]);
-        truth.reference_velocity_m_s = reference_point.velocity_m_s(epochs[i]);
-        run.fixes.push_back(
-            {.time_s = truth.time_s,
-             .enu_m = truth.antenna_m + fix_errors.next(),
-             .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
-    }
+    for (std::size_t i = 0; i < epochs.size(); ++i)
+        add_points(antenna, reference_point, epochs[i], run.truth[i]);
+    run.fixes = fixes_of(spec, run.truth);
     return run;
 }
 

@@ -10,6 +10,7 @@
 #include "core/failure.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/simulation/simulation.h"
+#include "simulation/course_surface.h"
 #include "simulation/raw_measurements.h"
 #include "simulation/recording_text.h"
 #include "stages/import/rinex/rinex.h"
@@ -27,6 +28,7 @@ constexpr const char* raw_name = "raw.obs";
 constexpr const char* navigation_name = "broadcast.nav";
 constexpr const char* imu_name = "imu.csv";
 constexpr const char* wheel_name = "wheel.csv";
+constexpr const char* surface_name = "surface.xml";
 
 std::string recording_name(const SimulationSpec& spec) {
     return spec.place ? "recording.pos" : "recording.csv";
@@ -81,6 +83,9 @@ Json receiver_of(const SimulationSpec& spec) {
             receiver["navigation"] = navigation_name;
         }
         if (spec.craft) add_craft(*spec.craft, spec.imu, receiver);
+        if (spec.surface)
+            receiver["antenna_height_m"] =
+                spec.surface->below_m - spec.craft->antenna[2] - spec.craft->tape_error[2];
         return receiver;
     }
     receiver["format"] = "csv";
@@ -167,6 +172,9 @@ int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
         files.push_back(
             {imu_name, imu_csv_text(simulate_imu(simulation, imu_noise(simulation.imu->grade)),
                                     *simulation.start_gps)});
+    if (simulation.surface)
+        files.push_back(
+            {surface_name, landxml_text(simulate_surface(simulation), *simulation.start_gps)});
     if (simulation.wheel)
         files.push_back(
             {wheel_name,
@@ -196,7 +204,8 @@ void add_simulate(CLI::App& app, Command& chosen) {
     command->footer(fmt::format(
         "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
         "attempt.yaml; with raw: raw.obs and broadcast.nav, with imu: imu.csv, with wheel: "
-        "wheel.csv. Each of them but the orbits, which are real, says that it is simulated; so "
+        "wheel.csv, with surface: surface.xml. Each of them but the orbits, which are real, says "
+        "that it is simulated; so "
         "does a report made from them.\n\n"
         "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
         "  schema: simulation/1.0\n"

@@ -11,6 +11,7 @@ namespace runcert {
 namespace {
 
 constexpr double two_pi = 2.0 * std::numbers::pi;
+constexpr double straight_m = 600.0, radius_m = 320.0, entry_m = 150.0;
 
 double radians(double degrees) {
     return degrees * radians_per_degree;
@@ -30,6 +31,16 @@ double oscillation(double time_s, double hz, double phase) {
 }
 
 }  // namespace
+
+double oval_bend(double way_m) {
+    constexpr double turn_m = std::numbers::pi * radius_m + entry_m;  // half a turn
+    const double at = std::fmod(way_m, straight_m + turn_m) - straight_m;
+    return smooth_step(at / entry_m) - smooth_step((at - turn_m + entry_m) / entry_m);
+}
+
+double oval_bank(double way_m) {
+    return radians(3.0 + 11.0 * oval_bend(way_m));
+}
 
 CraftMotion::CraftMotion(const InertialRunSpec& spec, RandomGenerator& random)
     : spec_(spec), way_m_(spec.start_m), course_(radians(spec.run ? spec.run->bearing_deg : 40.0)) {
@@ -83,12 +94,8 @@ CraftState CraftMotion::on_the_lake(double time_s) const {
 }
 
 CraftState CraftMotion::on_the_oval(double time_s) {
-    constexpr double straight_m = 600.0, radius_m = 320.0, entry_m = 150.0;
-    const double turn_m = std::numbers::pi * radius_m + entry_m;  // half a turn
-    const double lap_m = straight_m + turn_m;
     double moving = spec_.stand_s > 0.0 ? smooth_step(time_s / 20.0) : 1.0;
-    const double at = std::fmod(way_m_, lap_m) - straight_m;
-    const double bend = smooth_step(at / entry_m) - smooth_step((at - turn_m + entry_m) / entry_m);
+    const double bend = oval_bend(way_m_), bank = oval_bank(way_m_);
     double speed =
         moving * (75.0 - 6.0 * bend + 3.0 * std::sin(two_pi * 0.03 * time_s + phases_[0]));
     if (spec_.run) {
@@ -100,7 +107,6 @@ CraftState CraftMotion::on_the_oval(double time_s) {
         way_m_ += speed * tick_s;
         course_ += curvature * speed * tick_s;
     }
-    const double bank = radians(3.0 + 11.0 * bend);
     const double lateral_g = speed * speed * curvature / 9.81;
     const double slip = radians(0.4) * bend;
     // The craft leans out of the turn on its springs, against the bank.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <numbers>
 
 #include "core/random.h"
 #include "simulation/inertial_run.h"
@@ -17,6 +18,12 @@ struct CraftState {
     Eigen::Vector3d velocity_m_s;
     Eigen::Matrix3d enu_from_body;
 };
+
+/// The simulated oval: one lap, and how far along it (m) a turn is: 0 on a straight, 1 in full.
+inline constexpr double oval_lap_m = 2.0 * (600.0 + 320.0 * std::numbers::pi + 150.0);
+double oval_bend(double way_m);
+/// How far its ground leans to the left there (rad).
+double oval_bank(double way_m);
 
 /// Velocity and attitude of the craft of a spec, tick by tick.
 class CraftMotion {

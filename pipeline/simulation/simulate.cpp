@@ -6,7 +6,6 @@
 #include "core/angle.h"
 #include "core/failure.h"
 #include "core/random.h"
-#include "simulation/inertial_run.h"
 
 namespace runcert {
 namespace {
@@ -190,6 +189,13 @@ std::vector<ImuSample> simulate_imu(const SimulationSpec& spec, const ImuNoise& 
     for (ImuSample& sample : samples)
         sample.time_s += spec.imu->late_s;
     return samples;
+}
+
+std::vector<InertialTruth> course_of(const SimulationSpec& spec) {
+    require_valid(spec);
+    InertialRunSpec run = craft_run(spec);
+    run.position_hz = 400;
+    return simulate_inertial(run).truth;
 }
 
 std::vector<double> simulate_wheel(const SimulatedWheel& wheel, std::uint64_t seed,

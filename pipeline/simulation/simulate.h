@@ -6,10 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "inertial/attitude.h"
-#include "inertial/imu_noise.h"
-#include "inertial/strapdown.h"
 #include "schemas/simulation/simulation.h"
+#include "simulation/inertial_run.h"
 
 namespace runcert {
 
@@ -75,6 +73,10 @@ std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec);
 /// of those sizes; its times count from the beginning of the run, and are as late as the spec says.
 /// Needs craft and imu. The epochs of `simulate` do not depend on the noise. Failure as `simulate`.
 std::vector<ImuSample> simulate_imu(const SimulationSpec& spec, const ImuNoise& noise);
+
+/// Where the point of the run is at every step of the simulator, and how the craft moves there.
+/// Needs craft.
+std::vector<InertialTruth> course_of(const SimulationSpec& spec);
 
 /// Speeds of a wheel of the craft (m/s), one for each epoch: with noise, never negative, and
 /// divided by their scale.

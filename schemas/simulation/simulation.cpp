@@ -138,6 +138,9 @@ void require_sound_craft(const YamlValue& document, const SimulationSpec& spec) 
     if (imu.exists() && !craft.exists())
         imu.fail("an IMU measures how a craft moves, and none is given",
                  "Add craft, with antenna_m: {forward: 0, right: 0, down: -10} for a mast of 10 m");
+    if (document["surface"].exists() && !craft.exists())
+        document["surface"].fail("the ground lies along the course of a craft, and none is given",
+                                 "Add craft, with antenna_m: {forward: 0, right: 0, down: -1}");
     if (!craft.exists()) return;
     if (!spec.place)
         craft.fail("a craft moves on the Earth, and no place is given", "Add place and start_gps");
@@ -156,6 +159,12 @@ void require_sound_craft(const YamlValue& document, const SimulationSpec& spec) 
                                         "at {} Hz are no whole number",
                                         spec.imu->rate_hz),
                             "Give 50, 80, 100, 200 or 400");
+}
+
+void require_sound_surface(const YamlValue& surface, const SimulationSpec& spec) {
+    if (surface.exists() && spec.surface->spacing_m > spec.surface->width_m)
+        surface.fail("the vertices are further apart than the strip is wide",
+                     "Give a spacing_m of at most width_m");
 }
 
 void require_sound_wheel(const YamlValue& wheel) {
@@ -217,6 +226,7 @@ SimulationDocument read_simulation(std::string_view text, const std::string& whe
     take_accuracy(document["recording"], simulation);
     require_sound_raw(document["raw"], simulation);
     require_sound_craft(document, simulation);
+    require_sound_surface(document["surface"], simulation);
     require_sound_wheel(document["wheel"]);
     const YamlValue attempt = document["attempt"];
     simulation.attempt = read_attempt_part(attempt);

@@ -336,6 +336,10 @@ TEST(GoldenSimulation, CraftWithItsImuAndWheel) {
     EXPECT_EQ(simulation.imu->rate_hz, 200);
     EXPECT_EQ(simulation.imu->scale_error, 0.001);
     EXPECT_EQ(simulation.imu->late_s, 0.02);
+    EXPECT_EQ(simulation.surface->width_m, 20.0);
+    EXPECT_EQ(simulation.surface->spacing_m, 5.0);
+    EXPECT_EQ(simulation.surface->vertical_sd_m, 0.05);
+    EXPECT_EQ(simulation.surface->below_m, 0.5);
     EXPECT_EQ(simulation.wheel->noise_m_s, 0.05);
     EXPECT_EQ(simulation.wheel->scale, 1.25);
     EXPECT_EQ(simulation.wheel->stated_scale, 1.5);

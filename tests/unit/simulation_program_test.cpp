@@ -183,6 +183,9 @@ TEST_F(SimulateProgram, SaysWhatACraftAndItsImuCannotBe) {
                    {"spec.yaml:6:29", "125 Hz", "Give 50, 80, 100, 200 or 400"});
     expect_refused(run + mast + "imu: {grade: mems, late_s: soon}\n",
                    {"spec.yaml:6:28", "not a number"});
+    expect_refused(run + "surface: {width_m: 20}\n", {"spec.yaml:5:10", "Add craft"});
+    expect_refused(run + mast + "surface: {width_m: 5, spacing_m: 10}\n",
+                   {"spec.yaml:6:10", "at most width_m"});
     expect_refused(run + "wheel: {scale: 0}\n", {"spec.yaml:5:16", "below 0.5"});
     expect_refused(run + "wheel: {stated_scale: 1}\n",
                    {"spec.yaml:5:8", "Give both stated_scale and expanded_uncertainty_scale"});
@@ -198,12 +201,14 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
         "imu: {grade: {gyro_bias_deg_h: 5, angle_random_walk_deg_sqrt_h: 0.25, "
         "gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 2, "
         "velocity_random_walk_m_s_sqrt_h: 0.125, accelerometer_bias_walk_mg_sqrt_h: 0.5}}\n"
-        "wheel: {noise_m_s: 0, stated_scale: 1.5, expanded_uncertainty_scale: 0.01}\n";
+        "wheel: {noise_m_s: 0, stated_scale: 1.5, expanded_uncertainty_scale: 0.01}\n"
+        "surface: {below_m: 0.5}\n";
     ASSERT_EQ(simulate(write_spec(craft + imu), folder_ / "imu"), 0) << errors();
     const std::string attempt = text_of(folder_ / "imu/attempt.yaml");
     for (const char* part :
          {"file: imu.csv\n", "grade:\n        gyro_bias_deg_h: 5.0\n",
           "antenna_m:\n        forward: 0.5\n        right: 0.0\n        down: -9.875\n",
+          "antenna_height_m: 10.375\n",
           "reference_point_m:\n        forward: 0.0\n        right: 0.25\n        down: 0.5\n",
           "wheel:\n  file: wheel.csv\n  source: \"a wheel, simulated\"\n  scale: 1.5\n  "
           "expanded_uncertainty_scale: 0.01\n"})
@@ -216,7 +221,8 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
         << samples.substr(0, 200);
     // The same again is the same, byte for byte.
     ASSERT_EQ(simulate(write_spec(craft + imu), folder_ / "again"), 0) << errors();
-    for (const char* file : {"recording.pos", "truth.csv", "attempt.yaml", "imu.csv", "wheel.csv"})
+    for (const char* file :
+         {"recording.pos", "truth.csv", "attempt.yaml", "imu.csv", "wheel.csv", "surface.xml"})
         EXPECT_TRUE(text_of(folder_ / "imu" / file) == text_of(folder_ / "again" / file)) << file;
     // Without an IMU the arm from the antenna is stated, and a bound of the attitude.
     ASSERT_EQ(simulate(write_spec(craft), folder_ / "none"), 0) << errors();

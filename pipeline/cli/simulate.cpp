@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -53,7 +54,7 @@ void add_craft(const SimulatedCraft& craft, const std::optional<SimulatedImu>& i
         receiver["lever_arm_m"] = members_json(sum(craft.reference_point, antenna, -1.0));
         // Of two attitudes, each turned by at most both amplitudes.
         receiver["rotation_bound_deg"] =
-            2.0 * (craft.roll.amplitude_deg + craft.pitch.amplitude_deg);
+            std::min(180.0, 2.0 * (craft.roll.amplitude_deg + craft.pitch.amplitude_deg));
         return;
     }
     receiver["imu"] = {{"file", imu_name},

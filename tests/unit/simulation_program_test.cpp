@@ -232,6 +232,15 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
               std::string::npos)
         << without;
     EXPECT_EQ(without.find(" imu:"), std::string::npos);
+    ASSERT_EQ(simulate(write_spec(minimal + on_the_earth +
+                                  "craft: {antenna_m: {forward: 0, right: 0, down: -1}, roll: "
+                                  "{amplitude_deg: 60, frequency_hz: 0.1}, pitch: {amplitude_deg: "
+                                  "60, frequency_hz: 0.1}}\n"),
+                       folder_ / "wild"),
+              0)
+        << errors();
+    EXPECT_NE(text_of(folder_ / "wild/attempt.yaml").find("rotation_bound_deg: 180.0\n"),
+              std::string::npos);
     EXPECT_TRUE(text_of(folder_ / "none/recording.pos") == text_of(folder_ / "imu/recording.pos"));
 }
 

@@ -1,18 +1,23 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "core/failure.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/simulation/simulation.h"
+#include "simulation/course_surface.h"
 #include "simulation/raw_measurements.h"
 #include "simulation/recording_text.h"
 #include "stages/import/rinex/rinex.h"
 #include "store/atomic_file.h"
 #include "store/yaml_output.h"
+#include "witness/inertial_input.h"
 
 namespace runcert {
 namespace {
@@ -22,6 +27,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* raw_name = "raw.obs";
 constexpr const char* navigation_name = "broadcast.nav";
+constexpr const char* imu_name = "imu.csv";
+constexpr const char* wheel_name = "wheel.csv";
+constexpr const char* surface_name = "surface.xml";
 
 std::string recording_name(const SimulationSpec& spec) {
     return spec.place ? "recording.pos" : "recording.csv";
@@ -34,6 +42,39 @@ Json plane_columns(const SimulationSpec& spec) {
     return columns;
 }
 
+LeverArm sum(const LeverArm& a, const LeverArm& b, double sign = 1.0) {
+    return {a[0] + sign * b[0], a[1] + sign * b[1], a[2] + sign * b[2]};
+}
+
+/// Where a tape found antenna and reference point, and the IMU that was recorded.
+void add_craft(const SimulatedCraft& craft, const std::optional<SimulatedImu>& imu,
+               Json& receiver) {
+    const LeverArm antenna = sum(craft.antenna, craft.tape_error);
+    if (!imu) {
+        receiver["lever_arm_m"] = members_json(sum(craft.reference_point, antenna, -1.0));
+        // Of two attitudes, each turned by at most both amplitudes.
+        receiver["rotation_bound_deg"] =
+            std::min(180.0, 2.0 * (craft.roll.amplitude_deg + craft.pitch.amplitude_deg));
+        return;
+    }
+    receiver["imu"] = {{"file", imu_name},
+                       {"columns",
+                        {{"time", "time_s"},
+                         {"gyro_x", "gx"},
+                         {"gyro_y", "gy"},
+                         {"gyro_z", "gz"},
+                         {"accelerometer_x", "ax"},
+                         {"accelerometer_y", "ay"},
+                         {"accelerometer_z", "az"}}},
+                       {"axes", {{"x", "forward"}, {"y", "right"}, {"z", "down"}}},
+                       {"gyro_unit", "rad/s"},
+                       {"accelerometer_unit", "m/s2"},
+                       {"samples", "interval_end"},
+                       {"grade", members_json(imu->grade)},
+                       {"antenna_m", members_json(antenna)},
+                       {"reference_point_m", members_json(craft.reference_point)}};
+}
+
 Json receiver_of(const SimulationSpec& spec) {
     Json receiver = {{"id", "primary"}, {"recording", recording_name(spec)}};
     if (spec.place) {
@@ -42,6 +83,10 @@ Json receiver_of(const SimulationSpec& spec) {
             receiver["phase"] = raw_name;
             receiver["navigation"] = navigation_name;
         }
+        if (spec.craft) add_craft(*spec.craft, spec.imu, receiver);
+        if (spec.surface)
+            receiver["antenna_height_m"] =
+                spec.surface->below_m - spec.craft->antenna[2] - spec.craft->tape_error[2];
         return receiver;
     }
     receiver["format"] = "csv";
@@ -53,6 +98,15 @@ Json receiver_of(const SimulationSpec& spec) {
         receiver["accuracy"]["vertical_m"] = spec.recording.accuracy.vertical_m;
     if (spec.start_gps) receiver["start_gps"] = to_iso(*spec.start_gps, 3);
     return receiver;
+}
+
+Json wheel_of(const SimulatedWheel& wheel) {
+    Json series = {{"file", wheel_name}, {"source", "a wheel, simulated"}};
+    if (wheel.stated_scale) {
+        series["scale"] = *wheel.stated_scale;
+        series["expanded_uncertainty_scale"] = wheel.expanded_uncertainty_scale.value();
+    }
+    return series;
 }
 
 /// The attempt that certifies the recording as it stands. What an attempt's field table refuses of
@@ -69,6 +123,7 @@ std::string attempt_text(const SimulationDocument& simulation) {
         attempt["origin"] = {{"latitude_deg", simulation.place->latitude.degrees()},
                              {"longitude_deg", simulation.place->longitude.degrees()},
                              {"height_m", simulation.place->height_m}};
+    if (simulation.wheel) attempt["wheel"] = wheel_of(*simulation.wheel);
     take({"record", "profiles", "parameters"});
     std::string text =
         "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);
@@ -114,6 +169,19 @@ int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
                                                            orbits.ephemerides)});
         files.push_back({navigation_name, broadcast});
     }
+    if (simulation.imu)
+        files.push_back(
+            {imu_name, imu_csv_text(simulate_imu(simulation, imu_noise(simulation.imu->grade)),
+                                    *simulation.start_gps)});
+    if (simulation.surface)
+        files.push_back(
+            {surface_name, landxml_text(simulate_surface(simulation), *simulation.start_gps)});
+    if (simulation.wheel)
+        files.push_back(
+            {wheel_name,
+             wheel_csv_text(simulate_wheel(*simulation.wheel,
+                                           static_cast<std::uint64_t>(simulation.seed), epochs),
+                            epochs, simulation.start_gps)});
     write_new_files(folder, files);
     fmt::print(
         "recording  {}\n"
@@ -136,9 +204,10 @@ void add_simulate(CLI::App& app, Command& chosen) {
     command->add_option("--out", *folder, "folder to write")->required();
     command->footer(fmt::format(
         "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
-        "attempt.yaml; with raw: raw.obs and broadcast.nav, too. Each of them but the orbits, "
-        "which "
-        "are real, says that it is simulated; so does a report made from them.\n\n"
+        "attempt.yaml; with raw: raw.obs and broadcast.nav, with imu: imu.csv, with wheel: "
+        "wheel.csv, with surface: surface.xml. Each of them but the orbits, which are real, says "
+        "that it is simulated; so "
+        "does a report made from them.\n\n"
         "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
         "  schema: simulation/1.0\n"
         "  run: {{top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}}\n"

@@ -2,117 +2,15 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 
-#include "core/angle.h"
 #include "core/failure.h"
 #include "core/random.h"
+#include "simulation/craft_motion.h"
 
 namespace runcert {
 namespace {
-
-constexpr int ticks_hz = 400;
-constexpr double tick_s = 1.0 / ticks_hz;
-constexpr double two_pi = 2.0 * std::numbers::pi;
-
-double radians(double degrees) {
-    return degrees * radians_per_degree;
-}
-
-/// 0 before 0, 1 after 1, with two continuous derivatives.
-double smooth_step(double x) {
-    if (x <= 0.0) return 0.0;
-    if (x >= 1.0) return 1.0;
-    return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-}
-
-/// Two tones: 0.8 and 0.2 of the amplitude.
-double oscillation(double time_s, double hz, double phase) {
-    return 0.8 * std::sin(two_pi * hz * time_s + phase) +
-           0.2 * std::sin(two_pi * 1.7 * hz * time_s + 2.0 * phase);
-}
-
-/// Velocity and attitude of a craft.
-struct CraftState {
-    Eigen::Vector3d velocity_m_s;
-    Eigen::Matrix3d enu_from_body;
-};
-
-/// Velocity and attitude at each tick, in order.
-class Craft {
-  public:
-    Craft(const InertialRunSpec& spec, RandomGenerator& random)
-        : spec_(spec), way_m_(spec.start_m) {
-        for (double& phase : phases_)
-            phase = two_pi * random.uniform();
-    }
-
-    CraftState at(std::int64_t tick) {
-        const double time_s = static_cast<double>(tick) * tick_s - spec_.stand_s;
-        return spec_.course == InertialCourse::oval ? on_the_oval(time_s) : on_the_lake(time_s);
-    }
-
-  private:
-    CraftState on_the_lake(double time_s) const {
-        // A craft that stands sets off smoothly; one that is recorded on its way has a speed.
-        const bool from_rest = spec_.stand_s > 0.0;
-        const double moving = from_rest ? smooth_step(time_s / 15.0) : 1.0;
-        const double logistic = 1.0 / (1.0 + std::exp(-(time_s - 25.0) / 6.0));
-        const double speed =
-            moving * spec_.speed_m_s / 60.0 *
-            (10.0 + 50.0 * logistic + std::sin(two_pi * 0.07 * time_s + phases_[0]) +
-             0.3 * std::sin(two_pi * 0.31 * time_s + phases_[1]));
-        const double turning_s = std::max(time_s, 0.0);  // a craft that stands keeps its attitude
-        const double course =
-            radians(62.0 + 1.5 * std::sin(two_pi * 0.03 * turning_s + phases_[2]) +
-                    0.5 * std::sin(two_pi * 0.11 * turning_s + phases_[3]));
-        const double slope = 0.002 * std::sin(two_pi * 0.05 * turning_s + phases_[4]);
-        const double leeway = radians(spec_.leeway_deg) *
-                              (1.0 + 0.2 * std::sin(two_pi * 0.2 * turning_s + phases_[5]));
-        const double roll =
-            radians(spec_.roll_deg) * moving * oscillation(time_s, spec_.roll_hz, phases_[6]);
-        const double pitch = radians(spec_.pitch_deg) * moving *
-                                 oscillation(time_s, 1.3 * spec_.roll_hz, phases_[7]) +
-                             slope;
-        return {speed * Eigen::Vector3d(std::sin(course), std::cos(course), slope),
-                rotation_of({.roll = roll, .pitch = pitch, .heading = course - leeway})};
-    }
-
-    CraftState on_the_oval(double time_s) {
-        constexpr double straight_m = 600.0, radius_m = 320.0, entry_m = 150.0;
-        const double turn_m = std::numbers::pi * radius_m + entry_m;  // half a turn
-        const double lap_m = straight_m + turn_m;
-        const double moving = spec_.stand_s > 0.0 ? smooth_step(time_s / 20.0) : 1.0;
-        const double at = std::fmod(way_m_, lap_m) - straight_m;
-        const double bend =
-            smooth_step(at / entry_m) - smooth_step((at - turn_m + entry_m) / entry_m);
-        const double speed =
-            moving * (75.0 - 6.0 * bend + 3.0 * std::sin(two_pi * 0.03 * time_s + phases_[0]));
-        const double curvature = -bend / radius_m;  // to the left
-        if (time_s > 0.0) {
-            way_m_ += speed * tick_s;
-            course_ += curvature * speed * tick_s;
-        }
-        const double bank = radians(3.0 + 11.0 * bend);
-        const double lateral_g = speed * speed * curvature / 9.81;
-        const double slip = radians(0.4) * bend;
-        // The craft leans out of the turn on its springs, against the bank.
-        const double roll =
-            -bank - radians(0.5) * lateral_g +
-            radians(spec_.roll_deg) * moving * oscillation(time_s, spec_.roll_hz, phases_[6]);
-        const double pitch = radians(spec_.pitch_deg) * moving *
-                             oscillation(time_s, 1.3 * spec_.roll_hz, phases_[7]);
-        const double climb = 0.3 * moving * std::sin(two_pi * 0.04 * time_s + phases_[4]);
-        return {{speed * std::sin(course_), speed * std::cos(course_), climb},
-                rotation_of({.roll = roll, .pitch = pitch, .heading = course_ + slip})};
-    }
-
-    const InertialRunSpec& spec_;
-    double phases_[8] = {};
-    double way_m_;
-    double course_ = radians(40.0);
-};
 
 /// The sample that leads from one state to the velocity and attitude at the next tick.
 ImuSample sample_between(const NavigationState& from, const CraftState& to, double time_s,
@@ -143,9 +41,9 @@ Eigen::Vector3d draw(RandomGenerator& random) {
 }
 
 /// The errors of an IMU, sample by sample.
-class ImuErrors {
+class ImuErrorSequence {
   public:
-    ImuErrors(const InertialRunSpec& spec, RandomGenerator& random)
+    ImuErrorSequence(const InertialRunSpec& spec, RandomGenerator& random)
         : noise_(spec.noise), random_(random) {
         const double size = spec.with_biases ? 1.0 : 0.0;
         bias_.gyro_rad_s = size * noise_.gyro_bias_rad_s * draw(random_);
@@ -224,14 +122,58 @@ class FixErrors {
     double phi_ = 0.0, fresh_ = 0.0;
 };
 
-InertialTruth truth_at(const NavigationState& state, const Eigen::Vector3d& rate,
-                       const ImuBias& bias, const InertialRunSpec& spec) {
-    const Eigen::Matrix3d& c = state.enu_from_body;
-    return {.imu = state,
-            .antenna_m = state.position_m + c * spec.antenna_m,
-            .reference_point_m = state.position_m + c * spec.reference_point_m,
-            .reference_velocity_m_s = state.velocity_m_s + c * rate.cross(spec.reference_point_m),
-            .bias = bias};
+/// Where a point of the craft is at every tick.
+class PointTrack {
+  public:
+    explicit PointTrack(const Eigen::Vector3d& arm_m) : arm_m_(arm_m) {}
+
+    void add(const NavigationState& state) {
+        places_m_.push_back(state.position_m + state.enu_from_body * arm_m_);
+    }
+    const Eigen::Vector3d& position_m(std::size_t tick) const { return places_m_[tick]; }
+    /// By differences over two ticks: with a swing of 1 m and 1 Hz to 0.3 mm/s.
+    Eigen::Vector3d velocity_m_s(std::size_t tick) const {
+        const auto& [before, at, after] = around(tick);
+        if (tick == 0) return (4.0 * at - 3.0 * before - after) / (2.0 * tick_s);
+        return (after - before) / (2.0 * tick_s);
+    }
+    Eigen::Vector3d acceleration_m_s2(std::size_t tick) const {
+        const auto& [before, at, after] = around(tick);
+        return (after - 2.0 * at + before) / (tick_s * tick_s);
+    }
+
+  private:
+    std::array<Eigen::Vector3d, 3> around(std::size_t tick) const {
+        const std::size_t middle = std::max<std::size_t>(tick, 1);
+        return {places_m_[middle - 1], places_m_[middle], places_m_[middle + 1]};
+    }
+
+    Eigen::Vector3d arm_m_;
+    std::vector<Eigen::Vector3d> places_m_;
+};
+
+void add_points(const PointTrack& antenna, const PointTrack& reference_point, std::size_t tick,
+                InertialTruth& truth) {
+    truth.antenna_m = antenna.position_m(tick);
+    truth.antenna_velocity_m_s = antenna.velocity_m_s(tick);
+    truth.antenna_acceleration_m_s2 = antenna.acceleration_m_s2(tick);
+    truth.reference_point_m = reference_point.position_m(tick);
+    truth.reference_velocity_m_s = reference_point.velocity_m_s(tick);
+}
+
+/// Positions of the antenna with their errors.
+std::vector<PositionFix> fixes_of(const InertialRunSpec& spec,
+                                  const std::vector<InertialTruth>& truth) {
+    RandomGenerator draws(spec.seed + 2'000'003);
+    FixErrors errors(spec, draws);
+    const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
+                                spec.white_vertical_m);
+    std::vector<PositionFix> fixes;
+    for (const InertialTruth& epoch : truth)
+        fixes.push_back({.time_s = epoch.time_s,
+                         .enu_m = epoch.antenna_m + errors.next(),
+                         .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
+    return fixes;
 }
 
 }  // namespace
@@ -240,36 +182,34 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
     require_possible(spec);
     const EarthFrame earth(spec.origin);
     // One sequence for each kind of draw, so that a size changes no other draw.
-    RandomGenerator shapes(spec.seed), imu_draws(spec.seed + 1'000'003),
-        fix_draws(spec.seed + 2'000'003);
-    Craft craft(spec, shapes);
-    ImuErrors imu_errors(spec, imu_draws);
-    FixErrors fix_errors(spec, fix_draws);
-    const auto ticks = static_cast<std::int64_t>((spec.stand_s + spec.duration_s) * ticks_hz);
+    RandomGenerator shapes(spec.seed), imu_draws(spec.seed + 1'000'003);
+    CraftMotion craft(spec, shapes);
+    ImuErrorSequence imu_errors(spec, imu_draws);
+    const auto ticks =
+        static_cast<std::int64_t>(std::floor((spec.stand_s + spec.duration_s) * ticks_hz + 1e-6));
     const std::int64_t per_sample = ticks_hz / spec.imu_hz;
     const std::int64_t per_fix = ticks_hz / spec.position_hz;
     const std::int64_t late = std::llround(spec.time_offset_s * ticks_hz);
     InertialRun run;
-    CraftState now = craft.at(0);
+    const CraftState now = craft.at(0);
     NavigationState state{.enu_from_body = now.enu_from_body, .velocity_m_s = now.velocity_m_s};
+    if (spec.run)
+        state.position_m = {spec.run->start.east_m, spec.run->start.north_m, spec.run->start.up_m};
+    PointTrack antenna(spec.antenna_m), reference_point(spec.reference_point_m);
+    std::vector<std::size_t> epochs;
     ImuSample sum;
     Eigen::Vector3d begin_velocity_m_s = state.velocity_m_s;
     for (std::int64_t tick = 0; tick <= ticks; ++tick) {
         const CraftState next = craft.at(tick + 1);
         const double end_s = static_cast<double>(tick + 1) * tick_s;
         const ImuSample piece = sample_between(state, next, end_s, earth);
-        const Eigen::Vector3d rate =
-            piece.angle_rad / tick_s - state.enu_from_body.transpose() * earth.rotation_rad_s();
+        antenna.add(state);
+        reference_point.add(state);
         if ((tick - late) % per_fix == 0 && tick >= late) {
-            InertialTruth truth = truth_at(state, rate, imu_errors.bias(), spec);
-            truth.time_s = static_cast<double>(tick - late) * tick_s;
-            const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
-                                        spec.white_vertical_m);
-            run.fixes.push_back(
-                {.time_s = truth.time_s,
-                 .enu_m = truth.antenna_m + fix_errors.next(),
-                 .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
-            run.truth.push_back(truth);
+            epochs.push_back(static_cast<std::size_t>(tick));
+            run.truth.push_back({.time_s = static_cast<double>(tick - late) * tick_s,
+                                 .imu = state,
+                                 .bias = imu_errors.bias()});
         }
         state = strapdown_step(state, piece, {}, earth).state;
         sum.angle_rad += piece.angle_rad;
@@ -283,6 +223,11 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
         sum = {};
         begin_velocity_m_s = state.velocity_m_s;
     }
+    antenna.add(state);
+    reference_point.add(state);
+    for (std::size_t i = 0; i < epochs.size(); ++i)
+        add_points(antenna, reference_point, epochs[i], run.truth[i]);
+    run.fixes = fixes_of(spec, run.truth);
     return run;
 }
 

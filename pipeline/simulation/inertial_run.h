@@ -2,10 +2,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/geodetic.h"
 #include "inertial/inertial_smoother.h"
+#include "schemas/simulation/simulation.h"
 
 namespace runcert {
 
@@ -22,6 +24,9 @@ enum class InertialCourse {
 /// A run with an IMU whose truth is known.
 struct InertialRunSpec {
     InertialCourse course = InertialCourse::salt_lake;
+    /// Speed, bearing and start of the run, in place of those that the course has of itself, and
+    /// `stand_s` 0; then a lake is flat and the way on it straight, without gusts.
+    std::optional<LogisticRun> run = std::nullopt;
     Geodetic origin{.latitude = Angle::from_degrees(-31.6),
                     .longitude = Angle::from_degrees(136.0),
                     .height_m = 110.0};
@@ -33,6 +38,7 @@ struct InertialRunSpec {
     double roll_deg = 10.0;
     double roll_hz = 0.5;
     double pitch_deg = 2.0;
+    double pitch_hz = 0.65;
     double leeway_deg = 2.5;                    ///< mean on the lake; it varies by a fifth
     Eigen::Vector3d antenna_m{0.0, 0.0, -5.0};  ///< from the IMU, forward, right, down
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
@@ -54,6 +60,8 @@ struct InertialTruth {
     double time_s = 0.0;
     NavigationState imu = {};
     Eigen::Vector3d antenna_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d antenna_velocity_m_s = Eigen::Vector3d::Zero();
+    Eigen::Vector3d antenna_acceleration_m_s2 = Eigen::Vector3d::Zero();
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d reference_velocity_m_s = Eigen::Vector3d::Zero();
     ImuBias bias = {};

@@ -117,8 +117,10 @@ class RawSimulation {
     /// Where the receiver is so long after the epoch's nominal time.
     Eigen::Vector3d position_m(const SimulatedEpoch& epoch, double after_s) const {
         const double way_m = epoch.truth.speed_m_s * after_s;
-        return origin_m_ +
-               rotation_.transpose() * (epoch.true_enu_m + way_m * direction_of(spec_.run));
+        const Eigen::Vector3d moved_m =
+            epoch.craft ? Eigen::Vector3d(after_s * epoch.craft->antenna_velocity_m_s)
+                        : Eigen::Vector3d(way_m * direction_of(spec_.run));
+        return origin_m_ + rotation_.transpose() * (epoch.true_enu_m + moved_m);
     }
 
     /// Range and satellite's clock of what is received so long after the nominal time.

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
+#include "core/angle.h"
 #include "core/failure.h"
 #include "core/geodesy.h"
 #include "core/text.h"
@@ -43,6 +45,26 @@ std::string rtklib_header(const RecordingStyle& style) {
         "%  GPST                  {:>{}} {:>{}}  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)"
         "  sdne(m)  sdeu(m)  sdun(m) age(s)  ratio\n",
         "latitude(deg)", width - 1, "longitude(deg)", width);
+}
+
+/// The antenna's horizontal speed, and its rate.
+std::array<double, 2> antenna_speed(const SimulatedEpoch& epoch) {
+    if (!epoch.craft) return {epoch.truth.speed_m_s, epoch.truth.acceleration_m_s2};
+    const Eigen::Vector2d velocity_m_s = epoch.craft->antenna_velocity_m_s.head<2>();
+    const double speed_m_s = velocity_m_s.norm();
+    const double gained = velocity_m_s.dot(epoch.craft->antenna_acceleration_m_s2.head<2>());
+    return {speed_m_s, speed_m_s > 0.0 ? gained / speed_m_s : 0.0};
+}
+
+std::array<double, 7> craft_values(const CraftTruth& craft) {
+    const Eigen::Vector3d& place_m = craft.reference_point_m;
+    return {place_m.x(),
+            place_m.y(),
+            place_m.z(),
+            craft.reference_velocity_m_s.head<2>().norm(),
+            craft.attitude.roll * degrees_per_radian,
+            craft.attitude.pitch * degrees_per_radian,
+            craft.attitude.heading * degrees_per_radian};
 }
 
 }  // namespace
@@ -96,13 +118,54 @@ std::string plane_csv_text(const SimulationSpec& spec, std::span<const Simulated
 
 std::string truth_csv_text(std::span<const SimulatedEpoch> epochs) {
     std::string text = simulated_comment;
-    text += "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2\n";
+    text += "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2";
+    if (!epochs.empty() && epochs.front().craft)
+        text +=
+            ",reference_east_m,reference_north_m,reference_up_m,reference_speed_m_s,roll_deg,"
+            "pitch_deg,heading_deg";
+    text += '\n';
+    const auto add = [&](double value) { text += ',' + format_fixed(value, truth_decimals); };
     for (const SimulatedEpoch& epoch : epochs) {
         text += seconds_text(epoch);
-        for (const double value : {epoch.true_enu_m.x(), epoch.true_enu_m.y(), epoch.true_enu_m.z(),
-                                   epoch.truth.speed_m_s, epoch.truth.acceleration_m_s2})
-            text += ',' + format_fixed(value, truth_decimals);
+        for (const double value : epoch.true_enu_m)
+            add(value);
+        for (const double value : antenna_speed(epoch))
+            add(value);
+        if (epoch.craft)
+            for (const double value : craft_values(*epoch.craft))
+                add(value);
         text += '\n';
+    }
+    return text;
+}
+
+std::string imu_csv_text(std::span<const ImuSample> samples, GpsTime start) {
+    std::string text = simulated_comment;
+    text += "time_s,gx,gy,gz,ax,ay,az\n";
+    const double start_s = static_cast<double>(start.nanoseconds_of_week()) * 1e-9;
+    for (const ImuSample& sample : samples) {
+        text += format_fixed(start_s + sample.time_s, 4);
+        for (const double rate_rad_s : sample.angle_rad)
+            text += ',' + format_fixed(rate_rad_s / sample.interval_s, 9);
+        for (const double velocity_m_s : sample.velocity_m_s)
+            text += ',' + format_fixed(velocity_m_s / sample.interval_s, 8);
+        text += '\n';
+    }
+    return text;
+}
+
+std::string wheel_csv_text(std::span<const double> speeds_m_s,
+                           std::span<const SimulatedEpoch> epochs,
+                           const std::optional<GpsTime>& start) {
+    std::string text = simulated_comment;
+    text += start ? "time_gps,speed_m_s\n" : "time_s,speed_m_s\n";
+    const auto first = std::ranges::find(epochs, true, &SimulatedEpoch::recorded);
+    const std::int64_t first_ms = first == epochs.end() ? 0 : first->time_ms;
+    for (std::size_t i = 0; i < epochs.size(); ++i) {
+        const std::int64_t time_ms = epochs[i].time_ms;
+        text += start ? to_iso(start->plus_nanoseconds(time_ms * 1'000'000), 3)
+                      : format_fixed(static_cast<double>(time_ms - first_ms) / 1000.0, 3);
+        text += ',' + format_fixed(speeds_m_s[i], 4) + '\n';
     }
     return text;
 }

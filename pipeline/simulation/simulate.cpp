@@ -93,6 +93,39 @@ Eigen::Vector3d displacement_by(const Faults& faults, const SimulatedEpoch& epoc
     return sum_m;
 }
 
+Eigen::Vector3d vector_of(const LeverArm& arm) {
+    return {arm[0], arm[1], arm[2]};
+}
+
+/// The craft's motion with an IMU that has no errors.
+InertialRunSpec craft_run(const SimulationSpec& spec) {
+    const SimulatedCraft& craft = spec.craft.value();
+    return {.course = craft.course == CraftCourse::oval ? InertialCourse::oval
+                                                        : InertialCourse::salt_lake,
+            .run = spec.run,
+            .origin = spec.place.value(),
+            .duration_s = spec.run.duration_s,
+            .start_m = craft.start_on_oval_m,
+            .roll_deg = craft.roll.amplitude_deg,
+            .roll_hz = craft.roll.frequency_hz,
+            .pitch_deg = craft.pitch.amplitude_deg,
+            .pitch_hz = craft.pitch.frequency_hz,
+            .leeway_deg = craft.leeway_deg,
+            .antenna_m = vector_of(craft.antenna),
+            .reference_point_m = vector_of(craft.reference_point),
+            .position_hz = static_cast<int>(spec.run.rate_hz),
+            .seed = static_cast<std::uint64_t>(spec.seed)};
+}
+
+void add_craft(const InertialTruth& truth, SimulatedEpoch& epoch) {
+    epoch.true_enu_m = truth.antenna_m;
+    epoch.craft = {.antenna_velocity_m_s = truth.antenna_velocity_m_s,
+                   .antenna_acceleration_m_s2 = truth.antenna_acceleration_m_s2,
+                   .reference_point_m = truth.reference_point_m,
+                   .reference_velocity_m_s = truth.reference_velocity_m_s,
+                   .attitude = euler_angles(truth.imu.enu_from_body)};
+}
+
 }  // namespace
 
 RunState logistic_run(const LogisticRun& run, double time_s) {
@@ -125,6 +158,8 @@ std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec) {
     const Eigen::Vector3d travel = direction_of(spec.run);
     const Eigen::Vector3d start_m = enu_m(spec.run.start);
     const std::int64_t last_ms = duration_ms(spec.run), step_ms = interval_ms(spec.run);
+    const std::vector<InertialTruth> craft =
+        spec.craft ? simulate_inertial(craft_run(spec)).truth : std::vector<InertialTruth>{};
     ErrorSequence errors(spec);
     std::vector<SimulatedEpoch> epochs;
     epochs.reserve(static_cast<std::size_t>(last_ms / step_ms) + 1);
@@ -133,6 +168,7 @@ std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec) {
                              .time_ms = time_ms};
         epoch.truth = logistic_run(spec.run, epoch.time_s());
         epoch.true_enu_m = start_m + epoch.truth.distance_m * travel;
+        if (spec.craft) add_craft(craft.at(epochs.size()), epoch);
         epoch.measured_enu_m =
             epoch.true_enu_m + errors.next() + displacement_by(spec.faults, epoch);
         epoch.fixed = !any_contains(spec.faults.float_fixes, epoch.time_s());
@@ -140,6 +176,39 @@ std::vector<SimulatedEpoch> simulate(const SimulationSpec& spec) {
         epochs.push_back(epoch);
     }
     return epochs;
+}
+
+std::vector<ImuSample> simulate_imu(const SimulationSpec& spec, const ImuNoise& noise) {
+    require_valid(spec);
+    InertialRunSpec run = craft_run(spec);
+    run.duration_s += 1.0;  // the IMU is switched off after the receiver
+    run.noise = noise;
+    run.imu_hz = static_cast<int>(spec.imu.value().rate_hz);
+    run.scale_sigma = spec.imu->scale_error;
+    std::vector<ImuSample> samples = simulate_inertial(run).samples;
+    for (ImuSample& sample : samples)
+        sample.time_s += spec.imu->late_s;
+    return samples;
+}
+
+std::vector<InertialTruth> course_of(const SimulationSpec& spec) {
+    require_valid(spec);
+    InertialRunSpec run = craft_run(spec);
+    run.position_hz = 400;
+    return simulate_inertial(run).truth;
+}
+
+std::vector<double> simulate_wheel(const SimulatedWheel& wheel, std::uint64_t seed,
+                                   std::span<const SimulatedEpoch> epochs) {
+    RandomGenerator random(seed + 3'000'003);  // another sequence than those of positions and IMU
+    std::vector<double> speeds_m_s;
+    for (const SimulatedEpoch& epoch : epochs) {
+        const double true_m_s = epoch.craft ? epoch.craft->reference_velocity_m_s.head<2>().norm()
+                                            : epoch.truth.speed_m_s;
+        const double turning_m_s = true_m_s + wheel.noise_m_s * random.normal();
+        speeds_m_s.push_back(std::max(0.0, turning_m_s) / wheel.scale);
+    }
+    return speeds_m_s;
 }
 
 }  // namespace runcert

@@ -64,14 +64,6 @@ ImuState state_of(const AttitudeEpoch& row, const Eigen::Vector3d& reference_poi
     return state;
 }
 
-/// A phone's, if nothing is stated.
-ImuNoise noise_of(const std::optional<ImuGrade>& grade) {
-    if (grade && grade->errors) return noise_of(*grade->errors);
-    if (grade && grade->name == "tactical") return imu_noise(ImuClass::tactical);
-    if (grade && grade->name == "mems") return imu_noise(ImuClass::mems);
-    return imu_noise(ImuClass::consumer);
-}
-
 std::vector<ImuSample> samples_of(const ImuTable& imu) {
     std::vector<ImuSample> samples;
     samples.reserve(imu.rows.size());
@@ -109,13 +101,20 @@ std::vector<PositionFix> fixes_of(const ScreenedTable& screened,
 
 }  // namespace
 
+ImuNoise imu_noise(const std::optional<ImuGrade>& grade) {
+    if (grade && grade->errors) return noise_of(*grade->errors);
+    if (grade && grade->name == "tactical") return imu_noise(ImuClass::tactical);
+    if (grade && grade->name == "mems") return imu_noise(ImuClass::mems);
+    return imu_noise(ImuClass::consumer);
+}
+
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory) {
     assert(screened.origin);
     InertialInput input{.samples = samples_of(imu),
                         .fixes = fixes_of(screened, trajectory.estimation),
                         .setup = {.origin = screened.origin->position,
-                                  .noise = noise_of(imu.grade),
+                                  .noise = imu_noise(imu.grade),
                                   .antenna_m = vector_of(imu.antenna),
                                   .antenna_sigma_m = imu.arm_sigma_m}};
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "inertial/inertial_smoother.h"
@@ -18,6 +19,9 @@ struct InertialInput {
     std::vector<PositionFix> fixes;  ///< usable epochs with all three coordinates
     InertialSetup setup;
 };
+
+/// The noise of an IMU of that grade: of a phone's, where the attempt does not say.
+ImuNoise imu_noise(const std::optional<ImuGrade>& grade);
 
 /// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the
 /// noise fit of the trajectory found; its correlated error, if it found one. The positions must

@@ -125,6 +125,54 @@ void require_sound_raw(const YamlValue& raw, const SimulationSpec& spec) {
     require_stretches(raw["outages"], spec.run);
 }
 
+void require_on_the_craft(const YamlValue& arm, const LeverArm& components_m) {
+    constexpr double largest_m = 100.0;
+    for (const double component_m : components_m)
+        if (std::abs(component_m) > largest_m)
+            arm.fail(fmt::format("{} m is beyond any craft", component_m),
+                     fmt::format("Give metres forward, right and down, up to {}", largest_m));
+}
+
+void require_sound_craft(const YamlValue& document, const SimulationSpec& spec) {
+    const YamlValue craft = document["craft"], imu = document["imu"];
+    if (imu.exists() && !craft.exists())
+        imu.fail("an IMU measures how a craft moves, and none is given",
+                 "Add craft, with antenna_m: {forward: 0, right: 0, down: -10} for a mast of 10 m");
+    if (document["surface"].exists() && !craft.exists())
+        document["surface"].fail("the ground lies along the course of a craft, and none is given",
+                                 "Add craft, with antenna_m: {forward: 0, right: 0, down: -1}");
+    if (!craft.exists()) return;
+    if (!spec.place)
+        craft.fail("a craft moves on the Earth, and no place is given", "Add place and start_gps");
+    require_on_the_craft(craft["antenna_m"], spec.craft->antenna);
+    require_on_the_craft(craft["reference_point_m"], spec.craft->reference_point);
+    require_on_the_craft(craft["tape_error_m"], spec.craft->tape_error);
+    const bool oval = spec.craft->course == CraftCourse::oval;
+    if (craft["start_on_oval_m"].exists() && !oval)
+        craft["start_on_oval_m"].fail("the course is straight",
+                                      "Write course: oval, or leave it out");
+    if (craft["leeway_deg"].exists() && oval)
+        craft["leeway_deg"].fail("a craft on the oval slips by what the turn gives",
+                                 "Leave it out, or write course: straight");
+    if (spec.imu && 400 % spec.imu->rate_hz != 0)
+        imu["rate_hz"].fail(fmt::format("an IMU is simulated in steps of 2.5 ms, of which samples "
+                                        "at {} Hz are no whole number",
+                                        spec.imu->rate_hz),
+                            "Give 50, 80, 100, 200 or 400");
+}
+
+void require_sound_surface(const YamlValue& surface, const SimulationSpec& spec) {
+    if (surface.exists() && spec.surface->spacing_m > spec.surface->width_m)
+        surface.fail("the vertices are further apart than the strip is wide",
+                     "Give a spacing_m of at most width_m");
+}
+
+void require_sound_wheel(const YamlValue& wheel) {
+    if (wheel["stated_scale"].exists() != wheel["expanded_uncertainty_scale"].exists())
+        wheel.fail("a calibration gives a scale and its uncertainty, and one of them is missing",
+                   "Give both stated_scale and expanded_uncertainty_scale, or neither");
+}
+
 /// The attempt's own part, with what an attempt cannot do without.
 Json read_attempt_part(const YamlValue& part) {
     Json attempt = part.exists() ? json_from_yaml(part) : Json::object();
@@ -177,6 +225,9 @@ SimulationDocument read_simulation(std::string_view text, const std::string& whe
     take_faults(document["faults"], simulation);
     take_accuracy(document["recording"], simulation);
     require_sound_raw(document["raw"], simulation);
+    require_sound_craft(document, simulation);
+    require_sound_surface(document["surface"], simulation);
+    require_sound_wheel(document["wheel"]);
     const YamlValue attempt = document["attempt"];
     simulation.attempt = read_attempt_part(attempt);
     simulation.attempt_place = attempt.exists() ? attempt.place() : document.place();

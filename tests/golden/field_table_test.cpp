@@ -55,9 +55,10 @@ const Names without_unit{
     // of a device, where the unit stands beside
     "device_deduction.speed",
     // of a calibration, and of a wheel
-    "calibration.expanded_uncertainty", "wheel.scale", "wheel.expanded_uncertainty_scale",
+    "calibration.expanded_uncertainty", "wheel.scale", "wheel.stated_scale",
+    "wheel.expanded_uncertainty_scale",
     // of an IMU, whose scale's unit stands in keys beside it, and of what is made of it
-    "imu.gyro_scale", "imu.accelerometer_scale", "clock.drift",
+    "imu.gyro_scale", "imu.accelerometer_scale", "imu.scale_error", "clock.drift",
     "consistency.normalised_innovations", "consistency.autocorrelation", "consistency.beyond_share",
     "innovation_east", "innovation_north", "innovation_up", "quaternion_w", "quaternion_x",
     "quaternion_y", "quaternion_z"};

@@ -137,6 +137,11 @@ inline constexpr GoldenKind kinds[] = {
          (void)read_simulation(text, where);
          return std::string();
      }},
+    {"simulation.lake.yaml", "simulation",
+     [](const std::string& text, const std::string& where) {
+         (void)read_simulation(text, where);
+         return std::string();
+     }},
     {"day.yaml", "day",
      [](const std::string& text, const std::string& where) {
          for (const DayEntry& entry : read_day_file(text, where).entries)

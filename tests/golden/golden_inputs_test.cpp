@@ -322,6 +322,38 @@ TEST(GoldenSimulation, Spec) {
     EXPECT_EQ(simulation.attempt.at("id"), "simulated");
 }
 
+TEST(GoldenSimulation, CraftWithItsImuAndWheel) {
+    const SimulationDocument simulation = read_simulation(text_of("v1.0/simulation.yaml"), "f");
+    const SimulatedCraft& craft = simulation.craft.value();
+    EXPECT_EQ(craft.course, CraftCourse::oval);
+    EXPECT_EQ(craft.start_on_oval_m, 400.0);
+    EXPECT_EQ(craft.antenna, (LeverArm{0.5, -0.25, -10.0}));
+    EXPECT_EQ(craft.reference_point, (LeverArm{0.125, 0.0, 0.75}));
+    EXPECT_EQ(craft.tape_error, (LeverArm{0.0, 0.0, 0.1}));
+    EXPECT_EQ(craft.roll.amplitude_deg, 10.0);
+    EXPECT_EQ(craft.pitch.frequency_hz, 0.4);
+    EXPECT_EQ(simulation.imu->grade.errors->gyro_bias_deg_h, 5.0);
+    EXPECT_EQ(simulation.imu->rate_hz, 200);
+    EXPECT_EQ(simulation.imu->scale_error, 0.001);
+    EXPECT_EQ(simulation.imu->late_s, 0.02);
+    EXPECT_EQ(simulation.surface->width_m, 20.0);
+    EXPECT_EQ(simulation.surface->spacing_m, 5.0);
+    EXPECT_EQ(simulation.surface->vertical_sd_m, 0.05);
+    EXPECT_EQ(simulation.surface->below_m, 0.5);
+    EXPECT_EQ(simulation.wheel->noise_m_s, 0.05);
+    EXPECT_EQ(simulation.wheel->scale, 1.25);
+    EXPECT_EQ(simulation.wheel->stated_scale, 1.5);
+    EXPECT_EQ(simulation.wheel->expanded_uncertainty_scale, 0.002);
+    const SimulationDocument lake = read_simulation(text_of("v1.0/simulation.lake.yaml"), "f");
+    EXPECT_EQ(lake.craft->course, CraftCourse::straight);
+    EXPECT_EQ(lake.craft->leeway_deg, 2.5);
+    EXPECT_EQ(lake.craft->tape_error, (LeverArm{}));
+    EXPECT_EQ(lake.craft->pitch.amplitude_deg, 0.0);
+    EXPECT_EQ(lake.imu->grade.name, "tactical");
+    EXPECT_EQ(lake.imu->rate_hz, 100);
+    EXPECT_FALSE(lake.wheel);
+}
+
 TEST(GoldenDay, EntriesWithTheirDefaults) {
     const DayFile day = read_day_file(text_of("v1.0/day.yaml"), "f");
     EXPECT_EQ(day.id, "lake-day_1");

@@ -70,7 +70,8 @@ InertialRunSpec oval_at(int imu_hz) {
     spec.start_m = 400.0;
     spec.roll_deg = 1.0;
     spec.pitch_deg = 0.5;
-    spec.roll_hz = 1.0;  // with tones to 1.3 x 1.7 Hz
+    spec.roll_hz = 1.0;
+    spec.pitch_hz = 1.3;  // with tones to 1.7 of it
     spec.imu_hz = imu_hz;
     return spec;
 }

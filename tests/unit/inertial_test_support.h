@@ -23,6 +23,7 @@ inline InertialRunSpec oval(ImuClass grade, std::uint64_t seed) {
     spec.roll_deg = 0.8;
     spec.pitch_deg = 0.4;
     spec.roll_hz = 1.0;
+    spec.pitch_hz = 1.3;
     spec.antenna_m = {-0.5, 0.2, -1.2};
     return spec;
 }

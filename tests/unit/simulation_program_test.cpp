@@ -67,13 +67,17 @@ const std::string minimal =
     "run: {top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}\n";
 
 TEST_F(SimulateProgram, MakesTheExamplesByteForByte) {
-    for (const char* example : {"salt_lake", "rejected"}) {
+    const std::vector<std::string> files{"recording.pos", "truth.csv", "attempt.yaml"};
+    for (const char* example : {"salt_lake", "rejected", "mast"}) {
         const fs::path committed = fs::path(RUNCERT_SOURCE_DIR "/examples") / example;
         const fs::path made = folder_ / example;
         ASSERT_EQ(simulate(committed / "spec.yaml", made), 0) << errors();
-        for (const char* file : {"recording.pos", "truth.csv", "attempt.yaml"})
+        for (const std::string& file : files)
             EXPECT_TRUE(text_of(made / file) == text_of(committed / file)) << example << file;
+        EXPECT_EQ(fs::exists(made / "imu.csv"), fs::exists(committed / "imu.csv"));
     }
+    EXPECT_TRUE(text_of(folder_ / "mast/imu.csv") ==
+                text_of(RUNCERT_SOURCE_DIR "/examples/mast/imu.csv"));
 }
 
 TEST_F(SimulateProgram, NeedsOnlyTheRunItself) {
@@ -140,6 +144,104 @@ TEST_F(SimulateProgram, SaysWhichFaultWouldNotShow) {
                    {"spec.yaml:5:16", "after the end"});
     expect_refused(minimal + "faults:\n  gaps:\n    - {from_s: 5, to_s: 4}\n",
                    {"spec.yaml:5:7", "ends before it begins"});
+}
+
+const std::string on_the_earth =
+    "place: {latitude_deg: -31.6, longitude_deg: 136, height_m: 110}\n"
+    "start_gps: \"2026-03-14T03:20:18.000\"\n";
+const std::string mast = "craft: {antenna_m: {forward: 0, right: 0, down: -10}}\n";
+
+TEST_F(SimulateProgram, SaysWhatACraftAndItsImuCannotBe) {
+    const std::string run = minimal + on_the_earth;
+    expect_refused(minimal + mast, {"spec.yaml:3:8", "no place is given", "Add place"});
+    expect_refused(run + "imu: {grade: mems}\n", {"spec.yaml:5:6", "Add craft"});
+    expect_refused(run + "craft: {roll: {amplitude_deg: 5, frequency_hz: 1}}\n",
+                   {"spec.yaml:5:8", "antenna_m"});
+    expect_refused(run + "craft: {antenna_m: {forward: 0, right: 0, down: -1000}}\n",
+                   {"spec.yaml:5:20", "beyond any craft"});
+    expect_refused(run +
+                       "craft: {antenna_m: {forward: 0, right: 0, down: -1}, roll: "
+                       "{amplitude_deg: 90, frequency_hz: 1}}\n",
+                   {"spec.yaml:5:76", "above 60"});
+    expect_refused(run +
+                       "craft: {antenna_m: {forward: 0, right: 0, down: -1}, roll: "
+                       "{amplitude_deg: 9}}\n",
+                   {"spec.yaml:5:60", "frequency_hz"});
+    expect_refused(run + "craft: {course: ring, antenna_m: {forward: 0, right: 0, down: -1}}\n",
+                   {"spec.yaml:5:17", "straight", "oval"});
+    expect_refused(
+        run + "craft: {start_on_oval_m: 9, antenna_m: {forward: 0, right: 0, down: 0}}\n",
+        {"spec.yaml:5:26", "course: oval"});
+    expect_refused(run +
+                       "craft: {course: oval, leeway_deg: 2, antenna_m: {forward: 0, right: 0, "
+                       "down: 0}}\n",
+                   {"spec.yaml:5:35", "course: straight"});
+    expect_refused(run + mast + "imu: {grade: best}\n",
+                   {"spec.yaml:6:14", "\"best\" is no grade of an IMU", "tactical"});
+    expect_refused(run + mast + "imu: {rate_hz: 100}\n", {"spec.yaml:6:6", "grade"});
+    expect_refused(run + mast + "imu: {grade: mems, rate_hz: 125}\n",
+                   {"spec.yaml:6:29", "125 Hz", "Give 50, 80, 100, 200 or 400"});
+    expect_refused(run + mast + "imu: {grade: mems, late_s: soon}\n",
+                   {"spec.yaml:6:28", "not a number"});
+    expect_refused(run + "surface: {width_m: 20}\n", {"spec.yaml:5:10", "Add craft"});
+    expect_refused(run + mast + "surface: {width_m: 5, spacing_m: 10}\n",
+                   {"spec.yaml:6:10", "at most width_m"});
+    expect_refused(run + "wheel: {scale: 0}\n", {"spec.yaml:5:16", "below 0.5"});
+    expect_refused(run + "wheel: {stated_scale: 1}\n",
+                   {"spec.yaml:5:8", "Give both stated_scale and expanded_uncertainty_scale"});
+}
+
+TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
+    const std::string craft =
+        minimal + on_the_earth +
+        "craft: {antenna_m: {forward: 0.5, right: 0, down: -10}, reference_point_m: {forward: 0, "
+        "right: 0.25, down: 0.5}, tape_error_m: {forward: 0, right: 0, down: 0.125}, roll: "
+        "{amplitude_deg: 10, frequency_hz: 0.5}}\n";
+    const std::string imu =
+        "imu: {grade: {gyro_bias_deg_h: 5, angle_random_walk_deg_sqrt_h: 0.25, "
+        "gyro_bias_walk_deg_h_sqrt_h: 1, accelerometer_bias_mg: 2, "
+        "velocity_random_walk_m_s_sqrt_h: 0.125, accelerometer_bias_walk_mg_sqrt_h: 0.5}}\n"
+        "wheel: {noise_m_s: 0, stated_scale: 1.5, expanded_uncertainty_scale: 0.01}\n"
+        "surface: {below_m: 0.5}\n";
+    ASSERT_EQ(simulate(write_spec(craft + imu), folder_ / "imu"), 0) << errors();
+    const std::string attempt = text_of(folder_ / "imu/attempt.yaml");
+    for (const char* part :
+         {"file: imu.csv\n", "grade:\n        gyro_bias_deg_h: 5.0\n",
+          "antenna_m:\n        forward: 0.5\n        right: 0.0\n        down: -9.875\n",
+          "antenna_height_m: 10.375\n",
+          "reference_point_m:\n        forward: 0.0\n        right: 0.25\n        down: 0.5\n",
+          "wheel:\n  file: wheel.csv\n  source: \"a wheel, simulated\"\n  scale: 1.5\n  "
+          "expanded_uncertainty_scale: 0.01\n"})
+        EXPECT_NE(attempt.find(part), std::string::npos) << part << attempt;
+    EXPECT_EQ(attempt.find("lever_arm_m"), std::string::npos);
+    const std::string samples = text_of(folder_ / "imu/imu.csv");
+    EXPECT_TRUE(
+        samples.starts_with("# runcert simulate (no receiver: this recording is simulated)"
+                            "\ntime_s,gx,gy,gz,ax,ay,az\n530418.0100,"))
+        << samples.substr(0, 200);
+    // The same again is the same, byte for byte.
+    ASSERT_EQ(simulate(write_spec(craft + imu), folder_ / "again"), 0) << errors();
+    for (const char* file :
+         {"recording.pos", "truth.csv", "attempt.yaml", "imu.csv", "wheel.csv", "surface.xml"})
+        EXPECT_TRUE(text_of(folder_ / "imu" / file) == text_of(folder_ / "again" / file)) << file;
+    // Without an IMU the arm from the antenna is stated, and a bound of the attitude.
+    ASSERT_EQ(simulate(write_spec(craft), folder_ / "none"), 0) << errors();
+    const std::string without = text_of(folder_ / "none/attempt.yaml");
+    EXPECT_NE(without.find("lever_arm_m:\n      forward: -0.5\n      right: 0.25\n      down: "
+                           "10.375\n    rotation_bound_deg: 20.0\n"),
+              std::string::npos)
+        << without;
+    EXPECT_EQ(without.find(" imu:"), std::string::npos);
+    ASSERT_EQ(simulate(write_spec(minimal + on_the_earth +
+                                  "craft: {antenna_m: {forward: 0, right: 0, down: -1}, roll: "
+                                  "{amplitude_deg: 60, frequency_hz: 0.1}, pitch: {amplitude_deg: "
+                                  "60, frequency_hz: 0.1}}\n"),
+                       folder_ / "wild"),
+              0)
+        << errors();
+    EXPECT_NE(text_of(folder_ / "wild/attempt.yaml").find("rotation_bound_deg: 180.0\n"),
+              std::string::npos);
+    EXPECT_TRUE(text_of(folder_ / "none/recording.pos") == text_of(folder_ / "imu/recording.pos"));
 }
 
 TEST_F(SimulateProgram, RefusesAnAttemptThatCouldNotBeCertified) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -149,6 +150,57 @@ TEST(TruthCsv, HasEveryEpochOfTheTrueRun) {
     EXPECT_EQ(lines[1], "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2");
     // [DHD22], table 2, epoch 151.
     EXPECT_EQ(lines[152], "15.000,1050.694614,1050.694614,0.000000,30.000000,8.699348");
+}
+
+TEST(TruthCsv, HasTheReferencePointBesideTheAntenna) {
+    SimulationSpec spec = place_spec();
+    spec.run.bearing_deg = 90.0;
+    spec.craft = {.antenna = {2.0, 0.5, -10.0}};
+    const auto lines = lines_of(truth_csv_text(simulate(spec)));
+    ASSERT_EQ(lines.size(), 453U);
+    EXPECT_EQ(
+        lines[1],
+        "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2,reference_east_m,"
+        "reference_north_m,reference_up_m,reference_speed_m_s,roll_deg,pitch_deg,heading_deg");
+    // [DHD22], table 2, epoch 151: 50.694614 times the root of 2 from the start, towards the east.
+    double values[13] = {};
+    std::istringstream row(lines[152]);
+    for (double& value : values) {
+        row >> value;
+        row.ignore();
+    }
+    const double way_m = 50.694614 * std::sqrt(2.0);
+    const double expected[13] = {15.0, way_m + 2.0, -0.5, 10.0, 30.0, 8.699348, way_m,
+                                 0.0,  0.0,         30.0, 0.0,  0.0,  90.0};
+    for (int i = 0; i < 13; ++i)
+        EXPECT_NEAR(values[i], expected[i], 2e-5) << lines[1] << i;
+}
+
+TEST(ImuCsv, HasMeansOverTheIntervalInSecondsOfTheWeek) {
+    const ImuSample sample{.time_s = 0.005,
+                           .interval_s = 0.005,
+                           .angle_rad = {0.0005, -0.001, 0.0},
+                           .velocity_m_s = {0.01, 0.0, -0.0490}};
+    const GpsTime start = parse_gps_iso("2026-03-14T03:20:18.000");
+    const auto lines = lines_of(imu_csv_text(std::vector{sample}, start));
+    ASSERT_EQ(lines.size(), 3U);
+    EXPECT_EQ(lines[1], "time_s,gx,gy,gz,ax,ay,az");
+    EXPECT_EQ(lines[2],
+              "530418.0050,0.100000000,-0.200000000,0.000000000,2.00000000,0.00000000,-9.80000000");
+}
+
+TEST(WheelCsv, IsInGpsTimeOrFromTheFirstEpochThatIsRecorded) {
+    SimulationSpec spec = place_spec();
+    spec.faults.gaps.push_back({.from_s = 0.0, .to_s = 0.2});
+    const auto epochs = simulate(spec);
+    const std::vector<double> speeds(epochs.size(), 12.34567);
+    auto lines = lines_of(wheel_csv_text(speeds, epochs, spec.start_gps));
+    EXPECT_EQ(lines[1], "time_gps,speed_m_s");
+    EXPECT_EQ(lines[2], "2026-12-31T23:59:30.000,12.3457");
+    lines = lines_of(wheel_csv_text(speeds, epochs, std::nullopt));
+    EXPECT_EQ(lines[1], "time_s,speed_m_s");
+    EXPECT_EQ(lines[2], "-0.200,12.3457");
+    EXPECT_EQ(lines[4], "0.000,12.3457");
 }
 
 }  // namespace

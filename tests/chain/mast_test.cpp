@@ -1,0 +1,280 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "chain_support.h"
+#include "core/decimal.h"
+#include "core/text.h"
+#include "schemas/attitude/declared.h"
+#include "schemas/windows/windows.h"
+
+// examples/mast: an antenna that swings on a mast is faster than its craft. The same with what goes
+// wrong on a craft: a tape measure, a clock, no IMU at all.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+/// truth.csv, a map from column to value for each epoch.
+std::vector<std::map<std::string, double>> read_truth(const fs::path& file) {
+    const auto cells_of = [](const std::string& line) {
+        std::vector<std::string> cells(1);
+        for (const char c : line)
+            if (c == ',')
+                cells.emplace_back();
+            else
+                cells.back() += c;
+        return cells;
+    };
+    std::vector<std::string> lines = lines_of(read_file(file));
+    const std::vector<std::string> names = cells_of(lines.at(1));
+    std::vector<std::map<std::string, double>> rows;
+    for (std::size_t i = 2; i < lines.size(); ++i) {
+        const std::vector<std::string> cells = cells_of(lines[i]);
+        if (cells.size() != names.size()) continue;
+        auto& row = rows.emplace_back();
+        for (std::size_t k = 0; k < names.size(); ++k)
+            row[names[k]] = parse_double(cells[k]).value();
+    }
+    return rows;
+}
+
+using Changes = std::vector<std::pair<std::string, std::string>>;
+
+void change(std::string& text, const Changes& changes) {
+    for (const auto& [from, to] : changes) {
+        EXPECT_NE(text.find(from), std::string::npos) << from;
+        text.replace(text.find(from), from.size(), to);
+    }
+}
+
+/// The example's simulation, changed, and certified by its attempt, changed too.
+class MastExample {
+  public:
+    explicit MastExample(const Changes& of_spec = {}, const Changes& of_attempt = {}) {
+        std::string spec = read_file(examples / "mast/spec.yaml");
+        change(spec, of_spec);
+        write_file_atomically(folder_.path() / "spec.yaml", spec);
+        const ProcessResult made = runcert({"simulate", (folder_.path() / "spec.yaml").string(),
+                                            "--out", (folder_.path() / "made").string()});
+        EXPECT_EQ(made.exit_status, 0) << made.errors;
+        const fs::path attempt_file = folder_.path() / "made/attempt.yaml";
+        std::string attempt = read_file(attempt_file);
+        change(attempt, of_attempt);
+        write_file_atomically(attempt_file, attempt);
+        certified_ = certify(attempt_file, run(), {"--no-render"});
+        EXPECT_LT(certified_.exit_status, 2) << certified_.errors;
+        truth_ = read_truth(folder_.path() / "made/truth.csv");
+    }
+
+    fs::path run() const { return folder_.path() / "run"; }
+    const ProcessResult& certified() const { return certified_; }
+    const std::vector<std::map<std::string, double>>& truth() const { return truth_; }
+    AttitudeTable attitude() const {
+        return read_attitude(read_file(run() / "4-attitude.ecsv"), "4-attitude.ecsv");
+    }
+    CertifiableWindow window() const {
+        return *read_windows(read_file(run() / "5-windows.yaml"), "f").profiles.at(0).best;
+    }
+    YamlValue verdict() const {
+        return read_yaml(run() / "6-verdict.yaml")["profiles"].list().at(0);
+    }
+
+    /// Chord speed over a window, of the antenna or with "reference_" of the reference point.
+    double true_speed_m_s(const WindowSpan& span, const std::string& of) const {
+        const auto at = [&](double time_s) {
+            return truth_.at(static_cast<std::size_t>(std::llround(time_s * 10.0)));
+        };
+        const double start_s = span.start.seconds(), duration_s = span.duration.seconds();
+        const auto from = at(start_s), to = at(start_s + duration_s);
+        return std::hypot(to.at(of + "east_m") - from.at(of + "east_m"),
+                          to.at(of + "north_m") - from.at(of + "north_m")) /
+               duration_s;
+    }
+
+    /// The antenna's speed and, within its expanded uncertainty, that of the reference point are
+    /// the true ones; the required speed lies between.
+    void expect_both_speeds() const {
+        const CertifiableWindow best = window();
+        const double required_m_s = verdict()["required_speed_m_s"].real();
+        const double antenna_m_s = true_speed_m_s(best.span, "");
+        const double craft_m_s = true_speed_m_s(best.span, "reference_");
+        EXPECT_EQ(best.points.antenna_speed_m_s, best.speed_m_s);
+        EXPECT_NEAR(best.speed_m_s, antenna_m_s, 2.0 * best.standard_uncertainty_m_s);
+        ASSERT_TRUE(best.points.reference_point_speed_m_s);
+        const double found_m_s = *best.points.reference_point_speed_m_s;
+        const double expanded_m_s = *best.points.reference_point_expanded_uncertainty_m_s;
+        EXPECT_LT(expanded_m_s, 0.012);
+        EXPECT_NEAR(found_m_s, craft_m_s, expanded_m_s);
+        EXPECT_LT(found_m_s + expanded_m_s, required_m_s - 0.1);
+        EXPECT_GT(best.speed_m_s - 2.0 * best.standard_uncertainty_m_s, required_m_s + 0.1);
+    }
+
+  private:
+    TemporaryFolder folder_;
+    ProcessResult certified_;
+    std::vector<std::map<std::string, double>> truth_;
+};
+
+const std::string roll = "roll: {amplitude_deg: 10";
+const std::string imu = "imu: {grade: mems, rate_hz: 50}";
+
+TEST(MastExample, TheAntennaIsAboveTheRequiredSpeedAndTheCraftBelow) {
+    const MastExample example;
+    const AttitudeTable attitude = example.attitude();
+    ASSERT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+        << attitude.consistency.reason;
+    EXPECT_EQ(attitude.consistency.start, InertialStart::course);
+    example.expect_both_speeds();
+    // Judged by the antenna, as no rule says otherwise.
+    EXPECT_EQ(example.verdict()["outcome"].text(), "beaten");
+    // Attitude, where the craft runs: within four standard uncertainties, and 0.3 degrees.
+    std::size_t known = 0;
+    ASSERT_EQ(attitude.rows.size(), example.truth().size());
+    for (std::size_t i = 100; i < attitude.rows.size(); ++i) {
+        const AttitudeEpoch& row = attitude.rows[i];
+        const auto& truth = example.truth()[i];
+        if (!row.roll_deg) continue;
+        ++known;
+        EXPECT_NEAR(*row.roll_deg, truth.at("roll_deg"), std::min(0.3, 4.0 * *row.sigma_roll_deg));
+        EXPECT_NEAR(*row.pitch_deg, truth.at("pitch_deg"),
+                    std::min(0.3, 4.0 * *row.sigma_pitch_deg));
+        EXPECT_NEAR(std::remainder(*row.heading_deg - truth.at("heading_deg"), 360.0), 0.0,
+                    std::min(0.6, 4.0 * *row.sigma_heading_deg));
+    }
+    EXPECT_EQ(known, attitude.rows.size() - 100);
+    const ProcessResult compared =
+        runcert({"compare", example.run().string(), "--truth",
+                 (example.run().parent_path() / "made/truth.csv").string()});
+    EXPECT_EQ(compared.exit_status, 0) << compared.errors;
+}
+
+TEST(MastExample, ATapeMeasureOffByTenCentimetresChangesNothingOfThat) {
+    for (const char* error : {"{forward: 0, right: 0, down: 0.1}",
+                              "{forward: 0, right: 0, down: "
+                              "-0.1}",
+                              "{forward: 0.1, right: 0.1, down: 0.1}"}) {
+        SCOPED_TRACE(error);
+        const MastExample example({{roll, std::string("tape_error_m: ") + error + "\n  " + roll}});
+        EXPECT_EQ(example.attitude().consistency.standing, InertialStanding::consistent);
+        example.expect_both_speeds();
+    }
+}
+
+TEST(MastExample, AnOffsetOfTheImusClockIsFound) {
+    for (const double late_s : {0.020, -0.020}) {
+        SCOPED_TRACE(late_s);
+        const MastExample example(
+            {{imu, "imu: {grade: mems, rate_hz: 50, late_s: " + format_fixed(late_s, 3) + "}"}});
+        const AttitudeTable attitude = example.attitude();
+        EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent);
+        ASSERT_TRUE(attitude.time_offset.estimated_s);
+        // To be added to the IMU's times.
+        EXPECT_NEAR(*attitude.time_offset.estimated_s, -late_s, 0.001);
+        example.expect_both_speeds();
+    }
+}
+
+// The bound of the antenna's motion by its declared height and the craft's angles is far wider than
+// what is to be told apart.
+TEST(MastExample, WithoutAnImuNothingIsBeaten) {
+    const MastExample example({{imu + "\n", ""}});
+    EXPECT_NE(example.verdict()["outcome"].text(), "beaten");
+    EXPECT_FALSE(fs::exists(example.run() / "4-attitude.ecsv"));
+    const CertifiableWindow window = example.window();
+    EXPECT_GT(2.0 * window.standard_uncertainty_m_s,
+              window.speed_m_s - example.true_speed_m_s(window.span, "reference_"));
+}
+
+TEST(MastExample, OnABankedOvalTheCraftIsKnownAsWell) {
+    const MastExample example({{"craft:\n  antenna_m", "craft:\n  course: oval\n  antenna_m"},
+                               {"  leeway_deg: 2.5\n", ""},
+                               {"down: -10.0", "down: -3.0"},
+                               {"class: land-yacht", "class: car"}});
+    EXPECT_EQ(example.attitude().consistency.standing, InertialStanding::consistent)
+        << example.attitude().consistency.reason;
+    const CertifiableWindow window = example.window();
+    ASSERT_TRUE(window.points.reference_point_speed_m_s);
+    const double expanded_m_s = *window.points.reference_point_expanded_uncertainty_m_s;
+    EXPECT_LT(expanded_m_s, 0.008);
+    EXPECT_NEAR(*window.points.reference_point_speed_m_s,
+                example.true_speed_m_s(window.span, "reference_"), expanded_m_s);
+}
+
+/// A receiver's raw signals, and a wheel whose scale was calibrated.
+Changes three_witnesses(const std::string& stated_scale = "1.02") {
+    return {{"imu:", "raw: {navigation: \"" + (examples / "phase/broadcast.nav").string() +
+                         "\", phase_noise_m: 0.001, clock_drift: 3.0e-7}\n"
+                         "wheel: {noise_m_s: 0.05, scale: 1.02, stated_scale: " +
+                         stated_scale + ", expanded_uncertainty_scale: 0.003}\nimu:"}};
+}
+
+/// The same craft, stiffer and with its antenna on the roof.
+Changes on_the_roof(Changes more) {
+    more.insert(more.end(), {{roll, "roll: {amplitude_deg: 1"},
+                             {"pitch: {amplitude_deg: 5", "pitch: {amplitude_deg: 0.5"},
+                             {"down: -10.0", "down: -1.2"}});
+    return more;
+}
+
+/// The normalised error of each witness of a window.
+std::map<std::string, double> witnesses_of(const CertifiableWindow& window) {
+    std::map<std::string, double> errors;
+    for (const WitnessedSpeed& one : window.witnesses)
+        errors[std::string(to_text(one.kind))] = one.normalised_error;
+    return errors;
+}
+
+TEST(ThreeWitnesses, WheelPhasesAndImuOfOneRunAgree) {
+    const MastExample example(on_the_roof(three_witnesses()));
+    const CertifiableWindow window = example.window();
+    const auto errors = witnesses_of(window);
+    ASSERT_EQ(errors.size(), 2U);
+    EXPECT_LE(errors.at("phases"), 1.0);
+    EXPECT_LE(errors.at("wheel"), 1.0);
+    ASSERT_EQ(example.attitude().consistency.standing, InertialStanding::consistent);
+    ASSERT_TRUE(window.points.reference_point_speed_m_s);
+    EXPECT_NEAR(*window.points.reference_point_speed_m_s,
+                example.true_speed_m_s(window.span, "reference_"),
+                *window.points.reference_point_expanded_uncertainty_m_s);
+    for (const WitnessedSpeed& one : window.witnesses)
+        EXPECT_NEAR(one.speed_m_s, example.true_speed_m_s(window.span, ""),
+                    2.0 * one.standard_uncertainty_m_s);
+    // The required speed is above what the craft did.
+    EXPECT_EQ(example.verdict()["outcome"].text(), "not_beaten");
+}
+
+TEST(ThreeWitnesses, TheOneThatIsWrongIsNamed) {
+    const auto says = [](const MastExample& example, std::string_view words) {
+        return example.certified().output.find(words) != std::string::npos;
+    };
+    // The wheel, by a scale that is 3 % too large.
+    const MastExample wheel(on_the_roof(three_witnesses("1.05")));
+    const auto errors = witnesses_of(wheel.window());
+    EXPECT_GT(errors.at("wheel"), 1.0);
+    EXPECT_LE(errors.at("phases"), 1.0);
+    EXPECT_TRUE(says(wheel, "multiplied by 1.01998 (standard uncertainty"))
+        << wheel.certified().output;
+    EXPECT_EQ(wheel.attitude().consistency.standing, InertialStanding::consistent);
+    // The positions, by a drift that makes them faster than required.
+    Changes drift = on_the_roof(three_witnesses());
+    drift.push_back({"raw:",
+                     "faults: {ramps: [{from_s: 38, to_s: 50, east_m_s: 0.15, north_m_s: "
+                     "0.08}]}\nraw:"});
+    const MastExample positions(drift);
+    EXPECT_TRUE(says(positions, "contradicted by the carrier phases"))
+        << positions.certified().output;
+    EXPECT_EQ(positions.verdict()["outcome"].text(), "not_certifiable");
+    // The IMU, by the unit of its gyros, where the craft swings.
+    const MastExample gyros(three_witnesses(), {{"gyro_unit: rad/s", "gyro_unit: deg/s"}});
+    const AttitudeTable attitude = gyros.attitude();
+    EXPECT_NE(attitude.consistency.standing, InertialStanding::consistent);
+    ASSERT_FALSE(attitude.consistency.reason.empty());
+    EXPECT_TRUE(says(gyros, attitude.consistency.reason)) << gyros.certified().output;
+    EXPECT_FALSE(gyros.window().points.reference_point_speed_m_s);
+    EXPECT_LE(witnesses_of(gyros.window()).at("phases"), 1.0);
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -51,10 +51,13 @@ void add_craft(const SimulatedCraft& craft, const std::optional<SimulatedImu>& i
                Json& receiver) {
     const LeverArm antenna = sum(craft.antenna, craft.tape_error);
     if (!imu) {
-        receiver["lever_arm_m"] = members_json(sum(craft.reference_point, antenna, -1.0));
-        // Of two attitudes, each turned by at most both amplitudes.
-        receiver["rotation_bound_deg"] =
-            std::min(180.0, 2.0 * (craft.roll.amplitude_deg + craft.pitch.amplitude_deg));
+        // The leeway varies by a fifth.
+        receiver["antenna_motion"] = {
+            {"height_m", std::max(0.0, sum(craft.reference_point, antenna, -1.0)[2])},
+            {"roll_deg", craft.roll.amplitude_deg},
+            {"pitch_deg", craft.pitch.amplitude_deg},
+            {"roll_period_s", 1.0 / craft.roll.frequency_hz},
+            {"leeway_deg", 1.2 * std::abs(craft.leeway_deg)}};
         return;
     }
     receiver["imu"] = {{"file", imu_name},

@@ -48,7 +48,7 @@ Doubted doubted_for(const InertialDoubt& doubt) {
                     "The craft hardly rolls or pitches, so that the motion does not show how high "
                     "the antenna is above the IMU. Measure it."};
         case InertialFinding::noise_large:
-            return {InertialStanding::innovations_too_large,
+            return {InertialStanding::noise_too_large,
                     "No noise of an IMU of its class explains the positions. It may not have been "
                     "fixed to the craft, or it belongs to another run."};
         case InertialFinding::not_converged:

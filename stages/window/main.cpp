@@ -25,7 +25,7 @@ struct ReceiverTables {
     std::shared_ptr<const JudgedPhases> phases;
     GpsTime first_of_phases;
     std::optional<ImuTable> imu = {};
-    /// By IMU and positions; empty if they do not agree. Null without an IMU.
+    /// By IMU and positions; empty if there is no solution. Null without an IMU.
     std::shared_ptr<const InertialSolution> inertial = nullptr;
 };
 
@@ -39,15 +39,17 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
         run.attempt().parameters.screen.phase_mask_deg));
 }
 
-/// The solution that 4-attitude has, with the covariances between its epochs.
+/// The solution that 4-attitude has, with the covariances between its epochs; empty if it has
+/// none.
 std::shared_ptr<const InertialSolution> inertial_solution(const ReceiverTables& tables,
                                                           const AttitudeTable& attitude) {
-    if (attitude.consistency.standing != InertialStanding::consistent)
-        return std::make_shared<const InertialSolution>();
+    if (attitude.consistency.epochs == 0) return std::make_shared<const InertialSolution>();
     const InertialInput input =
         inertial_input(*tables.imu, tables.screened, tables.trajectory, attitude);
-    return std::make_shared<const InertialSolution>(
-        smooth_inertial(input.samples, input.fixes, input.setup));
+    InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
+    if (attitude.consistency.standing == InertialStanding::noise_too_large)
+        solution.consistency.doubts.push_back({.finding = InertialFinding::noise_large});
+    return std::make_shared<const InertialSolution>(std::move(solution));
 }
 
 ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {

@@ -72,7 +72,8 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
-    if (beside.inertial && !beside.inertial->epochs.empty())
+    if (beside.inertial && !beside.inertial->epochs.empty() &&
+        beside.inertial->consistency.tells_motion())
         witnesses.push_back({.kind = WitnessKind::imu,
                              .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial)});
     const bool related = !(beside.handed_in.series.empty() && beside.receivers.empty());

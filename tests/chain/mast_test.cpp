@@ -62,6 +62,8 @@ class MastExample {
         const fs::path attempt_file = folder_.path() / "made/attempt.yaml";
         std::string attempt = read_file(attempt_file);
         change(attempt, of_attempt);
+        fs::copy_file(examples / "mast/nalsa-of-the-craft.yaml",
+                      folder_.path() / "made/nalsa-of-the-craft.yaml");
         write_file_atomically(attempt_file, attempt);
         certified_ = certify(attempt_file, run(), {"--no-render"});
         EXPECT_LT(certified_.exit_status, 2) << certified_.errors;
@@ -183,8 +185,63 @@ TEST(MastExample, WithoutAnImuNothingIsBeaten) {
     EXPECT_NE(example.verdict()["outcome"].text(), "beaten");
     EXPECT_FALSE(fs::exists(example.run() / "4-attitude.ecsv"));
     const CertifiableWindow window = example.window();
+    const auto row = std::ranges::find(window.budget, "a", &BudgetRow::symbol);
+    ASSERT_NE(row, window.budget.end());
+    EXPECT_EQ(row->source, "motion of the antenna against the craft");
     EXPECT_GT(2.0 * window.standard_uncertainty_m_s,
               window.speed_m_s - example.true_speed_m_s(window.span, "reference_"));
+}
+
+const Changes of_the_craft{{"  - nalsa\n", "  - nalsa-of-the-craft.yaml\n"}};
+
+// A rule that counts the craft, with a wrong tape, a late clock and no IMU.
+TEST(MastExample, UnderARuleOfTheCraftNothingIsBeaten) {
+    const std::vector<Changes> wrong{
+        {},
+        {{roll, "tape_error_m: {forward: 0, right: 0, down: 0.1}\n  " + roll}},
+        {{roll, "tape_error_m: {forward: 0, right: 0, down: -0.1}\n  " + roll}},
+        {{imu, "imu: {grade: mems, rate_hz: 50, late_s: 0.020}"}},
+        {{imu + "\n", ""}}};
+    for (const Changes& of_spec : wrong) {
+        SCOPED_TRACE(of_spec.empty() ? "" : of_spec.front().second);
+        const bool without_imu = &of_spec == &wrong.back();
+        const MastExample example(of_spec, of_the_craft);
+        EXPECT_EQ(example.verdict()["outcome"].text(),
+                  without_imu ? "not_certifiable" : "not_beaten");
+        const CertifiableWindow window = example.window();
+        const double craft_m_s = example.true_speed_m_s(window.span, "reference_");
+        EXPECT_NEAR(window.speed_m_s, craft_m_s, 2.0 * window.standard_uncertainty_m_s);
+        if (without_imu) continue;
+        EXPECT_EQ(window.points.reference_point_speed_m_s, window.speed_m_s);
+        EXPECT_NEAR(*window.points.antenna_speed_m_s, example.true_speed_m_s(window.span, ""),
+                    2.0 * window.standard_uncertainty_m_s);
+        // No other 3 s of the craft were faster by more than that.
+        double fastest_m_s = 0.0;
+        const auto& truth = example.truth();
+        for (std::size_t i = 0; i + 30 < truth.size(); ++i)
+            fastest_m_s = std::max(
+                fastest_m_s,
+                std::hypot(truth[i + 30].at("reference_east_m") - truth[i].at("reference_east_m"),
+                           truth[i + 30].at("reference_north_m") -
+                               truth[i].at("reference_north_m")) /
+                    3.0);
+        EXPECT_LT(fastest_m_s - craft_m_s, 2.0 * window.standard_uncertainty_m_s);
+    }
+}
+
+TEST(MastExample, OfTheCraftIsTheSameAttemptUnderThatRule) {
+    const TemporaryFolder folder;
+    const ProcessResult certified =
+        certify(examples / "mast/of-the-craft.yaml", folder.path() / "run", {"--no-render"});
+    EXPECT_EQ(certified.exit_status, 1) << certified.errors;
+    EXPECT_NE(certified.output.find("Record not beaten"), std::string::npos) << certified.output;
+    // NALSA's text word for word, but for whose rule it is and whose speed.
+    std::string own = read_file(examples / "mast/nalsa-of-the-craft.yaml");
+    change(own, {{"schema:", "\nschema:"},
+                 {"id: nalsa-of-the-craft\nrevision: 1", "id: nalsa\nrevision: 3"},
+                 {"speed_of: reference_point\n", ""}});
+    EXPECT_EQ(own.substr(own.find("\nschema:") + 1),
+              read_file(fs::path(RUNCERT_SOURCE_DIR) / "stages/check/profiles/nalsa.yaml"));
 }
 
 TEST(MastExample, OnABankedOvalTheCraftIsKnownAsWell) {
@@ -230,8 +287,9 @@ TEST(ThreeWitnesses, WheelPhasesAndImuOfOneRunAgree) {
     const MastExample example(on_the_roof(three_witnesses()));
     const CertifiableWindow window = example.window();
     const auto errors = witnesses_of(window);
-    ASSERT_EQ(errors.size(), 2U);
+    ASSERT_EQ(errors.size(), 3U);
     EXPECT_LE(errors.at("phases"), 1.0);
+    EXPECT_LE(errors.at("imu"), 1.0);
     EXPECT_LE(errors.at("wheel"), 1.0);
     ASSERT_EQ(example.attitude().consistency.standing, InertialStanding::consistent);
     ASSERT_TRUE(window.points.reference_point_speed_m_s);

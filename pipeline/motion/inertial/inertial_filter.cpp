@@ -224,8 +224,29 @@ InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& p
     return pass;
 }
 
+namespace {
+
+/// P^-1 applied to the columns of position.
+template <int N>
+Eigen::Matrix<double, N, 3> position_information(const ErrorMatrix<N>& covariance) {
+    Eigen::Matrix<double, N, 3> columns = Eigen::Matrix<double, N, 3>::Zero();
+    columns.template middleRows<3>(position).setIdentity();
+    return Eigen::LLT<ErrorMatrix<N>>(covariance).solve(columns);
+}
+
+/// The smoothed state has the information of the filter and that of what comes later.
+template <int N>
+LaterPosition<N> later_position(const ErrorMatrix<N>& filtered, const ErrorMatrix<N>& smoothed,
+                                const ErrorVector<N>& moved) {
+    const Eigen::Matrix<double, N, 3> of_filter = position_information<N>(filtered);
+    return {position_information<N>(smoothed) - of_filter, of_filter.transpose() * moved};
+}
+
+}  // namespace
+
 template <int N>
 void smooth_backwards(InertialPass<N>& pass, const InertialData& data) {
+    pass.later.assign(pass.nominal.size(), {});
     for (std::size_t k = pass.nominal.size() - 1; k-- > 0;) {
         const Eigen::LLT<ErrorMatrix<N>> factor(pass.predicted_covariance[k + 1]);
         if (factor.info() != Eigen::Success || !pass.predicted_covariance[k + 1].allFinite())
@@ -234,11 +255,14 @@ void smooth_backwards(InertialPass<N>& pass, const InertialData& data) {
                 "the predicted covariance of the inertial solution is not positive definite",
                 "Check the stated noise of the IMU and the steps of time around this epoch");
         const ErrorMatrix<N> gain = factor.solve(pass.gain[k] * pass.covariance[k]).transpose();
-        pass.estimated[k] += gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
+        const ErrorVector<N> moved = gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
+        pass.estimated[k] += moved;
         const ErrorMatrix<N> covariance =
             pass.covariance[k] +
             gain * (pass.covariance[k + 1] - pass.predicted_covariance[k + 1]) * gain.transpose();
-        pass.covariance[k] = 0.5 * (covariance + covariance.transpose());
+        const ErrorMatrix<N> smoothed = 0.5 * (covariance + covariance.transpose());
+        pass.later[k] = later_position<N>(pass.covariance[k], smoothed, moved);
+        pass.covariance[k] = smoothed;
         pass.gain[k] = gain;
     }
     pass.predicted_covariance = {};

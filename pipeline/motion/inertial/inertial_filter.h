@@ -46,6 +46,14 @@ struct PositionInnovation {
     double log_likelihood = 0.0;
 };
 
+/// What the positions after an epoch say of the IMU's position there, as information: its columns
+/// of position, and the same rows of information times deviation from the smoothed state.
+template <int N>
+struct LaterPosition {
+    Eigen::Matrix<double, N, 3> information = Eigen::Matrix<double, N, 3>::Zero();
+    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
+};
+
 /// A pass. Deviations and covariances are those of the filter until `smooth_backwards` makes them
 /// those given all positions.
 template <int N>
@@ -57,7 +65,8 @@ struct InertialPass {
     std::vector<ErrorMatrix<N>> covariance;
     std::vector<ErrorMatrix<N>> gain;  ///< transition from the epoch to the next; then the gain
     std::vector<PositionInnovation> innovations;
-    std::vector<double> imu_gap_s;  ///< without samples before each epoch
+    std::vector<LaterPosition<N>> later;  ///< filled by `smooth_backwards`
+    std::vector<double> imu_gap_s;        ///< without samples before each epoch
     double carried_offset_s = 0.0;  ///< the states are those at the positions' times plus this
     double log_likelihood = 0.0;
 

@@ -135,8 +135,14 @@ struct InertialStatistics {
     Eigen::Vector3d axis_nis = Eigen::Vector3d::Zero();  ///< of each component
     double lag_one_correlation = 0.0;                    ///< of successive innovations
     double beyond_share = 0.0;                           ///< of epochs beyond the 99.9 % point
+    /// By the median of the normalised innovations squared: what `nis` is where positions do not
+    /// err. 1 is expected.
+    double usual_nis = 0.0;
     std::vector<InertialDoubt> doubts = {};
     bool consistent() const { return doubts.empty(); }
+    /// Whether the IMU can say how the antenna moved, if not where another point of the craft did:
+    /// the solution converged, with innovations that are mostly as expected.
+    bool tells_motion() const;
 };
 
 /// A displacement of a point between two epochs, with its covariance.
@@ -185,7 +191,8 @@ struct InertialSolution {
     PointDisplacement displacement(std::size_t s, std::size_t e, CraftPoint point) const;
 
     /// The antenna's displacement between two epochs by the IMU alone: the positions from s to e,
-    /// both included, are left out, and only those before and after align it. Their information is
+    /// both included, are left out, and those after may all be displaced by one unknown vector. So
+    /// only attitude, velocity and biases at both ends are known by positions. Their information is
     /// taken back out of the joint covariance, with a Kalman filter backwards in time that has
     /// negative covariances of measurement. None where rounding leaves too little of it.
     std::optional<PointDisplacement> displacement_by_imu(std::size_t s, std::size_t e) const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -14,6 +15,7 @@ template <int N>
 struct JointErrors {
     std::vector<ErrorMatrix<N>> covariance;
     std::vector<ErrorMatrix<N>> gain;
+    std::vector<LaterPosition<N>> later;
 
     /// Variance of the sum of gradients[i] x_{s+i}. The cost is linear in their number.
     double variance(std::size_t s,
@@ -44,8 +46,9 @@ struct JointErrors {
     }
 
     /// Deviation and covariance of b' x_e - a' x_s if the measurements of the epochs from s to e
-    /// had not been taken. `seen(k)` gives that of epoch k as the function of the errors that it
-    /// measures, its covariance and its residual.
+    /// had not been taken, and all later ones were displaced by one unknown vector. `seen(k)` gives
+    /// that of epoch k as the function of the errors that it measures, its covariance and its
+    /// residual.
     template <class Seen>
     std::optional<PointDisplacement> without(std::size_t s, const Eigen::Matrix<double, 3, N>& a,
                                              std::size_t e, const Eigen::Matrix<double, 3, N>& b,
@@ -55,19 +58,34 @@ struct JointErrors {
         Eigen::Vector3d end_mean = Eigen::Vector3d::Zero();
         Eigen::Matrix3d end = b * own * b.transpose();
         Eigen::Matrix<double, N, 3> cross = own * b.transpose();
-        for (std::size_t k = e;; --k) {
-            const auto [h, measured_m2, residual_m] = seen(k);
+        const auto take_out = [&](const Eigen::Matrix<double, 3, N>& h,
+                                  const Eigen::Matrix3d& measured, const Eigen::Vector3d& residual) {
             const Eigen::Matrix<double, 3, N> hp = h * own;
-            const Eigen::Matrix3d left = measured_m2 - hp * h.transpose();
-            const Eigen::LLT<Eigen::Matrix3d> factor(left);
-            if (factor.info() != Eigen::Success) return std::nullopt;
-            const Eigen::Vector3d innovation = residual_m - h * mean;
+            const Eigen::LLT<Eigen::Matrix3d> factor(measured - hp * h.transpose());
+            if (factor.info() != Eigen::Success) return false;
+            const Eigen::Vector3d innovation = residual - h * mean;
             const Eigen::Matrix3d h_cross = h * cross;
             mean -= hp.transpose() * factor.solve(innovation);
             end_mean -= h_cross.transpose() * factor.solve(innovation);
             end += h_cross.transpose() * factor.solve(h_cross);
             cross += hp.transpose() * factor.solve(h_cross);
             own += hp.transpose() * factor.solve(hp);
+            return true;
+        };
+        // A displacement of all later positions takes what they say of this one with it.
+        const LaterPosition<N>& after = later[e];
+        const Eigen::Matrix3d of_position =
+            after.information.template middleRows<3>(error_state::position);
+        const Eigen::LLT<Eigen::Matrix3d> root(0.5 * (of_position + of_position.transpose()));
+        if (root.info() == Eigen::Success) {
+            const Eigen::Matrix3d whitened = Eigen::Matrix3d(root.matrixL()).inverse();
+            if (!take_out(whitened * after.information.transpose(), Eigen::Matrix3d::Identity(),
+                          whitened * after.vector))
+                return std::nullopt;
+        }
+        for (std::size_t k = e;; --k) {
+            const auto [h, measured_m2, residual_m] = seen(k);
+            if (!take_out(h, measured_m2, residual_m)) return std::nullopt;
             if (k == s) break;
             const ErrorMatrix<N>& back = gain[k - 1];
             own = (back * (own - covariance[k]) * back.transpose() + covariance[k - 1]).eval();

@@ -125,6 +125,10 @@ InertialStatistics consistency_of(const std::vector<InertialEpoch>& epochs) {
     result.nis = squares / (3.0 * count);
     result.lag_one_correlation = squares > 0.0 ? products / squares : 0.0;
     result.beyond_share = beyond / count;
+    std::vector<double> all;
+    for (std::size_t k = first; k < epochs.size(); ++k)
+        all.push_back(epochs[k].innovation.squaredNorm());
+    result.usual_nis = median(all) / chi_squared_quantile(0.5, 3);
     return result;
 }
 
@@ -168,6 +172,16 @@ std::vector<BridgedStretch> bridged_spans(const InertialPass<N>& pass, const Ine
 
 }  // namespace
 
+bool InertialStatistics::tells_motion() const {
+    const auto fails = [](const InertialDoubt& doubt) {
+        return doubt.finding == InertialFinding::not_converged ||
+               doubt.finding == InertialFinding::noise_large ||
+               doubt.finding == InertialFinding::innovations_small;
+    };
+    return usual_nis <= largest_nis && usual_nis >= least_nis &&
+           std::ranges::none_of(doubts, fails);
+}
+
 template <int N>
 InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
                              const InertialSetup& setup, double turned) {
@@ -194,7 +208,9 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
     auto joint = std::make_shared<JointCovariance>();
     joint->fixes = data.fixes;
     joint->errors =
-        JointErrors<N>{.covariance = std::move(pass.covariance), .gain = std::move(pass.gain)};
+        JointErrors<N>{.covariance = std::move(pass.covariance),
+                       .gain = std::move(pass.gain),
+                       .later = std::move(pass.later)};
     joint->reference_point_m = setup.reference_point_m;
     joint->antenna_m = last.antenna_m;
     joint->antenna_sigma_m = setup.estimate_antenna ? 0.0 : setup.antenna_sigma_m;

@@ -33,11 +33,17 @@ double oscillation(double time_s, double hz, double phase) {
            0.2 * std::sin(two_pi * 1.7 * hz * time_s + 2.0 * phase);
 }
 
-/// Velocity and attitude of a craft.
+/// Velocity and attitude of a craft, and the ground that it is on.
 struct CraftState {
     Eigen::Vector3d velocity_m_s;
     Eigen::Matrix3d enu_from_body;
+    Eigen::Vector3d ground_normal;
 };
+
+/// The normal of ground along a course that rises by `slope` and leans by `roll` across it.
+Eigen::Vector3d normal_of(double course, double slope, double roll) {
+    return -rotation_of({.roll = roll, .pitch = std::atan(slope), .heading = course}).col(2);
+}
 
 /// Velocity and attitude at each tick, in order.
 class Craft {
@@ -76,7 +82,8 @@ class Craft {
                                  oscillation(time_s, 1.3 * spec_.roll_hz, phases_[7]) +
                              slope;
         return {speed * Eigen::Vector3d(std::sin(course), std::cos(course), slope),
-                rotation_of({.roll = roll, .pitch = pitch, .heading = course - leeway})};
+                rotation_of({.roll = roll, .pitch = pitch, .heading = course - leeway}),
+                normal_of(course, slope, 0.0)};
     }
 
     CraftState on_the_oval(double time_s) {
@@ -105,7 +112,8 @@ class Craft {
                              oscillation(time_s, 1.3 * spec_.roll_hz, phases_[7]);
         const double climb = 0.3 * moving * std::sin(two_pi * 0.04 * time_s + phases_[4]);
         return {{speed * std::sin(course_), speed * std::cos(course_), climb},
-                rotation_of({.roll = roll, .pitch = pitch, .heading = course_ + slip})};
+                rotation_of({.roll = roll, .pitch = pitch, .heading = course_ + slip}),
+                normal_of(course_, speed > 0.0 ? climb / speed : 0.0, -bank)};
     }
 
     const InertialRunSpec& spec_;
@@ -225,13 +233,15 @@ class FixErrors {
 };
 
 InertialTruth truth_at(const NavigationState& state, const Eigen::Vector3d& rate,
-                       const ImuBias& bias, const InertialRunSpec& spec) {
+                       const ImuBias& bias, const Eigen::Vector3d& ground_normal,
+                       const InertialRunSpec& spec) {
     const Eigen::Matrix3d& c = state.enu_from_body;
     return {.imu = state,
             .antenna_m = state.position_m + c * spec.antenna_m,
             .reference_point_m = state.position_m + c * spec.reference_point_m,
             .reference_velocity_m_s = state.velocity_m_s + c * rate.cross(spec.reference_point_m),
-            .bias = bias};
+            .bias = bias,
+            .ground_normal = ground_normal};
 }
 
 }  // namespace
@@ -261,7 +271,7 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
         const Eigen::Vector3d rate =
             piece.angle_rad / tick_s - state.enu_from_body.transpose() * earth.rotation_rad_s();
         if ((tick - late) % per_fix == 0 && tick >= late) {
-            InertialTruth truth = truth_at(state, rate, imu_errors.bias(), spec);
+            InertialTruth truth = truth_at(state, rate, imu_errors.bias(), now.ground_normal, spec);
             truth.time_s = static_cast<double>(tick - late) * tick_s;
             const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
                                         spec.white_vertical_m);
@@ -272,6 +282,7 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
             run.truth.push_back(truth);
         }
         state = strapdown_step(state, piece, {}, earth).state;
+        now = next;
         sum.angle_rad += piece.angle_rad;
         sum.velocity_m_s += piece.velocity_m_s;
         if ((tick + 1) % per_sample != 0) continue;

@@ -57,6 +57,7 @@ struct InertialTruth {
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d reference_velocity_m_s = Eigen::Vector3d::Zero();
     ImuBias bias = {};
+    Eigen::Vector3d ground_normal = Eigen::Vector3d::UnitZ();  ///< of the surface below
 };
 
 struct InertialRun {

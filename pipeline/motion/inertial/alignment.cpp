@@ -67,15 +67,6 @@ Eigen::Matrix3d levelled(const Eigen::Vector3d& force_m_s2, double heading_rad) 
     return rotation_of({.roll = roll, .pitch = pitch, .heading = heading_rad});
 }
 
-/// Covariance of phi for independent errors of roll, pitch and heading (rad).
-Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body,
-                                    const EulerAngles& sigma) {
-    const Eigen::Matrix3d axes = euler_jacobian(enu_from_body).inverse();
-    const Eigen::Vector3d variance(sigma.roll * sigma.roll, sigma.pitch * sigma.pitch,
-                                   sigma.heading * sigma.heading);
-    return axes * variance.asDiagonal() * axes.transpose();
-}
-
 InertialPrior prior_with(const StartAttitude& start, const InertialData& data,
                          const InertialSetup& setup) {
     using namespace error_state;

@@ -79,6 +79,14 @@ Eigen::Matrix3d euler_jacobian(const Eigen::Matrix3d& enu_from_body) {
     return axes.inverse();
 }
 
+Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body,
+                                    const EulerAngles& sigma) {
+    const Eigen::Matrix3d axes = euler_jacobian(enu_from_body).inverse();
+    const Eigen::Vector3d variance(sigma.roll * sigma.roll, sigma.pitch * sigma.pitch,
+                                   sigma.heading * sigma.heading);
+    return axes * variance.asDiagonal() * axes.transpose();
+}
+
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
     Eigen::Matrix3d matrix;
     matrix << 0.0, -a.z(), a.y(),  //

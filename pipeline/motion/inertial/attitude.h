@@ -38,6 +38,10 @@ EulerAngles euler_angles(const Eigen::Matrix3d& enu_from_body);
 /// (rad) has components along east, north and up. Undefined at a pitch of 90 degrees.
 Eigen::Matrix3d euler_jacobian(const Eigen::Matrix3d& enu_from_body);
 
+/// Covariance (rad^2) of phi as above for independent errors of roll, pitch and heading with these
+/// standard deviations (rad).
+Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body, const EulerAngles& sigma);
+
 /// The matrix [a] of the vector product: [a] b = a x b.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a);
 

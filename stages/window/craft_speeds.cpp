@@ -93,15 +93,21 @@ std::optional<Speed> speed_by(const InertialSolution& solution, const Profile& p
 
 }  // namespace
 
+std::optional<std::pair<std::size_t, std::size_t>> epochs_within(const InertialSolution& solution,
+                                                                 const WindowSpan& span) {
+    if (!solution.consistency.consistent()) return std::nullopt;
+    const auto s = epoch_at(solution, span.start.seconds());
+    const auto e = epoch_at(solution, span.start.seconds() + span.duration.seconds());
+    if (!s || !e || *e <= *s || solution.bridged_between(*s, *e)) return std::nullopt;
+    return std::pair(*s, *e);
+}
+
 CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profile,
                          const WindowSpan& span, double antenna_speed_m_s) {
     CraftSpeeds speeds{.antenna_speed_m_s = antenna_speed_m_s};
-    if (!solution.consistency.consistent() || profile.speed_source == SpeedSource::velocity)
-        return speeds;
-    const auto s = epoch_at(solution, span.start.seconds());
-    const auto e = epoch_at(solution, span.start.seconds() + span.duration.seconds());
-    if (!s || !e || *e <= *s || solution.bridged_between(*s, *e)) return speeds;
-    if (const auto speed = speed_by(solution, profile, *s, *e)) {
+    const auto within = epochs_within(solution, span);
+    if (!within || profile.speed_source == SpeedSource::velocity) return speeds;
+    if (const auto speed = speed_by(solution, profile, within->first, within->second)) {
         constexpr double coverage_factor = 2.0;
         speeds.reference_point_speed_m_s = speed->m_s;
         speeds.reference_point_expanded_uncertainty_m_s =

@@ -11,6 +11,7 @@
 #include "schemas/attitude/declared.h"
 #include "stages/window/craft_speeds.h"
 #include "stages/window/window.h"
+#include "stages/window/window_courses.h"
 #include "witness/inertial_input.h"
 #include "witness/screened_phases.h"
 
@@ -78,6 +79,7 @@ void add_reference_point(StageRun& run, const Receiver& receiver, const Receiver
         solution = smooth_inertial(input.samples, input.fixes, input.setup);
     }
     add_craft_speeds(solution, profiles, windows);
+    add_headings(solution, windows);
 }
 
 }  // namespace

@@ -140,6 +140,17 @@ TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
                 1.5 * expanded);
     // Beside the swinging antenna.
     EXPECT_GT(std::abs(*window.points.reference_point_speed_m_s - window.speed_m_s), 0.01);
+    // The craft points into the wind by its leeway, 2 to 3 degrees; the plane's north is that of
+    // the first position, and 3 s turn a geodesic by far less.
+    ASSERT_TRUE(window.course && window.course->heading_deg);
+    EXPECT_NEAR(window.course->plane_deg - *window.course->heading_deg, 2.5, 0.7);
+    EXPECT_NEAR(window.course->loxodrome_deg, window.course->plane_deg, 0.05);
+    EXPECT_NEAR(window.course->loxodrome_deg, window.course->geodesic_deg, 1e-3);
+    EXPECT_NE(window.course->loxodrome_deg, window.course->geodesic_deg);
+    const ProcessResult audit = runcert({"audit", run.folder().string()});
+    for (const char* name :
+         {"Course of the run", "Course of the window", "mean heading of the craft"})
+        EXPECT_NE(audit.output.find(name), std::string::npos) << audit.output;
     // It verifies, each step made again; and no more if a table was changed.
     const ProcessResult whole = run.verified();
     EXPECT_NE(whole.output.find("\nVERIFIED"), std::string::npos) << whole.output;

@@ -251,10 +251,10 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
     const EarthFrame earth(spec.origin);
     // One sequence for each kind of draw, so that a size changes no other draw.
     RandomGenerator shapes(spec.seed), imu_draws(spec.seed + 1'000'003),
-        fix_draws(spec.seed + 2'000'003);
+        fix_draws(spec.seed + 2'000'003), second_draws(spec.seed + 3'000'003);
     Craft craft(spec, shapes);
     ImuErrors imu_errors(spec, imu_draws);
-    FixErrors fix_errors(spec, fix_draws);
+    FixErrors fix_errors(spec, fix_draws), second_errors(spec, second_draws);
     const auto ticks = static_cast<std::int64_t>((spec.stand_s + spec.duration_s) * ticks_hz);
     const std::int64_t per_sample = ticks_hz / spec.imu_hz;
     const std::int64_t per_fix = ticks_hz / spec.position_hz;
@@ -280,6 +280,12 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
                  .enu_m = truth.antenna_m + fix_errors.next(),
                  .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
             run.truth.push_back(truth);
+            if (spec.second_antenna_m) {
+                PositionFix second = run.fixes.back();
+                second.enu_m = state.position_m + state.enu_from_body * *spec.second_antenna_m +
+                               second_errors.next();
+                run.second_fixes.push_back(second);
+            }
         }
         state = strapdown_step(state, piece, {}, earth).state;
         now = next;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schemas/observations/stated_covariance.h"
+#include "witness/position_pairs.h"
 
 namespace runcert {
 namespace {
@@ -72,16 +73,37 @@ std::vector<PositionFix> fixes_of(const ScreenedTable& screened,
     return fixes;
 }
 
+AntennaBaseline baseline_of(const ImuTable& imu, const ScreenedTable& screened,
+                            const SecondAntenna& second) {
+    const Eigen::Vector3d reference = vector_of(imu.reference_point.value_or(LeverArm{}));
+    AntennaBaseline baseline{.body_m = reference - vector_of(second.arm) - vector_of(imu.antenna)};
+    if (!screened.facts.vertical_measured || !second.screened.facts.vertical_measured)
+        return baseline;
+    for (const PositionPair& pair : position_pairs(screened, second.screened))
+        baseline.fixes.push_back({.time_s = pair.time.seconds(),
+                                  .enu_m = pair.difference,
+                                  .covariance_m2 = pair.covariance});
+    return baseline;
+}
+
 }  // namespace
 
+const Receiver* second_on_craft(const Attempt& attempt) {
+    const auto& receivers = attempt.receivers;
+    if (receivers.size() < 2 || !has_imu(receivers[0]) || !receivers[1].lever_arm) return nullptr;
+    return &receivers[1];
+}
+
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory) {
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second) {
     assert(screened.origin);
     InertialInput input{.samples = samples_of(imu),
                         .fixes = fixes_of(screened, trajectory.estimation),
                         .setup = {.origin = screened.origin->position,
                                   .noise = noise_of(imu.grade),
                                   .antenna_m = vector_of(imu.antenna)}};
+    if (second) input.setup.baseline = baseline_of(imu, screened, *second);
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);
     const NoiseSummary& noise = trajectory.estimation.horizontal.noise;
     if (noise.correlated_error_detected && noise.error_sigma_m && noise.error_tau_s) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "inertial/inertial_smoother.h"
@@ -18,10 +19,22 @@ struct InertialInput {
     InertialSetup setup;
 };
 
+/// Another receiver whose antenna has a place on the same craft.
+struct SecondAntenna {
+    const ScreenedTable& screened;
+    LeverArm arm;  ///< from its antenna to the craft's reference point
+};
+
+/// What the attempt says of the second receiver: its place on the craft. Null where the first has
+/// no IMU, there is no second, or it has no place.
+const Receiver* second_on_craft(const Attempt& attempt);
+
 /// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the
 /// noise fit of the trajectory found; its correlated error, if it found one. The positions must
-/// have an origin on the Earth, by which gravity and the Earth's rotation are known.
+/// have an origin on the Earth, by which gravity and the Earth's rotation are known. With a second
+/// antenna also the way from the first to it, of epochs that both have with heights.
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory);
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second);
 
 }  // namespace runcert

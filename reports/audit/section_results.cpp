@@ -156,6 +156,7 @@ std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord
              counted(std::ssize(attitude.bridged)));
     blocks.push_back(std::move(facts_of));
     if (!attitude.mount.judgement.empty()) blocks.push_back(paragraph(attitude.mount.judgement));
+    if (attitude.baseline) blocks.push_back(paragraph(attitude.baseline->judgement));
     if (!attitude.notes.empty()) blocks.push_back(list_of(attitude.notes));
     return blocks;
 }

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/prose.h"
 #include "core/text.h"
+#include "inertial/antenna_baseline.h"
 #include "inertial/mount.h"
 #include "reports/words/figures.h"
-#include "witness/inertial_input.h"
 
 namespace runcert {
 namespace {
@@ -68,6 +69,8 @@ InertialStart start_of(StartMethod method) {
             return InertialStart::standing;
         case StartMethod::search:
             return InertialStart::headings;
+        case StartMethod::baseline:
+            return InertialStart::antennas;
     }
     return InertialStart::course;
 }
@@ -190,6 +193,61 @@ void set_rows(const InertialSolution& solution, const Geodetic& origin, Attitude
     }
 }
 
+/// What the antennas say of the heading, in a sentence.
+std::string heading_words(const BaselineJudgement& judged, const std::string& receiver) {
+    const double difference_deg = judged.difference_rad.value * degrees_per_radian;
+    const double expanded_deg = 2.0 * judged.difference_rad.sigma * degrees_per_radian;
+    std::string text = fmt::format(
+        "By the direction to the antenna of {} the heading is {:.2f} degrees {} than by the IMU, "
+        "the mean of {}, with an expanded uncertainty of {:.2f} degrees (k = 2)",
+        receiver, std::abs(difference_deg), difference_deg < 0.0 ? "less" : "more",
+        counted(std::ssize(judged.headings), "epoch"), expanded_deg);
+    return text + (judged.agrees
+                       ? ": the two agree."
+                       : ": the two do not agree. An antenna's place on the craft, or an axis of "
+                         "the IMU, is not as stated.");
+}
+
+/// Compares the headings, and sets them in the rows.
+void compare_headings(const InertialSolution& solution, const InertialSetup& setup,
+                      const std::string& receiver, AttitudeTable& table) {
+    if (!setup.baseline) return;
+    AntennaHeading& comparison = table.baseline.emplace();
+    comparison.receiver = receiver;
+    comparison.declared = arm_of(setup.baseline->body_m);
+    const auto judged = judge_baseline(solution, *setup.baseline, setup.position_error);
+    if (!judged) {
+        comparison.judgement = fmt::format(
+            "The antenna of {} shows no heading: no epoch has both antennas with heights, or one "
+            "is stated to be above the other.",
+            receiver);
+        return;
+    }
+    comparison.length_m = judged->length_m.value;
+    comparison.sigma_length_m = judged->length_m.sigma;
+    comparison.epochs = std::ssize(judged->headings);
+    comparison.difference_deg = judged->difference_rad.value * degrees_per_radian;
+    comparison.sigma_deg = judged->difference_rad.sigma * degrees_per_radian;
+    const bool as_stated = is_stated_length(*setup.baseline, judged->length_m);
+    comparison.agrees = as_stated && judged->agrees;
+    comparison.judgement =
+        as_stated ? heading_words(*judged, receiver)
+                  : fmt::format(
+                        "The antenna of {} is {:.3f} m away as measured, and {:.3f} m as "
+                        "stated: its place on the craft is not as stated, and it shows no "
+                        "heading.",
+                        receiver, judged->length_m.value, setup.baseline->body_m.norm());
+    auto row = table.rows.begin();
+    for (const BaselineHeading& one : judged->headings) {
+        row = std::find_if(row, table.rows.end(), [&](const AttitudeEpoch& each) {
+            return each.usable && each.time.seconds() == one.time_s;
+        });
+        if (row == table.rows.end()) return;
+        row->baseline_heading_deg = one.heading_rad * degrees_per_radian;
+        row->sigma_baseline_heading_deg = one.sigma_rad * degrees_per_radian;
+    }
+}
+
 /// The table before anything is solved.
 AttitudeTable stated_table(const ImuTable& imu, const ScreenedTable& screened) {
     AttitudeTable attitude{
@@ -234,13 +292,14 @@ void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
 }  // namespace
 
 AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory) {
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second) {
     AttitudeTable attitude = stated_table(imu, screened);
     if (!screened.origin)
         return unsolved(std::move(attitude),
                         "Positions in a plane have no place on the Earth, by which gravity and the "
                         "Earth's rotation would be known. The attempt's origin states it.");
-    const InertialInput input = inertial_input(imu, screened, trajectory);
+    const InertialInput input = inertial_input(imu, screened, trajectory, second);
     if (const std::size_t within = positions_within(input.samples, input.fixes, input.setup);
         within < least_positions)
         return unsolved(std::move(attitude),
@@ -251,6 +310,7 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, attitude);
     set_rows(solution, input.setup.origin, attitude);
+    if (second) compare_headings(solution, input.setup, second->screened.facts.receiver, attitude);
     return attitude;
 }
 

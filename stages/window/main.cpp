@@ -69,13 +69,24 @@ Eigen::Vector3d arm_beside(const ImuTable& imu) {
     return Eigen::Vector3d(reference.data()) - Eigen::Vector3d(imu.antenna.data());
 }
 
+/// The second receiver's antenna, where the first has an IMU and both a place on the craft.
+std::optional<SecondAntenna> second_antenna(const Attempt& attempt,
+                                            const std::vector<ReceiverTables>& tables,
+                                            std::size_t own) {
+    const Receiver* other = second_on_craft(attempt);
+    if (!other || own != 0) return std::nullopt;
+    return SecondAntenna{tables[1].screened, *other->lever_arm};
+}
+
 /// Beside the antenna's speeds, those of the reference point, if IMU and positions agree.
 void add_reference_point(StageRun& run, const Receiver& receiver, const ReceiverTables& tables,
+                         const std::optional<SecondAntenna>& second,
                          const std::vector<Profile>& profiles, Windows& windows) {
     const AttitudeTable attitude = run.read(products::attitude, receiver, read_attitude);
     InertialSolution solution;
     if (attitude.consistency.standing == InertialStanding::consistent) {
-        const InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory);
+        const InertialInput input =
+            inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
         solution = smooth_inertial(input.samples, input.fixes, input.setup);
     }
     add_craft_speeds(solution, profiles, windows);
@@ -98,7 +109,9 @@ int main(int argc, char** argv) {
                 if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                config, attempt.course, beside(run, tables, i));
-                if (tables[i].imu) add_reference_point(run, receiver, tables[i], profiles, windows);
+                if (tables[i].imu)
+                    add_reference_point(run, receiver, tables[i],
+                                        second_antenna(attempt, tables, i), profiles, windows);
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

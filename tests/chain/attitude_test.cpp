@@ -15,20 +15,46 @@
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
-/// Simulated recordings and their attempt; `antenna_down_m` is what the attempt states.
+std::string recording_of(const std::vector<PositionFix>& fixes, const Geodetic& origin) {
+    const LocalFrame frame(origin);
+    std::string positions = "time,lat,lon,height\n";
+    for (const PositionFix& fix : fixes) {
+        const Geodetic place = frame.geodetic_from_enu({fix.enu_m});
+        positions +=
+            fmt::format("{:.3f},{:.10f},{:.10f},{:.4f}\n", fix.time_s, place.latitude.degrees(),
+                        place.longitude.degrees(), place.height_m);
+    }
+    return positions;
+}
+
+/// How a recording is described.
+constexpr const char* described = R"(    format: csv
+    frame: geodetic
+    columns: {time: time, latitude: lat, longitude: lon, height: height}
+    accuracy: {horizontal_m: 0.012, vertical_m: 0.020}
+    solution: fixed
+    start_gps: "2026-10-20T11:00:58.000"
+)";
+
+/// Simulated recordings and their attempt; `antenna_down_m` is what the attempt states, as is
+/// `second_m` of the second antenna.
 class MastRun {
   public:
-    explicit MastRun(const InertialRunSpec& spec, double antenna_down_m, double rate_sign = 1.0)
+    explicit MastRun(const InertialRunSpec& spec, double antenna_down_m, double rate_sign = 1.0,
+                     const Eigen::Vector3d& second_m = Eigen::Vector3d::Zero())
         : simulated_(simulate_inertial(spec)) {
-        const LocalFrame frame(spec.origin);
-        std::string positions = "time,lat,lon,height\n";
-        for (const PositionFix& fix : simulated_.fixes) {
-            const Geodetic place = frame.geodetic_from_enu({fix.enu_m});
-            positions +=
-                fmt::format("{:.3f},{:.10f},{:.10f},{:.4f}\n", fix.time_s, place.latitude.degrees(),
-                            place.longitude.degrees(), place.height_m);
+        write_file_atomically(folder_.path() / "run.csv",
+                              recording_of(simulated_.fixes, spec.origin));
+        std::string second;
+        if (spec.second_antenna_m) {
+            write_file_atomically(folder_.path() / "bow.csv",
+                                  recording_of(simulated_.second_fixes, spec.origin));
+            // From the antenna to the reference point, which is at the IMU.
+            second = fmt::format(
+                "  - id: bow\n    recording: bow.csv\n{}    lever_arm_m: {{forward: {:.2f}, right: "
+                "{:.2f}, down: {:.2f}}}\n",
+                described, -second_m.x(), -second_m.y(), -second_m.z());
         }
-        write_file_atomically(folder_.path() / "run.csv", positions);
         std::string imu = "time,gx,gy,gz,ax,ay,az\n";
         for (const ImuSample& sample : simulated_.samples) {
             const Eigen::Vector3d rate = rate_sign * sample.angle_rad / sample.interval_s;
@@ -37,7 +63,8 @@ class MastRun {
                                rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z());
         }
         write_file_atomically(folder_.path() / "imu.csv", imu);
-        write_file_atomically(folder_.path() / "attempt.yaml", fmt::format(R"(schema: attempt/1.0
+        write_file_atomically(folder_.path() / "attempt.yaml",
+                              fmt::format(R"(schema: attempt/1.0
 id: mast
 craft: {{name: simulated yacht, class: land-yacht}}
 place: a simulated lake
@@ -45,22 +72,17 @@ officials: [{{role: measurer}}]
 receivers:
   - id: primary
     recording: run.csv
-    format: csv
-    frame: geodetic
-    columns: {{time: time, latitude: lat, longitude: lon, height: height}}
-    accuracy: {{horizontal_m: 0.012, vertical_m: 0.020}}
-    solution: fixed
-    imu:
+{}    imu:
       file: imu.csv
       columns: {{time: time, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}}
       axes: {{x: forward, y: right, z: down}}
       grade: mems
       antenna_m: {{forward: 0.0, right: 0.0, down: {:.2f}}}
       reference_point_m: {{forward: 0.0, right: 0.0, down: 0.0}}
-record: {{speed: 150, unit: km/h, source: "a simulation"}}
+{}record: {{speed: 150, unit: km/h, source: "a simulation"}}
 profiles: [nalsa]
 )",
-                                                                           antenna_down_m));
+                                          described, antenna_down_m, second));
     }
     fs::path folder() const { return folder_.path() / "run"; }
     ProcessResult certified() const {
@@ -176,6 +198,66 @@ TEST(MastChain, WhereImuAndPositionsDoNotAgreeThereIsNoSecondSpeedButAReason) {
         EXPECT_FALSE(attitude.consistency.reason.empty());
         EXPECT_FALSE(run.window().points.reference_point_speed_m_s);
         EXPECT_TRUE(run.window().points.antenna_speed_m_s);
+    }
+}
+
+// A second antenna at the bow, 2 m ahead: the craft stands, and its heading is known.
+InertialRunSpec bow_spec() {
+    InertialRunSpec spec = mast_spec();
+    spec.antenna_m = {0.0, 0.0, -1.0};
+    spec.second_antenna_m = Eigen::Vector3d(2.0, 0.3, -0.5);
+    spec.stand_s = 30.0;
+    spec.duration_s = 60.0;
+    return spec;
+}
+
+TEST(MastChain, TwoAntennasShowTheHeading) {
+    const InertialRunSpec spec = bow_spec();
+    const MastRun run(spec, -1.0, 1.0, *spec.second_antenna_m);
+    const ProcessResult certified = run.certified();
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const AttitudeTable attitude = run.attitude();
+    EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+        << attitude.consistency.reason;
+    EXPECT_EQ(attitude.consistency.start, InertialStart::antennas);
+    ASSERT_TRUE(attitude.baseline && attitude.baseline->difference_deg);
+    EXPECT_EQ(attitude.baseline->receiver, "bow");
+    EXPECT_EQ(attitude.baseline->declared, (LeverArm{2.0, 0.3, 0.5}));
+    EXPECT_TRUE(attitude.baseline->agrees) << attitude.baseline->judgement;
+    EXPECT_NEAR(*attitude.baseline->length_m, spec.second_antenna_m->norm(), 0.03);
+    EXPECT_GT(attitude.baseline->epochs, 850);
+    EXPECT_LT(std::abs(*attitude.baseline->difference_deg), 0.3);
+    double squares = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < attitude.rows.size(); ++i) {
+        const AttitudeEpoch& row = attitude.rows[i];
+        ASSERT_EQ(row.baseline_heading_deg.has_value(), row.heading_deg.has_value()) << i;
+        if (!row.baseline_heading_deg) continue;
+        const EulerAngles truth = euler_angles(run.truth()[i].imu.enu_from_body);
+        squares += std::pow(
+            std::remainder(*row.baseline_heading_deg - truth.heading * degrees_per_radian, 360.0),
+            2);
+        count += 1.0;
+    }
+    EXPECT_NEAR(std::sqrt(squares / count), 0.58, 0.12);
+    EXPECT_TRUE(run.window().points.reference_point_speed_m_s);
+    const std::string audit = runcert({"audit", run.folder().string()}).output;
+    EXPECT_NE(audit.find("the antenna of bow the heading is"), std::string::npos) << audit;
+    const ProcessResult whole = run.verified();
+    EXPECT_NE(whole.output.find("\nVERIFIED"), std::string::npos) << whole.output;
+}
+
+TEST(MastChain, AnAntennaThatIsNotWhereItIsStatedIsNamed) {
+    const InertialRunSpec spec = bow_spec();
+    for (const auto& [second_m, words] :
+         {std::pair(Eigen::Vector3d(1.0, 0.3, -0.5), "its place on the craft is not as stated"),
+          std::pair(Eigen::Vector3d(0.3, -2.0, -0.5), "the two do not agree")}) {
+        const MastRun run(spec, -1.0, 1.0, second_m);
+        ASSERT_NE(run.certified().exit_status, 2);
+        const AttitudeTable attitude = run.attitude();
+        ASSERT_TRUE(attitude.baseline);
+        EXPECT_FALSE(attitude.baseline->agrees);
+        EXPECT_NE(attitude.baseline->judgement.find(words), std::string::npos)
+            << attitude.baseline->judgement;
     }
 }
 

@@ -50,8 +50,8 @@ struct FoundStart {
     StartMethod kind = StartMethod::given;
 };
 
-/// The start that the setup gives, or else the course or the Earth's rotation. None where only a
-/// search can find one.
+/// The start that the setup gives, or else two antennas, the course or the Earth's rotation. None
+/// where only a search can find one.
 std::optional<FoundStart> find_start(const InertialData& data, const InertialSetup& setup);
 
 /// The likeliest of twelve headings, 30 degrees apart, over the first 60 s of motion, level by the

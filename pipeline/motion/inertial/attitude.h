@@ -68,6 +68,10 @@ struct VectorTolerance {
     double least_sine = 0.05;  ///< of that angle: two vectors along one line give no attitude
 };
 
+/// Whether two pairs may be the same vectors in two frames: see `rotation_of_two_vectors`.
+bool are_the_same_vectors(const VectorPair& from, const VectorPair& to,
+                          const VectorTolerance& tolerance);
+
 /// The rotation that takes `from` to `to` ([NAV] 3.4): R = B L^-1, where the columns of L and B are
 /// u, v and u x v of either pair, made orthonormal. Lengths do not count in R: all are made 1.
 ///

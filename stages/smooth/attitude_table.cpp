@@ -197,15 +197,14 @@ void set_rows(const InertialSolution& solution, const Geodetic& origin, Attitude
 std::string heading_words(const BaselineJudgement& judged, const std::string& receiver) {
     const double difference_deg = judged.difference_rad.value * degrees_per_radian;
     const double expanded_deg = 2.0 * judged.difference_rad.sigma * degrees_per_radian;
-    std::string text = fmt::format(
+    const std::string text = fmt::format(
         "By the direction to the antenna of {} the heading is {:.2f} degrees {} than by the IMU, "
-        "the mean of {}, with an expanded uncertainty of {:.2f} degrees (k = 2)",
+        "on average over {}. The expanded uncertainty of that is {:.2f} degrees (k = 2). ",
         receiver, std::abs(difference_deg), difference_deg < 0.0 ? "less" : "more",
         counted(std::ssize(judged.headings), "epoch"), expanded_deg);
-    return text + (judged.agrees
-                       ? ": the two agree."
-                       : ": the two do not agree. An antenna's place on the craft, or an axis of "
-                         "the IMU, is not as stated.");
+    return text + (judged.agrees ? "The two agree."
+                                 : "The two do not agree: an antenna's place on the craft, or an "
+                                   "axis of the IMU, is not as stated.");
 }
 
 /// Compares the headings, and sets them in the rows.
@@ -218,7 +217,7 @@ void compare_headings(const InertialSolution& solution, const InertialSetup& set
     const auto judged = judge_baseline(solution, *setup.baseline, setup.position_error);
     if (!judged) {
         comparison.judgement = fmt::format(
-            "The antenna of {} shows no heading: no epoch has both antennas with heights, or one "
+            "The antenna of {} shows no heading: no epoch has heights of both antennas, or one "
             "is stated to be above the other.",
             receiver);
         return;
@@ -234,8 +233,7 @@ void compare_headings(const InertialSolution& solution, const InertialSetup& set
         as_stated ? heading_words(*judged, receiver)
                   : fmt::format(
                         "The antenna of {} is {:.3f} m away as measured, and {:.3f} m as "
-                        "stated: its place on the craft is not as stated, and it shows no "
-                        "heading.",
+                        "stated. Its place on the craft is not as stated, and shows no heading.",
                         receiver, judged->length_m.value, setup.baseline->body_m.norm());
     auto row = table.rows.begin();
     for (const BaselineHeading& one : judged->headings) {

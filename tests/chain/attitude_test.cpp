@@ -249,8 +249,8 @@ TEST(MastChain, TwoAntennasShowTheHeading) {
 TEST(MastChain, AnAntennaThatIsNotWhereItIsStatedIsNamed) {
     const InertialRunSpec spec = bow_spec();
     for (const auto& [second_m, words] :
-         {std::pair(Eigen::Vector3d(1.0, 0.3, -0.5), "its place on the craft is not as stated"),
-          std::pair(Eigen::Vector3d(0.3, -2.0, -0.5), "the two do not agree")}) {
+         {std::pair(Eigen::Vector3d(1.0, 0.3, -0.5), "Its place on the craft is not as stated"),
+          std::pair(Eigen::Vector3d(0.3, -2.0, -0.5), "The two do not agree")}) {
         const MastRun run(spec, -1.0, 1.0, second_m);
         ASSERT_NE(run.certified().exit_status, 2);
         const AttitudeTable attitude = run.attitude();

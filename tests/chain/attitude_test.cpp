@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "chain_support.h"
@@ -258,6 +259,16 @@ TEST(MastChain, AnAntennaThatIsNotWhereItIsStatedIsNamed) {
         EXPECT_FALSE(attitude.baseline->agrees);
         EXPECT_NE(attitude.baseline->judgement.find(words), std::string::npos)
             << attitude.baseline->judgement;
+        // Of antennas at another distance no heading is taken.
+        const bool as_stated = attitude.baseline->difference_deg.has_value();
+        EXPECT_EQ(as_stated, second_m.x() < 0.5);
+        EXPECT_EQ(std::ranges::any_of(attitude.rows,
+                                      [](const AttitudeEpoch& row) {
+                                          return row.baseline_heading_deg.has_value();
+                                      }),
+                  as_stated);
+        EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+            << attitude.consistency.reason;
     }
 }
 

@@ -156,6 +156,8 @@ TEST(AntennaBaseline, FindsAntennasThatAreStatedWrongly) {
     const auto [port_start, port] = judged({0.3, -2.0, -0.5});
     EXPECT_FALSE(port.agrees);
     EXPECT_NEAR(port.difference_rad.value / rad, 90.0, 1.0);
+    EXPECT_EQ(stern_start, StartMethod::course);
+    EXPECT_EQ(port_start, StartMethod::course);
     // Half as far, or higher: nothing is taken from it for a start.
     const auto [near_start, near] = judged({1.0, 0.3, -0.5});
     EXPECT_EQ(near_start, StartMethod::course);

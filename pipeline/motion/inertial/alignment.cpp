@@ -168,6 +168,18 @@ std::optional<StartAttitude> standing_baseline(const InertialData& data, const I
         std::hypot(rad(standing_tilt_deg), standing.tilt_sigma_rad), setup.position_error);
 }
 
+double heading_sigma(const StartAttitude& start) {
+    const Eigen::Vector3d row = euler_jacobian(start.enu_from_body).row(2);
+    return std::sqrt(row.dot(start.covariance_rad2 * row));
+}
+
+bool headings_agree(const StartAttitude& one, const StartAttitude& other) {
+    const double difference = std::remainder(
+        euler_angles(one.enu_from_body).heading - euler_angles(other.enu_from_body).heading,
+        2.0 * std::numbers::pi);
+    return std::abs(difference) <= 3.0 * std::hypot(heading_sigma(one), heading_sigma(other));
+}
+
 }  // namespace
 
 Eigen::Vector3d velocity_of_positions(std::span<const PositionFix> fixes, std::size_t epoch) {
@@ -253,11 +265,15 @@ std::optional<FoundStart> find_start(const InertialData& data, const InertialSet
     };
     if (setup.start) return found(*setup.start, StartMethod::given);
     const auto standing = standing_at_first(data, setup);
-    if (standing)
-        if (const auto start = standing_baseline(data, setup, *standing))
-            return found(*start, StartMethod::baseline);
+    std::optional<StartAttitude> course;
     if (const auto fast = first_faster(data.fixes, least_course_speed_m_s))
-        return found(course_start(data, setup, *fast, standing), StartMethod::course);
+        course = course_start(data, setup, *fast, standing);
+    // Antennas that are not where they are stated to be show another heading.
+    if (standing)
+        if (const auto start = standing_baseline(data, setup, *standing);
+            start && (!course || headings_agree(*start, *course)))
+            return found(*start, StartMethod::baseline);
+    if (course) return found(*course, StartMethod::course);
     if (standing && standing->heading_sigma_rad < useful_heading_rad)
         return found(earth_start(*standing), StartMethod::earth_rotation);
     return std::nullopt;

@@ -200,8 +200,8 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 /// Starts where the craft moves at 5 m/s or more, with the heading of its course and level
 /// (standard deviations of 9 degrees in roll, 4 in pitch, 5 in heading), carried back by the gyros.
 /// A craft that stands at first is levelled by gravity and its gyros' bias measured; with a second
-/// antenna the direction to that is its heading. Without motion
-/// the likeliest of twelve headings over 60 s is taken.
+/// antenna the direction to that is its heading, unless the course that follows says otherwise.
+/// Without motion the likeliest of twelve headings over 60 s is taken.
 ///
 /// Noise is that which is likeliest over two minutes about the highest speed, no less than the
 /// setup's (`fit_imu_noise`). Scale factors and axes that err by 0.2 to 1 %, as those of MEMS

@@ -30,6 +30,11 @@ double oscillation(double time_s, double hz, double phase) {
            0.2 * std::sin(two_pi * 1.7 * hz * time_s + 2.0 * phase);
 }
 
+/// The normal of ground along a course that rises by `slope` and leans by `roll` across it.
+Eigen::Vector3d normal_of(double course, double slope, double roll) {
+    return -rotation_of({.roll = roll, .pitch = std::atan(slope), .heading = course}).col(2);
+}
+
 }  // namespace
 
 double oval_bend(double way_m) {
@@ -90,7 +95,8 @@ CraftState CraftMotion::on_the_lake(double time_s) const {
     return {speed * Eigen::Vector3d(std::sin(course), std::cos(course), slope),
             rotation_of({.roll = moving * roll(time_s),
                          .pitch = moving * pitch(time_s) + slope,
-                         .heading = course - leeway})};
+                         .heading = course - leeway}),
+            normal_of(course, slope, 0.0)};
 }
 
 CraftState CraftMotion::on_the_oval(double time_s) {
@@ -116,7 +122,8 @@ CraftState CraftMotion::on_the_oval(double time_s) {
     return {{speed * std::sin(course_), speed * std::cos(course_), climb},
             rotation_of({.roll = leaning + moving * roll(time_s),
                          .pitch = moving * pitch(time_s),
-                         .heading = course_ + slip})};
+                         .heading = course_ + slip}),
+            normal_of(course_, speed > 0.0 ? climb / speed : 0.0, -bank)};
 }
 
 }  // namespace runcert

@@ -13,10 +13,11 @@ namespace runcert {
 inline constexpr int ticks_hz = 400;
 inline constexpr double tick_s = 1.0 / ticks_hz;
 
-/// Velocity and attitude of a craft, in east, north, up.
+/// Velocity and attitude of a craft, and the ground that it is on, in east, north, up.
 struct CraftState {
     Eigen::Vector3d velocity_m_s;
     Eigen::Matrix3d enu_from_body;
+    Eigen::Vector3d ground_normal;
 };
 
 /// The simulated oval: one lap, and how far along it (m) a turn is: 0 on a straight, 1 in full.

@@ -161,17 +161,19 @@ void add_points(const PointTrack& antenna, const PointTrack& reference_point, st
     truth.reference_velocity_m_s = reference_point.velocity_m_s(tick);
 }
 
-/// Positions of the antenna with their errors.
-std::vector<PositionFix> fixes_of(const InertialRunSpec& spec,
-                                  const std::vector<InertialTruth>& truth) {
-    RandomGenerator draws(spec.seed + 2'000'003);
+/// Positions of an antenna with their errors.
+std::vector<PositionFix> fixes_of(const InertialRunSpec& spec, std::uint64_t seed,
+                                  const std::vector<InertialTruth>& truth,
+                                  const Eigen::Vector3d& antenna_m) {
+    RandomGenerator draws(seed);
     FixErrors errors(spec, draws);
     const Eigen::Vector3d sigma(spec.white_horizontal_m, spec.white_horizontal_m,
                                 spec.white_vertical_m);
     std::vector<PositionFix> fixes;
     for (const InertialTruth& epoch : truth)
         fixes.push_back({.time_s = epoch.time_s,
-                         .enu_m = epoch.antenna_m + errors.next(),
+                         .enu_m = epoch.imu.position_m + epoch.imu.enu_from_body * antenna_m +
+                                  errors.next(),
                          .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
     return fixes;
 }
@@ -191,7 +193,7 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
     const std::int64_t per_fix = ticks_hz / spec.position_hz;
     const std::int64_t late = std::llround(spec.time_offset_s * ticks_hz);
     InertialRun run;
-    const CraftState now = craft.at(0);
+    CraftState now = craft.at(0);
     NavigationState state{.enu_from_body = now.enu_from_body, .velocity_m_s = now.velocity_m_s};
     if (spec.run)
         state.position_m = {spec.run->start.east_m, spec.run->start.north_m, spec.run->start.up_m};
@@ -209,9 +211,11 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
             epochs.push_back(static_cast<std::size_t>(tick));
             run.truth.push_back({.time_s = static_cast<double>(tick - late) * tick_s,
                                  .imu = state,
-                                 .bias = imu_errors.bias()});
+                                 .bias = imu_errors.bias(),
+                                 .ground_normal = now.ground_normal});
         }
         state = strapdown_step(state, piece, {}, earth).state;
+        now = next;
         sum.angle_rad += piece.angle_rad;
         sum.velocity_m_s += piece.velocity_m_s;
         if ((tick + 1) % per_sample != 0) continue;
@@ -227,7 +231,10 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
     reference_point.add(state);
     for (std::size_t i = 0; i < epochs.size(); ++i)
         add_points(antenna, reference_point, epochs[i], run.truth[i]);
-    run.fixes = fixes_of(spec, run.truth);
+    run.fixes = fixes_of(spec, spec.seed + 2'000'003, run.truth, spec.antenna_m);
+    if (spec.second_antenna_m)
+        run.second_fixes =
+            fixes_of(spec, spec.seed + 3'000'003, run.truth, *spec.second_antenna_m);
     return run;
 }
 

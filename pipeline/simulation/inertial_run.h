@@ -41,6 +41,7 @@ struct InertialRunSpec {
     double pitch_hz = 0.65;
     double leeway_deg = 2.5;                    ///< mean on the lake; it varies by a fifth
     Eigen::Vector3d antenna_m{0.0, 0.0, -5.0};  ///< from the IMU, forward, right, down
+    std::optional<Eigen::Vector3d> second_antenna_m = {};  ///< from the IMU, with its own receiver
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
     ImuNoise noise = {};      ///< no noise: an IMU without errors
     bool with_biases = true;  ///< drawn from `noise`
@@ -65,12 +66,14 @@ struct InertialTruth {
     Eigen::Vector3d reference_point_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d reference_velocity_m_s = Eigen::Vector3d::Zero();
     ImuBias bias = {};
+    Eigen::Vector3d ground_normal = Eigen::Vector3d::UnitZ();  ///< of the surface below
 };
 
 struct InertialRun {
     std::vector<ImuSample> samples;
     std::vector<PositionFix> fixes;
-    std::vector<InertialTruth> truth;  ///< of each fix
+    std::vector<InertialTruth> truth;       ///< of each fix
+    std::vector<PositionFix> second_fixes;  ///< of the second antenna, at the same times
 };
 
 /// Simulates a run. Velocity and attitude are given as functions of time at 400 Hz, and the

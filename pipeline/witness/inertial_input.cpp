@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schemas/observations/stated_covariance.h"
+#include "witness/position_pairs.h"
 
 namespace runcert {
 namespace {
@@ -99,6 +100,19 @@ std::vector<PositionFix> fixes_of(const ScreenedTable& screened,
     return fixes;
 }
 
+AntennaBaseline baseline_of(const ImuTable& imu, const ScreenedTable& screened,
+                            const SecondAntenna& second) {
+    const Eigen::Vector3d reference = vector_of(imu.reference_point.value_or(LeverArm{}));
+    AntennaBaseline baseline{.body_m = reference - vector_of(second.arm) - vector_of(imu.antenna)};
+    if (!screened.facts.vertical_measured || !second.screened.facts.vertical_measured)
+        return baseline;
+    for (const PositionPair& pair : position_pairs(screened, second.screened))
+        baseline.fixes.push_back({.time_s = pair.time.seconds(),
+                                  .enu_m = pair.difference,
+                                  .covariance_m2 = pair.covariance});
+    return baseline;
+}
+
 }  // namespace
 
 ImuNoise imu_noise(const std::optional<ImuGrade>& grade) {
@@ -108,8 +122,15 @@ ImuNoise imu_noise(const std::optional<ImuGrade>& grade) {
     return imu_noise(ImuClass::consumer);
 }
 
+const Receiver* second_on_craft(const Attempt& attempt) {
+    const auto& receivers = attempt.receivers;
+    if (receivers.size() < 2 || !has_imu(receivers[0]) || !receivers[1].lever_arm) return nullptr;
+    return &receivers[1];
+}
+
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory) {
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second) {
     assert(screened.origin);
     InertialInput input{.samples = samples_of(imu),
                         .fixes = fixes_of(screened, trajectory.estimation),
@@ -117,6 +138,7 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                                   .noise = imu_noise(imu.grade),
                                   .antenna_m = vector_of(imu.antenna),
                                   .antenna_sigma_m = imu.arm_sigma_m}};
+    if (second) input.setup.baseline = baseline_of(imu, screened, *second);
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);
     const NoiseSummary& noise = trajectory.estimation.horizontal.noise;
     if (noise.correlated_error_detected && noise.error_sigma_m && noise.error_tau_s) {
@@ -128,10 +150,7 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
     return input;
 }
 
-InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory, const AttitudeTable& attitude) {
-    InertialInput input = inertial_input(imu, screened, trajectory);
-    InertialSetup& setup = input.setup;
+void take_solution(const AttitudeTable& attitude, InertialSetup& setup) {
     setup.noise = with_likeliest(setup.noise, attitude.noise);
     setup.estimate_time_offset = attitude.time_offset.estimated_s.has_value();
     SolvedBefore& before = setup.before.emplace();
@@ -140,7 +159,6 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
     before.searched = attitude.consistency.start == InertialStart::headings;
     for (const AttitudeEpoch& row : attitude.rows)
         if (row.roll_deg) before.states.push_back(state_of(row, setup.reference_point_m));
-    return input;
 }
 
 LikeliestNoise likeliest_noise(const ImuNoise& noise) {

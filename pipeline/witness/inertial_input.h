@@ -23,15 +23,27 @@ struct InertialInput {
 /// The noise of an IMU of that grade: of a phone's, where the attempt does not say.
 ImuNoise imu_noise(const std::optional<ImuGrade>& grade);
 
+/// Another receiver whose antenna has a place on the same craft.
+struct SecondAntenna {
+    const ScreenedTable& screened;
+    LeverArm arm;  ///< from its antenna to the craft's reference point
+};
+
+/// What the attempt says of the second receiver: its place on the craft. Null where the first has
+/// no IMU, there is no second, or it has no place.
+const Receiver* second_on_craft(const Attempt& attempt);
+
 /// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the
 /// noise fit of the trajectory found; its correlated error, if it found one. The positions must
-/// have an origin on the Earth, by which gravity and the Earth's rotation are known.
+/// have an origin on the Earth, by which gravity and the Earth's rotation are known. With a second
+/// antenna also the way from the first to it, of epochs that both have with heights.
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory);
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second);
 
-/// The same with the solution of 4-attitude, about which one pass is enough.
-InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory, const AttitudeTable& attitude);
+/// Sets the solution of 4-attitude, about which one pass is enough: its noise, time offset and
+/// states.
+void take_solution(const AttitudeTable& attitude, InertialSetup& setup);
 
 /// An IMU's noise as 4-attitude states it.
 LikeliestNoise likeliest_noise(const ImuNoise& noise);

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/prose.h"
 #include "core/rounding.h"
@@ -54,6 +55,22 @@ std::string indicated_text(const IndicatedWindow& indicated, const RuleView& rul
                            : fmt::format("REFUSED: {}", fmt::join(indicated.refusals, "; ")));
 }
 
+/// A course by its definitions, and what they differ by.
+void add_course(const CourseDirections& course, const std::string& name, Block& told) {
+    const auto degrees = [](double angle) { return format_fixed(angle, 4); };
+    std::string text = fmt::format(
+        "{}° along the loxodrome; {}° along the geodesic at its beginning, {}° at its end; {}° in "
+        "the plane",
+        degrees(course.loxodrome_deg), degrees(course.geodesic_deg),
+        degrees(course.geodesic_end_deg), degrees(course.plane_deg));
+    if (course.heading_deg)
+        text +=
+            fmt::format("; mean heading of the craft {}°", format_fixed(*course.heading_deg, 2));
+    const double difference_deg = std::remainder(course.loxodrome_deg - course.geodesic_deg, 360.0);
+    text += fmt::format(". Loxodrome less geodesic: {}°", degrees(difference_deg));
+    add_fact(told, name, text);
+}
+
 std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& one,
                                 const ProfileWindows& windows) {
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
@@ -72,6 +89,11 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& o
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
+    if (windows.best && windows.best->course) {
+        Block course = facts({});
+        add_course(*windows.best->course, "Course of the window", course);
+        blocks.push_back(std::move(course));
+    }
     add(blocks, witness_blocks(*rule));
     add(blocks, uncertainty_blocks(*rule));
     if (one.trajectory)
@@ -145,6 +167,11 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
                                                counted(std::ssize(windows.profiles), "rule"), all);
     add(blocks, parameter_blocks(record.attempt, windows.header, all));
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
+    if (windows.course) {
+        Block course = facts({});
+        add_course(*windows.course, "Course of the run", course);
+        blocks.push_back(std::move(course));
+    }
     for (const ProfileWindows& each : windows.profiles)
         add(blocks, rule_windows(record, one, each));
     return blocks;

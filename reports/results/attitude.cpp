@@ -32,6 +32,7 @@ std::vector<Block> attitude_facts(const AttitudeTable& attitude) {
     add_fact(list, "Stretches that only the IMU bridges", counted(std::ssize(attitude.bridged)));
     std::vector<Block> blocks{std::move(list)};
     if (!attitude.mount.judgement.empty()) blocks.push_back(paragraph(attitude.mount.judgement));
+    if (attitude.baseline) blocks.push_back(paragraph(attitude.baseline->judgement));
     if (!attitude.notes.empty()) blocks.push_back(list_of(attitude.notes));
     return blocks;
 }

@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "inertial/mount.h"
 #include "reports/words/figures.h"
-#include "witness/inertial_input.h"
+#include "stages/smooth/antenna_heading.h"
 
 namespace runcert {
 namespace {
@@ -68,6 +68,8 @@ InertialStart start_of(StartMethod method) {
             return InertialStart::standing;
         case StartMethod::search:
             return InertialStart::headings;
+        case StartMethod::baseline:
+            return InertialStart::antennas;
     }
     return InertialStart::course;
 }
@@ -235,13 +237,14 @@ void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
 }  // namespace
 
 AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory) {
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second) {
     AttitudeTable attitude = stated_table(imu, screened);
     if (!screened.origin)
         return unsolved(std::move(attitude),
                         "Positions in a plane have no place on the Earth, by which gravity and the "
                         "Earth's rotation would be known. The attempt's origin states it.");
-    const InertialInput input = inertial_input(imu, screened, trajectory);
+    const InertialInput input = inertial_input(imu, screened, trajectory, second);
     if (const std::size_t within = positions_within(input.samples, input.fixes, input.setup);
         within < least_positions)
         return unsolved(std::move(attitude),
@@ -252,6 +255,7 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, attitude);
     set_rows(solution, input.setup.origin, attitude);
+    if (second) compare_headings(solution, input.setup, second->screened.facts.receiver, attitude);
     return attitude;
 }
 

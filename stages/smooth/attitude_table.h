@@ -4,15 +4,17 @@
 #include "schemas/imu/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
+#include "witness/inertial_input.h"
 
 namespace runcert {
 
 /// Attitude of the craft and motion of its reference point at every epoch that the IMU covers, by
 /// `smooth_inertial`, and whether IMU and positions agree. Where they do not, too few positions lie
 /// within the samples, or they have no place on the Earth, the table says why (`consistency`): that
-/// is a finding, and the solution is used for nothing. The
-/// caller sets the header.
+/// is a finding, and the solution is used for nothing. Beside a second antenna its heading is
+/// compared with that by the antennas. The caller sets the header.
 AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
-                             const TrajectoryTable& trajectory);
+                             const TrajectoryTable& trajectory,
+                             const std::optional<SecondAntenna>& second = std::nullopt);
 
 }  // namespace runcert

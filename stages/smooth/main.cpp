@@ -20,8 +20,14 @@ std::string summary_line(const EstimationSummary& estimation) {
 std::string write_attitude_of(StageRun run, const Receiver& receiver,
                               const TrajectoryTable& trajectory) {
     const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
-    AttitudeTable attitude =
-        attitude_table(run.read(products::imu, receiver, read_imu), screened, trajectory);
+    const ImuTable imu = run.read(products::imu, receiver, read_imu);
+    const Receiver* other = second_on_craft(run.attempt());
+    std::optional<ScreenedTable> second;
+    if (other && receiver.id != other->id)
+        second = run.read(products::screened, *other, read_screened);
+    AttitudeTable attitude = attitude_table(
+        imu, screened, trajectory,
+        second ? std::optional(SecondAntenna{*second, *other->lever_arm}) : std::nullopt);
     attitude.header = run.header();
     run.write(products::attitude, receiver, write_attitude(attitude));
     return attitude.consistency.reason.empty() ? "IMU and positions agree"

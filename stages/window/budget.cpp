@@ -281,7 +281,7 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
                   craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), independent_of_other_rows,
                   craft.lag_sigma_s > 0.0 ? "not estimated: the motion would show a greater one"
                                           : "estimated with the attitude, and part of its row");
-    lag.unit = "s";
+    lag.unit = std::string(1, 's');
     lag.standard_uncertainty = craft.lag_sigma_s;
     lag.sensitivity = craft.lag_m_s_per_s;
     rows.push_back(std::move(lag));

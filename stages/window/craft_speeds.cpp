@@ -161,6 +161,14 @@ double lag_effect(const InertialSolution& solution, SpanEpochs at, const PointSp
 
 }  // namespace
 
+std::optional<std::pair<std::size_t, std::size_t>> epochs_within(const InertialSolution& solution,
+                                                                 const WindowSpan& span) {
+    const auto at = epochs_of(solution, {.from_s = span.start.seconds(),
+                                         .to_s = span.start.seconds() + span.duration.seconds()});
+    if (!at) return std::nullopt;
+    return std::pair(at->first, at->last);
+}
+
 std::optional<CraftCorrection> craft_correction(const InertialSolution& solution,
                                                 const PointSpan& span) {
     const auto at = epochs_of(solution, span);

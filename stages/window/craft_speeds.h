@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "inertial/inertial_smoother.h"
 #include "schemas/profile/profile.h"
@@ -8,6 +9,11 @@
 #include "schemas/windows/windows.h"
 
 namespace runcert {
+
+/// The epochs of an inertial solution that enclose a window. None where the solution is not
+/// consistent, does not reach both ends, or only the IMU bridges a part of it.
+std::optional<std::pair<std::size_t, std::size_t>> epochs_within(const InertialSolution& solution,
+                                                                 const WindowSpan& span);
 
 /// A stretch of time (s) over which the speeds of two points of the craft are compared, and by
 /// which definition.

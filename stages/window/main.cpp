@@ -11,6 +11,7 @@
 #include "schemas/attitude/declared.h"
 #include "stages/window/craft_speeds.h"
 #include "stages/window/window.h"
+#include "stages/window/window_courses.h"
 #include "witness/inertial_input.h"
 #include "witness/screened_phases.h"
 
@@ -41,11 +42,13 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
 
 /// The solution that 4-attitude has, with the covariances between its epochs; empty if it has
 /// none.
-std::shared_ptr<const InertialSolution> inertial_solution(const ReceiverTables& tables,
-                                                          const AttitudeTable& attitude) {
+std::shared_ptr<const InertialSolution> inertial_solution(
+    const ReceiverTables& tables, const std::optional<SecondAntenna>& second,
+    const AttitudeTable& attitude) {
     if (attitude.consistency.epochs == 0) return std::make_shared<const InertialSolution>();
-    const InertialInput input =
-        inertial_input(*tables.imu, tables.screened, tables.trajectory, attitude);
+    InertialInput input =
+        inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
+    take_solution(attitude, input.setup);
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     if (attitude.consistency.standing == InertialStanding::noise_too_large)
         solution.consistency.doubts.push_back({.finding = InertialFinding::noise_large});
@@ -58,12 +61,23 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
                           .phases = nullptr,
                           .first_of_phases = {}};
     if (has_phases(receiver)) read_phases(run, receiver, tables);
-    if (has_imu(receiver)) {
-        tables.imu = run.read(products::imu, receiver, read_imu);
-        tables.inertial =
-            inertial_solution(tables, run.read(products::attitude, receiver, read_attitude));
-    }
+    if (has_imu(receiver)) tables.imu = run.read(products::imu, receiver, read_imu);
     return tables;
+}
+
+/// Solves each receiver's IMU. The second receiver's antenna shows the heading of the first, where
+/// both have a place on the craft.
+void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
+    const Attempt& attempt = run.attempt();
+    const Receiver* const other = second_on_craft(attempt);
+    for (std::size_t i = 0; i < tables.size(); ++i) {
+        if (!tables[i].imu) continue;
+        std::optional<SecondAntenna> second;
+        if (other && i == 0) second.emplace(tables[1].screened, *other->lever_arm);
+        tables[i].inertial = inertial_solution(
+            tables[i], second,
+            run.read(products::attitude, attempt.receivers[i], read_attitude));
+    }
 }
 
 WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
@@ -98,13 +112,17 @@ int main(int argc, char** argv) {
             std::vector<ReceiverTables> tables;
             for (const Receiver& receiver : attempt.receivers)
                 tables.push_back(read_tables(run, receiver));
+            solve_imus(run, tables);
             for (std::size_t i = 0; i < tables.size(); ++i) {
                 const Receiver& receiver = attempt.receivers[i];
                 WindowConfig config = window_config(attempt, receiver);
                 if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                config, attempt.course, beside(run, tables, i));
-                if (tables[i].inertial) add_craft_speeds(*tables[i].inertial, profiles, windows);
+                if (tables[i].inertial) {
+                    add_craft_speeds(*tables[i].inertial, profiles, windows);
+                    add_headings(*tables[i].inertial, windows);
+                }
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

@@ -21,6 +21,7 @@
 #include "stages/window/opposite_runs.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/trajectory_part.h"
+#include "stages/window/window_courses.h"
 
 namespace runcert {
 namespace {
@@ -604,6 +605,7 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
         if (entry.failure) std::rethrow_exception(entry.failure);
         windows.profiles.push_back(std::move(*entry.windows));
     }
+    set_courses(trajectory, windows);
     windows.witness_notes = certifier.witness_notes(profiles, windows.profiles, beside);
     return windows;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "chain_support.h"
@@ -15,6 +16,27 @@
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
+std::string recording_of(const std::vector<PositionFix>& fixes, const Geodetic& origin) {
+    const LocalFrame frame(origin);
+    std::string positions = "time,lat,lon,height\n";
+    for (const PositionFix& fix : fixes) {
+        const Geodetic place = frame.geodetic_from_enu({fix.enu_m});
+        positions +=
+            fmt::format("{:.3f},{:.10f},{:.10f},{:.4f}\n", fix.time_s, place.latitude.degrees(),
+                        place.longitude.degrees(), place.height_m);
+    }
+    return positions;
+}
+
+/// How a recording is described.
+constexpr const char* described = R"(    format: csv
+    frame: geodetic
+    columns: {time: time, latitude: lat, longitude: lon, height: height}
+    accuracy: {horizontal_m: 0.012, vertical_m: 0.020}
+    solution: fixed
+    start_gps: "2026-10-20T11:00:58.000"
+)";
+
 /// What an attempt states, and what is wrong with its recordings.
 struct MastAttempt {
     double antenna_down_m = -5.0;
@@ -22,6 +44,7 @@ struct MastAttempt {
     double drift_m_s = 0.0;     ///< of the positions, towards where the craft goes
     double drift_from_s = 0.0;  ///< for 3 s
     std::string profiles = "nalsa";
+    Eigen::Vector3d second_m = Eigen::Vector3d::Zero();  ///< of the second antenna, if there is one
 };
 
 /// Simulated recordings and their attempt.
@@ -30,15 +53,18 @@ class MastRun {
     explicit MastRun(const InertialRunSpec& spec, const MastAttempt& attempt)
         : simulated_(simulate_inertial(spec)) {
         drift(attempt);
-        const LocalFrame frame(spec.origin);
-        std::string positions = "time,lat,lon,height\n";
-        for (const PositionFix& fix : simulated_.fixes) {
-            const Geodetic place = frame.geodetic_from_enu({fix.enu_m});
-            positions +=
-                fmt::format("{:.3f},{:.10f},{:.10f},{:.4f}\n", fix.time_s, place.latitude.degrees(),
-                            place.longitude.degrees(), place.height_m);
+        write_file_atomically(folder_.path() / "run.csv",
+                              recording_of(simulated_.fixes, spec.origin));
+        std::string second;
+        if (spec.second_antenna_m) {
+            write_file_atomically(folder_.path() / "bow.csv",
+                                  recording_of(simulated_.second_fixes, spec.origin));
+            // From the antenna to the reference point, which is at the IMU.
+            second = fmt::format(
+                "  - id: bow\n    recording: bow.csv\n{}    lever_arm_m: {{forward: {:.2f}, right: "
+                "{:.2f}, down: {:.2f}}}\n",
+                described, -attempt.second_m.x(), -attempt.second_m.y(), -attempt.second_m.z());
         }
-        write_file_atomically(folder_.path() / "run.csv", positions);
         std::string imu = "time,gx,gy,gz,ax,ay,az\n";
         for (const ImuSample& sample : simulated_.samples) {
             const Eigen::Vector3d rate = attempt.rate_sign * sample.angle_rad / sample.interval_s;
@@ -56,22 +82,18 @@ officials: [{{role: measurer}}]
 receivers:
   - id: primary
     recording: run.csv
-    format: csv
-    frame: geodetic
-    columns: {{time: time, latitude: lat, longitude: lon, height: height}}
-    accuracy: {{horizontal_m: 0.012, vertical_m: 0.020}}
-    solution: fixed
-    imu:
+{}    imu:
       file: imu.csv
       columns: {{time: time, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}}
       axes: {{x: forward, y: right, z: down}}
       grade: mems
       antenna_m: {{forward: 0.0, right: 0.0, down: {:.2f}}}
       reference_point_m: {{forward: 0.0, right: 0.0, down: 0.0}}
-record: {{speed: 150, unit: km/h, source: "a simulation"}}
+{}record: {{speed: 150, unit: km/h, source: "a simulation"}}
 profiles: [{}]
 )",
-                                          attempt.antenna_down_m, attempt.profiles));
+                                          described, attempt.antenna_down_m, second,
+                                          attempt.profiles));
         write_craft_rule();
     }
     fs::path folder() const { return folder_.path() / "run"; }
@@ -180,6 +202,17 @@ TEST(MastChain, BothSpeedsAreWrittenAndThatOfTheHullIsRight) {
                 1.5 * expanded);
     // Beside the swinging antenna.
     EXPECT_GT(std::abs(*window.points.reference_point_speed_m_s - window.speed_m_s), 0.01);
+    // The craft points into the wind by its leeway, 2 to 3 degrees; the plane's north is that of
+    // the first position, and 3 s turn a geodesic by far less.
+    ASSERT_TRUE(window.course && window.course->heading_deg);
+    EXPECT_NEAR(window.course->plane_deg - *window.course->heading_deg, 2.5, 0.7);
+    EXPECT_NEAR(window.course->loxodrome_deg, window.course->plane_deg, 0.05);
+    EXPECT_NEAR(window.course->loxodrome_deg, window.course->geodesic_deg, 1e-3);
+    EXPECT_NE(window.course->loxodrome_deg, window.course->geodesic_deg);
+    const ProcessResult audit = runcert({"audit", run.folder().string()});
+    for (const char* name :
+         {"Course of the run", "Course of the window", "mean heading of the craft"})
+        EXPECT_NE(audit.output.find(name), std::string::npos) << audit.output;
     // It verifies, each step made again; and no more if a table was changed.
     const ProcessResult whole = run.verified();
     EXPECT_NE(whole.output.find("\nVERIFIED"), std::string::npos) << whole.output;
@@ -248,6 +281,76 @@ TEST(MastChain, TheImuContradictsADriftOfThePositions) {
     EXPECT_NEAR(imu->speed_m_s, run.true_antenna_speed_m_s(found.fastest->span),
                 4.0 * imu->standard_uncertainty_m_s);
     EXPECT_NEAR(found.best->speed_m_s, run.true_antenna_speed_m_s(found.best->span), 0.1);
+}
+
+// A second antenna at the bow, 2 m ahead: the craft stands, and its heading is known.
+InertialRunSpec bow_spec() {
+    InertialRunSpec spec = mast_spec();
+    spec.antenna_m = {0.0, 0.0, -1.0};
+    spec.second_antenna_m = Eigen::Vector3d(2.0, 0.3, -0.5);
+    spec.stand_s = 30.0;
+    spec.duration_s = 60.0;
+    return spec;
+}
+
+TEST(MastChain, TwoAntennasShowTheHeading) {
+    const InertialRunSpec spec = bow_spec();
+    const MastRun run(spec, {.antenna_down_m = -1.0, .second_m = *spec.second_antenna_m});
+    const ProcessResult certified = run.certified();
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const AttitudeTable attitude = run.attitude();
+    EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+        << attitude.consistency.reason;
+    EXPECT_EQ(attitude.consistency.start, InertialStart::antennas);
+    ASSERT_TRUE(attitude.baseline && attitude.baseline->difference_deg);
+    EXPECT_EQ(attitude.baseline->receiver, "bow");
+    EXPECT_EQ(attitude.baseline->declared, (LeverArm{2.0, 0.3, 0.5}));
+    EXPECT_TRUE(attitude.baseline->agrees) << attitude.baseline->judgement;
+    EXPECT_NEAR(*attitude.baseline->length_m, spec.second_antenna_m->norm(), 0.03);
+    EXPECT_GT(attitude.baseline->epochs, 850);
+    EXPECT_LT(std::abs(*attitude.baseline->difference_deg), 0.3);
+    double squares = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < attitude.rows.size(); ++i) {
+        const AttitudeEpoch& row = attitude.rows[i];
+        ASSERT_EQ(row.baseline_heading_deg.has_value(), row.heading_deg.has_value()) << i;
+        if (!row.baseline_heading_deg) continue;
+        const EulerAngles truth = euler_angles(run.truth()[i].imu.enu_from_body);
+        squares += std::pow(
+            std::remainder(*row.baseline_heading_deg - truth.heading * degrees_per_radian, 360.0),
+            2);
+        count += 1.0;
+    }
+    EXPECT_NEAR(std::sqrt(squares / count), 0.58, 0.12);
+    EXPECT_TRUE(run.window().points.reference_point_speed_m_s);
+    const std::string audit = runcert({"audit", run.folder().string()}).output;
+    EXPECT_NE(audit.find("the antenna of bow the heading is"), std::string::npos) << audit;
+    const ProcessResult whole = run.verified();
+    EXPECT_NE(whole.output.find("\nVERIFIED"), std::string::npos) << whole.output;
+}
+
+TEST(MastChain, AnAntennaThatIsNotWhereItIsStatedIsNamed) {
+    const InertialRunSpec spec = bow_spec();
+    for (const auto& [second_m, words] :
+         {std::pair(Eigen::Vector3d(1.0, 0.3, -0.5), "Its place on the craft is not as stated"),
+          std::pair(Eigen::Vector3d(0.3, -2.0, -0.5), "The two do not agree")}) {
+        const MastRun run(spec, {.antenna_down_m = -1.0, .second_m = second_m});
+        ASSERT_NE(run.certified().exit_status, 2);
+        const AttitudeTable attitude = run.attitude();
+        ASSERT_TRUE(attitude.baseline);
+        EXPECT_FALSE(attitude.baseline->agrees);
+        EXPECT_NE(attitude.baseline->judgement.find(words), std::string::npos)
+            << attitude.baseline->judgement;
+        // Of antennas at another distance no heading is taken.
+        const bool as_stated = attitude.baseline->difference_deg.has_value();
+        EXPECT_EQ(as_stated, second_m.x() < 0.5);
+        EXPECT_EQ(std::ranges::any_of(attitude.rows,
+                                      [](const AttitudeEpoch& row) {
+                                          return row.baseline_heading_deg.has_value();
+                                      }),
+                  as_stated);
+        EXPECT_EQ(attitude.consistency.standing, InertialStanding::consistent)
+            << attitude.consistency.reason;
+    }
 }
 
 }  // namespace

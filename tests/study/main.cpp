@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 
+#include "alignment_study.h"
 #include "coverage.h"
 #include "false_records.h"
 #include "identification_study.h"
@@ -117,6 +118,18 @@ void print_witnesses(WitnessStudyOptions options, const std::vector<int>& rivals
         fmt::print("{}\n", witness_table(cell, study_witnesses(cell, options)));
         std::fflush(stdout);
     }
+}
+
+void print_alignment(const AlignmentOptions& options) {
+    std::vector<AlignmentStudy> studies;
+    for (const AlignmentCell& cell : alignment_cells())
+        studies.push_back(study_alignment(cell, options));
+    std::vector<SurfaceAccuracy> surfaces;
+    for (const auto& [vertex_m, velocity_m_s] : {std::pair(0.0, 0.03), std::pair(0.02, 0.03),
+                                                 std::pair(0.05, 0.03), std::pair(0.10, 0.30)})
+        surfaces.push_back(study_surface(vertex_m, velocity_m_s, options.starts, options.seed));
+    fmt::print("{}\n{}\n{}\n{}", alignment_table_1(studies), alignment_table_2(surfaces),
+               alignment_table_3(studies), alignment_figures(studies));
 }
 
 }  // namespace
@@ -246,7 +259,18 @@ int main(int argc, char** argv) {
         "usefulness", "What certificates state, row by row, beside what could be stated");
     usefulness->add_option("--runs", usefulness_runs, "a cell")->capture_default_str();
     usefulness->add_option("--seed", usefulness_seed)->capture_default_str();
+    AlignmentOptions alignment_options;
+    CLI::App* alignment = app.add_subcommand(
+        "alignment", "How soon an IMU's attitude is right, beside the tables of [FHB03]");
+    alignment->add_option("--starts", alignment_options.starts, "a method and an error, each cell")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    alignment->add_option("--seed", alignment_options.seed)->capture_default_str();
+    alignment->add_option("--threads", alignment_options.threads, "0: as many as there are")
+        ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
+
+    if (alignment->parsed()) print_alignment(alignment_options);
 
     if (speeds->parsed()) print_speeds(speeds_runs, speeds_seed, speeds_only);
 

@@ -74,24 +74,6 @@ TEST(Attitude, EachAngleTurnsTheCraftAsItIsDefined) {
     EXPECT_GT((rotation_of({.heading = 0.2}) * forward).x(), 0.0);  // towards east
 }
 
-// The attitude of a craft on a plane by its columns: right axis x = y cross n.
-TEST(Attitude, AnglesOfASurfaceAndAVelocityAreThePublishedOnes) {
-    const Eigen::Vector3d a(10.0, 0.0, 10.0 * std::tan(14.0 * radians_per_degree));
-    const Eigen::Vector3d b(0.0, 10.0, 0.2);
-    const Eigen::Vector3d n = a.cross(b).normalized();
-    EXPECT_NEAR(n.x(), -0.24187636, 1e-8);
-    EXPECT_NEAR(n.y(), -0.01940226, 1e-8);
-    EXPECT_NEAR(n.z(), 0.97011308, 1e-8);
-    const Eigen::Vector3d v(3.0, 70.0, 1.9);
-    const Eigen::Vector3d ahead = (v - v.dot(n) * n).normalized();
-    Eigen::Matrix3d enu_from_vehicle;
-    enu_from_vehicle << ahead.cross(n), ahead, n;
-    const EulerAngles angles = euler_angles(enu_from_vehicle * vehicle_from_body());
-    EXPECT_NEAR(angles.roll * degrees_per_radian, -13.936612, 1e-6);
-    EXPECT_NEAR(angles.pitch * degrees_per_radian, 1.744234, 1e-6);
-    EXPECT_NEAR(angles.heading * degrees_per_radian, 2.406649, 1e-6);
-}
-
 TEST(Attitude, JacobianOfAnglesIsThatOfDifferences) {
     RandomGenerator random(3);
     for (int i = 0; i < 200; ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/failure.h"
 #include "core/random.h"
 #include "inertial/mount.h"
 #include "inertial_test_support.h"
@@ -152,34 +153,86 @@ TEST(InertialCalibration, AHeadingOnAStraightIsDoubtedWithAHorizontalArm) {
     std::printf("heading known to %.2f deg on a straight\n", sigma / rad);
 }
 
-// The box turned in the craft, 5 % gross errors: good to 0.2 degrees with the 0.5 g gate.
-TEST(InertialCalibration, FindsTheMountFromTheCourse) {
-    InertialRunSpec spec = oval(ImuClass::tactical, 15);
-    const InertialRun run = simulate_inertial(spec);
-    InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
-    const Eigen::Matrix3d mount = rotation_about(rad * Eigen::Vector3d(1.5, -2.0, 3.0));
-    RandomGenerator random(1);
+/// A box turned in a craft on the oval, some of its epochs grossly wrong, and the ground below.
+struct TurnedBox {
+    InertialSolution solution;
+    Eigen::Matrix3d mount = rotation_about(rad * Eigen::Vector3d(1.5, -2.0, 3.0));
+    std::vector<std::optional<Eigen::Vector3d>> normals;
     std::size_t gross = 0;
-    for (InertialEpoch& epoch : solution.epochs) {
-        // Rates along the turned axes, as the box would give them.
-        epoch.rate_rad_s = mount.transpose() * epoch.rate_rad_s;
-        epoch.enu_from_body = epoch.enu_from_body * mount;
-        if (random.uniform() > 0.05) continue;
-        ++gross;
-        epoch.enu_from_body =
-            rotation_about(15.0 * rad * Eigen::Vector3d::Unit(gross % 3)) * epoch.enu_from_body;
+
+    TurnedBox(std::uint64_t seed, double gross_share) {
+        const InertialRunSpec spec = oval(ImuClass::tactical, seed);
+        const InertialRun run = simulate_inertial(spec);
+        solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
+        const std::size_t first = test::first_truth(run, solution);
+        RandomGenerator random(seed);
+        for (std::size_t k = 0; k < solution.epochs.size(); ++k) {
+            InertialEpoch& epoch = solution.epochs[k];
+            normals.emplace_back(run.truth[first + k].ground_normal);
+            // Rates along the turned axes, as the box would give them.
+            epoch.rate_rad_s = mount.transpose() * epoch.rate_rad_s;
+            epoch.enu_from_body = epoch.enu_from_body * mount;
+            if (random.uniform() > gross_share) continue;
+            ++gross;
+            epoch.enu_from_body =
+                rotation_about(15.0 * rad * Eigen::Vector3d::Unit(static_cast<int>(gross % 3))) *
+                epoch.enu_from_body;
+        }
     }
-    const auto found = estimate_mount(solution, {.most_lateral_m_s2 = 4.9});
+    /// What a mount errs by about forward, right and down, in degrees.
+    Eigen::Vector3d error_deg(const MountEstimate& found) const {
+        return rotation_vector(found.craft_from_body * mount.transpose()) / rad;
+    }
+};
+
+constexpr MountGate straights{.most_lateral_m_s2 = 4.9};
+
+TEST(InertialCalibration, FindsTheMountFromSurfaceAndCourse) {
+    double most_deg = 0.0;
+    for (std::uint64_t seed = 15; seed < 18; ++seed)
+        for (const double share : {0.0, 0.05}) {
+            const TurnedBox box(seed, share);
+            const auto found = estimate_mount(box.solution, straights, box.normals);
+            ASSERT_TRUE(found);
+            const Eigen::Vector3d error = box.error_deg(*found);
+            std::printf("mount to %.3f %.3f %.3f deg, %zu of %zu epochs\n", error.x(), error.y(),
+                        error.z(), found->kept, found->epochs);
+            most_deg = std::max(most_deg, error.cwiseAbs().maxCoeff());
+            if (share > 0.0) {
+                EXPECT_LT(found->kept, found->epochs - box.gross / 4);
+            }
+        }
+    EXPECT_LT(most_deg, 0.2);
+}
+
+// In turns the body leans and slips to one side, and editing keeps that.
+TEST(InertialCalibration, WithoutTheGateTheMountTakesUpLeanAndSlip) {
+    const TurnedBox box(15, 0.05);
+    const auto found = estimate_mount(box.solution, {.most_lateral_m_s2 = 1e3}, box.normals);
     ASSERT_TRUE(found);
-    const Eigen::Vector3d error = rotation_vector(found->craft_from_body * mount.transpose());
-    std::printf("mount about forward, right, down to %.3f %.3f %.3f deg, %zu of %zu epochs\n",
-                error.x() / rad, error.y() / rad, error.z() / rad, found->kept, found->epochs);
-    // On a straight the craft leans by the bank, 3 degrees, about its forward axis.
-    EXPECT_NEAR(error.x() / rad, -3.0, 0.35);
-    EXPECT_NEAR(error.y() / rad, 0.0, 0.2);
-    EXPECT_NEAR(error.z() / rad, 0.0, 0.2);
-    EXPECT_LT(found->kept, found->epochs - gross / 4);
-    EXPECT_FALSE(estimate_mount(solution, {.least_speed_m_s = 200.0}));
+    const Eigen::Vector3d error = box.error_deg(*found);
+    std::printf("without the gate to %.3f %.3f %.3f deg, %zu of %zu epochs\n", error.x(), error.y(),
+                error.z(), found->kept, found->epochs);
+    EXPECT_GT(std::abs(error.x()), 0.4);
+    EXPECT_LT(std::abs(error.y()), 0.2);
+    EXPECT_GT(std::abs(error.z()), 0.2);
+}
+
+TEST(InertialCalibration, WithoutASurfaceTheBankIsInTheMount) {
+    TurnedBox box(15, 0.05);
+    const auto found = estimate_mount(box.solution, straights);
+    ASSERT_TRUE(found);
+    const Eigen::Vector3d error = box.error_deg(*found);
+    // On a straight the ground is banked by 3 degrees.
+    EXPECT_NEAR(error.x(), -3.0, 0.35);
+    EXPECT_NEAR(error.y(), 0.0, 0.2);
+    EXPECT_NEAR(error.z(), 0.0, 0.2);
+    EXPECT_FALSE(estimate_mount(box.solution, {.least_speed_m_s = 200.0}));
+    // Where the surface ends, epochs do not count; a surface of another run is refused.
+    std::ranges::fill(box.normals, std::nullopt);
+    EXPECT_FALSE(estimate_mount(box.solution, straights, box.normals));
+    box.normals.pop_back();
+    EXPECT_THROW(estimate_mount(box.solution, straights, box.normals), Failure);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "core/angle.h"
 #include "core/failure.h"
+#include "inertial/antenna_baseline.h"
 
 namespace runcert {
 namespace {
@@ -67,15 +68,6 @@ Eigen::Matrix3d levelled(const Eigen::Vector3d& force_m_s2, double heading_rad) 
     return rotation_of({.roll = roll, .pitch = pitch, .heading = heading_rad});
 }
 
-/// Covariance of phi for independent errors of roll, pitch and heading (rad).
-Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body,
-                                    const EulerAngles& sigma) {
-    const Eigen::Matrix3d axes = euler_jacobian(enu_from_body).inverse();
-    const Eigen::Vector3d variance(sigma.roll * sigma.roll, sigma.pitch * sigma.pitch,
-                                   sigma.heading * sigma.heading);
-    return axes * variance.asDiagonal() * axes.transpose();
-}
-
 InertialPrior prior_with(const StartAttitude& start, const InertialData& data,
                          const InertialSetup& setup) {
     using namespace error_state;
@@ -105,15 +97,24 @@ InertialPrior prior_with(const StartAttitude& start, const InertialData& data,
     return prior;
 }
 
+/// From the first position to a second before the craft moves, by the IMU's times.
+struct Stretch {
+    double from_s = 0.0;
+    double to_s = 0.0;
+};
+Stretch standing_stretch(const InertialData& data, const InertialSetup& setup) {
+    const std::size_t moving =
+        first_faster(data.fixes, moving_speed_m_s).value_or(data.fixes.size() - 1);
+    return {data.fixes[0].time_s + setup.time_offset_s,
+            data.fixes[moving].time_s + setup.time_offset_s - 1.0};
+}
+
 /// Where the craft stands at first: from the first position on, for so long.
 std::optional<StandingAlignment> standing_at_first(const InertialData& data,
                                                    const InertialSetup& setup) {
-    const std::size_t moving =
-        first_faster(data.fixes, moving_speed_m_s).value_or(data.fixes.size() - 1);
-    const double from_s = data.fixes[0].time_s + setup.time_offset_s;
-    const double to_s = data.fixes[moving].time_s + setup.time_offset_s - 1.0;
-    if (to_s - from_s < least_stand_s) return std::nullopt;
-    return align_standing(data.samples, from_s, to_s, data.earth, data.noise);
+    const Stretch stand = standing_stretch(data, setup);
+    if (stand.to_s - stand.from_s < least_stand_s) return std::nullopt;
+    return align_standing(data.samples, stand.from_s, stand.to_s, data.earth, data.noise);
 }
 
 /// Level with the heading of the course at an epoch, carried back to the first by the gyros. Where
@@ -153,6 +154,30 @@ StartAttitude earth_start(const StandingAlignment& standing) {
     return {standing.enu_from_body,
             attitude_covariance(standing.enu_from_body,
                                 {tilt, tilt, 2.0 * standing.heading_sigma_rad})};
+}
+
+/// Of a craft that stands at first, up by its accelerometers and the direction to a second antenna.
+std::optional<StartAttitude> standing_baseline(const InertialData& data, const InertialSetup& setup,
+                                               const StandingAlignment& standing) {
+    if (!setup.baseline) return std::nullopt;
+    const Stretch stand = standing_stretch(data, setup);
+    const MeanRates mean = mean_rates(data.samples, stand.from_s, stand.to_s, Body::stands);
+    return start_by_baseline(
+        *setup.baseline, stand.from_s - setup.time_offset_s, stand.to_s - setup.time_offset_s,
+        mean.force_m_s2, data.earth.gravity_m_s2(Eigen::Vector3d::Zero()),
+        std::hypot(rad(standing_tilt_deg), standing.tilt_sigma_rad), setup.position_error);
+}
+
+double heading_sigma(const StartAttitude& start) {
+    const Eigen::Vector3d row = euler_jacobian(start.enu_from_body).row(2);
+    return std::sqrt(row.dot(start.covariance_rad2 * row));
+}
+
+bool headings_agree(const StartAttitude& one, const StartAttitude& other) {
+    const double difference = std::remainder(
+        euler_angles(one.enu_from_body).heading - euler_angles(other.enu_from_body).heading,
+        2.0 * std::numbers::pi);
+    return std::abs(difference) <= 3.0 * std::hypot(heading_sigma(one), heading_sigma(other));
 }
 
 }  // namespace
@@ -240,8 +265,15 @@ std::optional<FoundStart> find_start(const InertialData& data, const InertialSet
     };
     if (setup.start) return found(*setup.start, StartMethod::given);
     const auto standing = standing_at_first(data, setup);
+    std::optional<StartAttitude> course;
     if (const auto fast = first_faster(data.fixes, least_course_speed_m_s))
-        return found(course_start(data, setup, *fast, standing), StartMethod::course);
+        course = course_start(data, setup, *fast, standing);
+    // Antennas that are not where they are stated to be show another heading.
+    if (standing)
+        if (const auto start = standing_baseline(data, setup, *standing);
+            start && (!course || headings_agree(*start, *course)))
+            return found(*start, StartMethod::baseline);
+    if (course) return found(*course, StartMethod::course);
     if (standing && standing->heading_sigma_rad < useful_heading_rad)
         return found(earth_start(*standing), StartMethod::earth_rotation);
     return std::nullopt;

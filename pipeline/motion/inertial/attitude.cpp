@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "core/failure.h"
 
@@ -33,6 +34,33 @@ Eigen::Matrix3d triad(const VectorPair& pair) {
 
 double angle_between(const VectorPair& pair) {
     return std::atan2(pair.first.cross(pair.second).norm(), pair.first.dot(pair.second));
+}
+
+std::optional<Failure> why_not_the_same(const VectorPair& from, const VectorPair& to,
+                                        const VectorTolerance& tolerance) {
+    const double angle_from = angle_between(from);
+    const double angle_to = angle_between(to);
+    if (!from.first.allFinite() || !from.second.allFinite() || !to.first.allFinite() ||
+        !to.second.allFinite())
+        return Failure("attitude", "a component of a vector is not a finite number",
+                       "Check the vectors");
+    for (const auto& [a, b] : {std::pair(from.first, to.first), std::pair(from.second, to.second)})
+        if (!(std::abs(a.norm() - b.norm()) <= tolerance.length * std::max(a.norm(), b.norm())))
+            return Failure(
+                "attitude",
+                fmt::format("a vector is {:.6g} long in one frame and {:.6g} in the other",
+                            a.norm(), b.norm()),
+                "Give the same vector in both frames");
+    if (!(std::min(std::sin(angle_from), std::sin(angle_to)) >= tolerance.least_sine))
+        return Failure("attitude", "the two vectors are nearly parallel",
+                       "Give vectors that are not");
+    if (!(std::abs(angle_from - angle_to) <= tolerance.angle_rad))
+        return Failure("attitude",
+                       fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
+                                   "in the other",
+                                   angle_from, angle_to),
+                       "Give the same two vectors in both frames");
+    return std::nullopt;
 }
 
 }  // namespace
@@ -79,6 +107,14 @@ Eigen::Matrix3d euler_jacobian(const Eigen::Matrix3d& enu_from_body) {
     return axes.inverse();
 }
 
+Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body,
+                                    const EulerAngles& sigma) {
+    const Eigen::Matrix3d axes = euler_jacobian(enu_from_body).inverse();
+    const Eigen::Vector3d variance(sigma.roll * sigma.roll, sigma.pitch * sigma.pitch,
+                                   sigma.heading * sigma.heading);
+    return axes * variance.asDiagonal() * axes.transpose();
+}
+
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
     Eigen::Matrix3d matrix;
     matrix << 0.0, -a.z(), a.y(),  //
@@ -109,30 +145,14 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
     return u * signs.asDiagonal() * v.transpose();
 }
 
+bool are_the_same_vectors(const VectorPair& from, const VectorPair& to,
+                          const VectorTolerance& tolerance) {
+    return !why_not_the_same(from, to, tolerance);
+}
+
 Eigen::Matrix3d rotation_of_two_vectors(const VectorPair& from, const VectorPair& to,
                                         const VectorTolerance& tolerance) {
-    const double angle_from = angle_between(from);
-    const double angle_to = angle_between(to);
-    if (!from.first.allFinite() || !from.second.allFinite() || !to.first.allFinite() ||
-        !to.second.allFinite())
-        throw Failure("attitude", "a component of a vector is not a finite number",
-                      "Check the vectors");
-    for (const auto& [a, b] : {std::pair(from.first, to.first), std::pair(from.second, to.second)})
-        if (!(std::abs(a.norm() - b.norm()) <= tolerance.length * std::max(a.norm(), b.norm())))
-            throw Failure(
-                "attitude",
-                fmt::format("a vector is {:.6g} long in one frame and {:.6g} in the other",
-                            a.norm(), b.norm()),
-                "Give the same vector in both frames");
-    if (!(std::min(std::sin(angle_from), std::sin(angle_to)) >= tolerance.least_sine))
-        throw Failure("attitude", "the two vectors are nearly parallel",
-                      "Give vectors that are not");
-    if (!(std::abs(angle_from - angle_to) <= tolerance.angle_rad))
-        throw Failure("attitude",
-                      fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
-                                  "in the other",
-                                  angle_from, angle_to),
-                      "Give the same two vectors in both frames");
+    if (const auto failure = why_not_the_same(from, to, tolerance)) throw *failure;
     return nearest_rotation(triad(to) * triad(from).inverse());
 }
 

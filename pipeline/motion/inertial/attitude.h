@@ -38,6 +38,10 @@ EulerAngles euler_angles(const Eigen::Matrix3d& enu_from_body);
 /// (rad) has components along east, north and up. Undefined at a pitch of 90 degrees.
 Eigen::Matrix3d euler_jacobian(const Eigen::Matrix3d& enu_from_body);
 
+/// Covariance (rad^2) of phi as above for independent errors of roll, pitch and heading with these
+/// standard deviations (rad).
+Eigen::Matrix3d attitude_covariance(const Eigen::Matrix3d& enu_from_body, const EulerAngles& sigma);
+
 /// The matrix [a] of the vector product: [a] b = a x b.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a);
 
@@ -63,6 +67,10 @@ struct VectorTolerance {
     double angle_rad = 1e-3;   ///< of the angle between the two
     double least_sine = 0.05;  ///< of that angle: two vectors along one line give no attitude
 };
+
+/// Whether two pairs may be the same vectors in two frames: see `rotation_of_two_vectors`.
+bool are_the_same_vectors(const VectorPair& from, const VectorPair& to,
+                          const VectorTolerance& tolerance);
 
 /// The rotation that takes `from` to `to` ([NAV] 3.4): R = B L^-1, where the columns of L and B are
 /// u, v and u x v of either pair, made orthonormal. Lengths do not count in R: all are made 1.

@@ -42,6 +42,20 @@ struct SolvedBefore {
     bool searched = false;  ///< `StartMethod::search`
 };
 
+/// Where a second antenna was from the first at an epoch, along east, north and up.
+struct BaselineFix {
+    double time_s = 0.0;  ///< on the positions' scale
+    Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();  ///< of its white error
+};
+
+/// A second antenna on the craft: with the first it shows the heading while the craft stands, too.
+struct AntennaBaseline {
+    Eigen::Vector3d body_m = Eigen::Vector3d::Zero();  ///< from the first, forward, right, down
+    double body_sigma_m = 0.03;  ///< of the same as measured on the craft, in any direction
+    std::vector<BaselineFix> fixes = {};  ///< in order of time
+};
+
 struct InertialSetup {
     Geodetic origin = {};
     ImuNoise noise = {};
@@ -65,6 +79,7 @@ struct InertialSetup {
     double least_vertical_m = 0.009;
     /// Replaces the start that the data give. Holds at the first position.
     std::optional<StartAttitude> start = {};
+    std::optional<AntennaBaseline> baseline = {};  ///< used for a start while the craft stands
 };
 
 /// How the attitude at the start was found.
@@ -73,6 +88,7 @@ enum class StartMethod {
     course,          ///< heading from the course over ground, level
     earth_rotation,  ///< while standing: level by gravity, heading by the Earth's rotation
     search,          ///< the likeliest of twelve headings
+    baseline,        ///< while standing: level by gravity, heading by two antennas
 };
 
 /// A point of the craft with the covariance of its error.
@@ -233,8 +249,9 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 ///
 /// Starts where the craft moves at 5 m/s or more, with the heading of its course and level
 /// (standard deviations of 9 degrees in roll, 4 in pitch, 5 in heading), carried back by the gyros.
-/// A craft that stands at first is levelled by gravity and its gyros' bias measured. Without motion
-/// the likeliest of twelve headings over 60 s is taken.
+/// A craft that stands at first is levelled by gravity and its gyros' bias measured; with a second
+/// antenna the direction to that is its heading, unless the course that follows says otherwise.
+/// Without motion the likeliest of twelve headings over 60 s is taken.
 ///
 /// Noise is that which is likeliest over two minutes about the highest speed, no less than the
 /// setup's (`fit_imu_noise`). Scale factors and axes that err by 0.2 to 1 %, as those of MEMS

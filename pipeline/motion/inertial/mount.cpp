@@ -1,39 +1,57 @@
 #include "inertial/mount.h"
 
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
+#include "core/failure.h"
 #include "core/statistics.h"
+#include "inertial/surface_attitude.h"
 
 namespace runcert {
 namespace {
 
 constexpr std::size_t least_epochs = 10;
 
-/// The craft's axes by its velocity: forward along it, right level.
-Eigen::Matrix3d enu_from_craft(const Eigen::Vector3d& velocity) {
-    return rotation_of({.pitch = std::atan2(velocity.z(), velocity.head<2>().norm()),
-                        .heading = std::atan2(velocity.x(), velocity.y())});
+/// The normal of ground that holds the velocity and is level across it.
+Eigen::Vector3d level_across(const Eigen::Vector3d& velocity) {
+    const Eigen::Vector3d right(velocity.y(), -velocity.x(), 0.0);
+    return right.cross(velocity).normalized();
 }
 
-std::vector<Eigen::Matrix3d> gated_mounts(const InertialSolution& solution, const MountGate& gate) {
+std::vector<Eigen::Matrix3d> gated_mounts(const InertialSolution& solution, const MountGate& gate,
+                                          std::span<const std::optional<Eigen::Vector3d>> normals) {
     std::vector<Eigen::Matrix3d> mounts;
-    for (const InertialEpoch& epoch : solution.epochs) {
+    for (std::size_t k = 0; k < solution.epochs.size(); ++k) {
+        const InertialEpoch& epoch = solution.epochs[k];
         const Eigen::Vector3d& v = epoch.reference_point.velocity_m_s;
         const double speed = v.head<2>().norm();
         const double turning = (epoch.enu_from_body * epoch.rate_rad_s).z();
-        if (speed < gate.least_speed_m_s || std::abs(turning) * speed > gate.most_lateral_m_s2)
+        if (!(speed > 0.0) || speed < gate.least_speed_m_s ||
+            std::abs(turning) * speed > gate.most_lateral_m_s2)
             continue;
-        mounts.push_back(enu_from_craft(v).transpose() * epoch.enu_from_body);
+        if (!normals.empty() && !normals[k]) continue;
+        const Eigen::Vector3d normal = normals.empty() ? level_across(v) : *normals[k];
+        if (const auto enu_from_craft =
+                attitude_on_surface({normal, v}, {.least_speed_m_s = gate.least_speed_m_s}))
+            mounts.push_back(enu_from_craft->transpose() * epoch.enu_from_body);
     }
     return mounts;
 }
 
 }  // namespace
 
-std::optional<MountEstimate> estimate_mount(const InertialSolution& solution,
-                                            const MountGate& gate) {
-    const std::vector<Eigen::Matrix3d> mounts = gated_mounts(solution, gate);
+std::optional<MountEstimate> estimate_mount(
+    const InertialSolution& solution, const MountGate& gate,
+    std::span<const std::optional<Eigen::Vector3d>> normals) {
+    if (!normals.empty() && normals.size() != solution.epochs.size())
+        throw Failure("surface",
+                      fmt::format("{} normals are given for {} epochs", normals.size(),
+                                  solution.epochs.size()),
+                      "Give one for each epoch");
+    const std::vector<Eigen::Matrix3d> mounts = gated_mounts(solution, gate, normals);
     if (mounts.size() < least_epochs) return std::nullopt;
     std::vector<bool> used(mounts.size(), true);
     MountEstimate estimate{.epochs = mounts.size()};

@@ -22,16 +22,22 @@ struct MountEstimate {
     std::size_t kept = 0;
 };
 
-/// The mount by the course: at each epoch of the gate, the craft's forward axis is taken to lie
-/// along the velocity and its right axis to be level. The mean of the rotations leaves out, axis by
-/// axis, what lies beyond 3 x 1.4826 median absolute deviations, until the set stays (ten times at
-/// most).
+/// The mount by velocity and ground: at each epoch of the gate the craft's attitude is that of
+/// `attitude_on_surface`. Without normals its right axis is taken to be level. `normals` has one of
+/// the surface for each epoch, or none where the surface ends. The mean of the rotations leaves
+/// out, axis by axis, what lies beyond 3 x 1.4826 median absolute deviations, until the set stays
+/// (ten times at most).
 ///
-/// Yaw and pitch of the mount so include the craft's mean side slip and the mean slope; roll is
-/// that against the level, which is the mount's only if the craft does not lean. They are good to a
-/// few tenths of a degree, whatever the standard error. Nothing where fewer than ten epochs are
-/// kept.
-std::optional<MountEstimate> estimate_mount(const InertialSolution& solution,
-                                            const MountGate& gate);
+/// Yaw and pitch of the mount so include the craft's mean side slip and, without a surface, the
+/// mean slope; roll without one is that against the level, which is the mount's only if the ground
+/// has no bank. In turns the craft leans and slips, which no editing takes out: on an oval of 14
+/// degrees roll and yaw err by 0.5 degrees without the gate, by 0.1 with it [FHB03]. So they are
+/// good to a few tenths of a degree, whatever the standard error. Nothing where fewer than ten
+/// epochs are kept.
+///
+/// Failure (at "surface") where there are normals, but not one for each epoch.
+std::optional<MountEstimate> estimate_mount(
+    const InertialSolution& solution, const MountGate& gate,
+    std::span<const std::optional<Eigen::Vector3d>> normals = {});
 
 }  // namespace runcert

@@ -88,12 +88,13 @@ double scatter_about(const std::vector<HeightAbove>& over, double offset_m) {
     return sigma_of_median * median(std::move(sizes));
 }
 
-void refuse_other_datum(const SurfaceComparison& found, const GroundBelow& ground) {
-    if (std::abs(found.offset_m) < datum_error_m) return;
-    const std::string moved = fmt::format("{} m {} the surface, in the median",
-                                          format_fixed(std::abs(found.offset_m), 2),
-                                          found.offset_m > 0.0 ? "above" : "below");
-    if (found.scatter_m > 0.2 * std::abs(found.offset_m))
+/// `up_m`: the median, upwards.
+void refuse_other_datum(const SurfaceComparison& found, double up_m, const GroundBelow& ground) {
+    if (std::abs(up_m) < datum_error_m) return;
+    const std::string moved =
+        fmt::format("{} m {} where the surface has it, in the median",
+                    format_fixed(std::abs(up_m), 2), up_m > 0.0 ? "above" : "below");
+    if (found.scatter_m > 0.2 * std::abs(up_m))
         throw Failure(ground.place,
                       fmt::format("the antenna is {}, and that scatters by {} m: it is not the "
                                   "surface that the craft ran on",
@@ -106,7 +107,7 @@ void refuse_other_datum(const SurfaceComparison& found, const GroundBelow& groun
                   fmt::format("If the surface's are, write heights: geoid and undulation_m: {}, "
                               "after a geoid model says so; if the recording's are, hand in one "
                               "with ellipsoidal heights. A local plane needs its origin's height",
-                              format_fixed(ground.undulation_m + found.offset_m, 2)));
+                              format_fixed(ground.undulation_m + up_m, 2)));
 }
 
 void mark(const HeightAbove& one, double rest_m) {
@@ -138,7 +139,8 @@ std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const Gr
         .sigma_offset_m = median_of(heights.over, &HeightAbove::sigma_m)};
     found.scatter_m = scatter_about(heights.over, found.offset_m);
     found.detectable_m = detectable_sigmas * found.sigma_offset_m;
-    refuse_other_datum(found, ground);
+    refuse_other_datum(found, found.offset_m / median_of(heights.over, &HeightAbove::normal_up),
+                       ground);
     found.offset_removed = std::abs(found.offset_m) > threshold * found.sigma_offset_m;
     const double removed_m = found.offset_removed ? found.offset_m : 0.0;
     for (const HeightAbove& one : heights.over) {

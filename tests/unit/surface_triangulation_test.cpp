@@ -140,6 +140,24 @@ TEST(Triangulation, TrianglesOfVeryDifferentSizesNeedNoMoreCellsThanTriangles) {
     EXPECT_FALSE(Triangulation(SurfaceMesh{}).at({0.0, 0.0}));
 }
 
+// What METHOD.md says of the surface as a measurement of a float solution: linear least squares of a
+// prior (0.5 m horizontally, 1 m in height) and one distance along the normal, good to 10 cm.
+TEST(NormalConstraint, AsAMeasurementImprovesTheHeightAndNoHorizontalSpeed) {
+    const double bank = 14.0 * std::numbers::pi / 180.0;
+    const Eigen::Vector3d normal(-std::sin(bank), 0.0, std::cos(bank));
+    const Eigen::Matrix3d prior = Eigen::Vector3d(0.25, 0.25, 1.0).asDiagonal();
+    const Eigen::Matrix3d after =
+        (prior.inverse() + normal * normal.transpose() / (0.10 * 0.10)).inverse();
+    EXPECT_NEAR(std::sqrt(normal.dot(prior * normal)), 0.98, 0.005);
+    EXPECT_NEAR(std::sqrt(normal.dot(after * normal)), 0.10, 0.005);
+    EXPECT_NEAR(std::sqrt(after(2, 2)), 0.16, 0.005);
+    EXPECT_NEAR(std::sqrt(after(0, 0)), 0.496, 0.0005);
+    EXPECT_NEAR(std::sqrt(after(1, 1)), 0.5, 1e-12);
+    EXPECT_NEAR(3.29 * 0.10, 0.33, 0.005);
+    EXPECT_NEAR(4.132 * 0.10, 0.41, 0.005);
+    EXPECT_NEAR(std::sin(bank), 0.24, 0.005);
+}
+
 TEST(OverlappingTriangles, AreNamedAndNeighboursAreNot) {
     SurfaceMesh mesh = field(6, [](double x, double) { return 0.1 * x; });
     EXPECT_FALSE(overlapping_triangles(mesh));

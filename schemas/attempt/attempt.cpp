@@ -129,7 +129,7 @@ void require_sound_heights(const YamlValue& map, const Surface& surface) {
         map.fail("nothing says what the surface's heights are counted from",
                  "Write heights: ellipsoid; or heights: geoid, with undulation_m");
     if (!on_earth && surface.heights)
-        map["heights"].fail("heights of a local plane are counted from its origin",
+        map["heights"].fail("heights in the local frame are counted from its origin",
                             "Remove heights and undulation_m");
 }
 

@@ -102,11 +102,11 @@ void refuse_other_datum(const SurfaceComparison& found, double up_m, const Groun
                       "Correct surface: file, frame, axes or unit");
     throw Failure(ground.place,
                   fmt::format("the antenna is {}, everywhere alike (scatter {} m): heights above "
-                              "the geoid are taken for heights above the ellipsoid",
+                              "the geoid are taken for ellipsoidal ones",
                               moved, format_fixed(found.scatter_m, 2)),
                   fmt::format("If the surface's are, write heights: geoid and undulation_m: {}, "
                               "after a geoid model says so; if the recording's are, hand in one "
-                              "with ellipsoidal heights. A local plane needs its origin's height",
+                              "with ellipsoidal heights. A local frame needs its origin's height",
                               format_fixed(ground.undulation_m + up_m, 2)));
 }
 

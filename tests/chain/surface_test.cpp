@@ -60,7 +60,7 @@ std::string recording(const RunSpec& spec) {
     return text;
 }
 
-/// The course as an OBJ in the local plane at the origin, its heights lowered.
+/// The course as an OBJ in the local frame of the origin, its heights lowered.
 std::string survey(double lowered_m) {
     std::string text = "# a survey\n";
     for (int i = 0; i <= 34; ++i)

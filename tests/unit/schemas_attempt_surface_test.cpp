@@ -26,7 +26,8 @@ std::string surface(const std::string& keys) {
 }
 
 std::string refused(const std::string& receiver_keys) {
-    return failure_of([&] { (void)read(receiver_keys); });
+    const auto said = failure_of([&] { (void)read(receiver_keys); });
+    return said.where + ": " + said.problem + ". " + said.remedy;
 }
 
 bool says(const std::string& text, const std::string& part) {

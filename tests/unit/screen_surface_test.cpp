@@ -175,7 +175,7 @@ TEST(SurfaceCheck, AHeightAboveTheGeoidIsNamedWithItsMetres) {
     ground.undulation_m = 0.5;
     const std::string text = refused(table, ground);
     EXPECT_TRUE(says(text, "attempt.yaml:9:9: the antenna is 36.4")) << text;
-    EXPECT_TRUE(says(text, "heights above the geoid are taken for heights above the ellipsoid"));
+    EXPECT_TRUE(says(text, "heights above the geoid are taken for ellipsoidal ones"));
     EXPECT_TRUE(says(text, "undulation_m: 36.9")) << text;
 }
 

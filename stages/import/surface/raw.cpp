@@ -11,7 +11,7 @@ void require_room(std::size_t count, const SourceLine& line, const RecordingByte
     if (count < most_elements) return;
     throw Failure(place_in(file, line),
                   fmt::format("the surface has more than {} vertices or triangles", most_elements),
-                  "Cut it down to the course, or thin it out: triangles of some metres suffice");
+                  "Export the course alone, or fewer points: triangles of some metres suffice");
 }
 
 }  // namespace

@@ -47,14 +47,14 @@ double unit_of(const Surface& stated, const RawSurface& raw) {
         throw Failure(stated.place,
                       fmt::format("the file's unit is {}, and the attempt's is {}",
                                   escape_for_message(raw.unit_name), stated.unit),
-                      "Remove unit from surface, or correct the file");
+                      "Remove unit from surface, or export the surface again");
     return unit;
 }
 
 /// A surface between reading and writing.
 struct HeldSurface {
     SurfaceMesh mesh;  ///< in plan coordinates (m), for what is tested
-    std::vector<Geodetic> places;  ///< of its vertices; empty in a local plane
+    std::vector<Geodetic> places;  ///< of its vertices; empty in a local frame
     std::vector<std::int64_t> vertex_lines, triangle_lines;
 };
 

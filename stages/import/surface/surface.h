@@ -27,7 +27,7 @@ struct StreamedSurface {
 };
 
 /// Reads the files of a receiver's surface: vertices on the WGS 84 ellipsoid with heights above it,
-/// or, of a local plane, in metres east, north and up of the run's origin; triangles
+/// or, in a local frame, in metres east, north and up of the run's origin; triangles
 /// counter-clockwise seen from above. Triangles that are listed clockwise are turned: in plan no
 /// other triangle lies over them, so that the order of their corners says nothing of the ground.
 ///

@@ -109,7 +109,8 @@ void add_surface(CLI::App& app, Command& chosen) {
         "      surface: {file: course.ecsv, source: runs of the day before}\n\n"
         "The file names the recordings that it was made from. An attempt with one of these is\n"
         "refused: a run cannot check itself.");
-    command->callback([&chosen, options] { chosen = [options] { return make_surface(*options); }; });
+    command->callback(
+        [&chosen, options] { chosen = [options] { return make_surface(*options); }; });
 }
 
 }  // namespace runcert

@@ -32,15 +32,13 @@ Eigen::Vector2d halved(const Eigen::Vector2d& twice) {
 /// position, or touch one that does.
 class GridPlan {
   public:
-    GridPlan(std::span<const AntennaPosition> positions, double spacing_m)
-        : spacing_m_(spacing_m) {
+    GridPlan(std::span<const AntennaPosition> positions, double spacing_m) : spacing_m_(spacing_m) {
         Eigen::Vector2d mean = Eigen::Vector2d::Zero();
         for (const AntennaPosition& position : positions)
             mean += doubled(position.direction);
         const Eigen::Vector2d along = halved(mean);
         grid_from_plan_ << along.x(), along.y(), -along.y(), along.x();
-        Eigen::Vector2d most =
-            Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
+        Eigen::Vector2d most = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
         least_ = -most;
         for (const AntennaPosition& position : positions) {
             const Eigen::Vector2d place = grid_from_plan_ * position.enu_m.head<2>();
@@ -127,7 +125,8 @@ Weighted weighted_at(const GridPlan& plan, const Eigen::Vector2d& place) {
     const Eigen::Vector2d cell = plan.in_cells(place);
     const double x = cell.x() - static_cast<double>(column);
     const double y = cell.y() - static_cast<double>(row);
-    const std::int64_t corner = plan.number(column, row), opposite = plan.number(column + 1, row + 1);
+    const std::int64_t corner = plan.number(column, row),
+                       opposite = plan.number(column + 1, row + 1);
     if (x >= y) return {{corner, plan.number(column + 1, row), opposite}, {1.0 - x, x - y, y}};
     return {{corner, opposite, plan.number(column, row + 1)}, {1.0 - y, x, y - x}};
 }
@@ -177,9 +176,9 @@ void add_bends(const GridPlan& plan, const HeightGridSettings& settings,
                 const std::int64_t before = plan.number(column - c, row - r);
                 const std::int64_t after = plan.number(column + c, row + r);
                 if (before < 0 || after < 0) return;
-                equations.add({{before, here, after}, {1.0, -2.0, 1.0}}, 0.0,
-                              std::hypot(along * settings.bend_along_m,
-                                         across * settings.bend_across_m));
+                equations.add(
+                    {{before, here, after}, {1.0, -2.0, 1.0}}, 0.0,
+                    std::hypot(along * settings.bend_along_m, across * settings.bend_across_m));
             };
             bend(1, 0, travel.x(), travel.y());
             bend(0, 1, travel.y(), travel.x());
@@ -216,8 +215,8 @@ SurfaceMesh mesh_of(const GridPlan& plan, const Eigen::VectorXd& heights) {
         for (Eigen::Index column = 0; column < plan.columns(); ++column) {
             const std::int64_t corner = plan.number(column, row);
             if (corner < 0) continue;
-            mesh.vertices[static_cast<std::size_t>(corner)]
-                << plan.plan_of(column, row), heights[static_cast<Eigen::Index>(corner)];
+            mesh.vertices[static_cast<std::size_t>(corner)] << plan.plan_of(column, row),
+                heights[static_cast<Eigen::Index>(corner)];
             const std::int64_t right = plan.number(column + 1, row),
                                opposite = plan.number(column + 1, row + 1),
                                above = plan.number(column, row + 1);

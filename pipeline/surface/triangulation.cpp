@@ -145,8 +145,7 @@ std::optional<GroundPoint> Triangulation::at(const Eigen::Vector2d& place) const
         double up_m = 0.0;
         for (std::size_t i = 0; i < 3; ++i)
             up_m += weights[static_cast<Eigen::Index>(i)] * mesh_.vertices[corners[i]].z();
-        return GroundPoint{
-            .triangle = t, .weights = weights, .up_m = up_m, .normal = normal_of(t)};
+        return GroundPoint{.triangle = t, .weights = weights, .up_m = up_m, .normal = normal_of(t)};
     }
     return std::nullopt;
 }

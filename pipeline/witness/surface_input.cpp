@@ -23,7 +23,8 @@ Triangulation surface_of(const SurfaceTable& table, const std::optional<FrameOri
     std::optional<LocalFrame> frame;
     if (table.georeferenced) {
         if (!origin)
-            throw Failure("1-surface", "the surface lies on the Earth, and the run does not", remake);
+            throw Failure("1-surface", "the surface lies on the Earth, and the run does not",
+                          remake);
         frame.emplace(origin->position);
     }
     SurfaceMesh mesh;

@@ -33,10 +33,10 @@ void require_comparable(std::span<const EarlierRun> runs) {
                           "Name runs whose receiver records heights");
         for (const std::string& recording : run.recordings)
             if (!recordings.insert(recording).second)
-                throw Failure("surface",
-                              fmt::format("the recording of the run {} is that of another run, too",
-                                          run.id),
-                              "Name each recording once: it says what it says no better twice");
+                throw Failure(
+                    "surface",
+                    fmt::format("the recording of the run {} is that of another run, too", run.id),
+                    "Name each recording once: it says what it says no better twice");
     }
 }
 
@@ -73,11 +73,11 @@ std::int64_t add_positions(const EarlierRun& run, const std::optional<FrameOrigi
             const Eigen::Vector2d moved = (here - *before).head<2>();
             const double step_s = row.time.seconds() - time_before.seconds();
             if (moved.norm() >= least_speed_m_s * step_s && moved.norm() > 0.0) {
-                positions.push_back({.enu_m = here,
-                                     .direction = moved,
-                                     .sigma_up_m = std::max(
-                                         1e-3, row.sigma_up_m.value_or(usual_sigma_up_m)),
-                                     .antenna_height_m = run.antenna_height_m});
+                positions.push_back(
+                    {.enu_m = here,
+                     .direction = moved,
+                     .sigma_up_m = std::max(1e-3, row.sigma_up_m.value_or(usual_sigma_up_m)),
+                     .antenna_height_m = run.antenna_height_m});
                 ++added;
             }
         }
@@ -150,9 +150,9 @@ SurfaceTable surface_of_runs(std::span<const EarlierRun> runs) {
                    .triangles = std::ssize(mesh.triangles),
                    .edge_m = median_edge_m(mesh),
                    .area_m2 = twice_area_m2 / 2.0};
-    table.notes.push_back(fmt::format(
-        "{} of {} triangles without positions on both sides are left out.",
-        std::ranges::count(grid.supported, false), grid.supported.size()));
+    table.notes.push_back(
+        fmt::format("{} of {} triangles without positions on both sides are left out.",
+                    std::ranges::count(grid.supported, false), grid.supported.size()));
     add_rows(mesh, origin, table);
     return table;
 }

@@ -121,9 +121,12 @@ std::string off_the_surface(RowSpan rows) {
     const std::string size = range_text(
         rows, 2, " m", [](const ScreenedEpoch& each) { return size_of(each.estimated); });
     const bool below = rows.front().estimated.up_m.value_or(0.0) < 0.0;
-    return fmt::format("{} {}{} where the surface has {}", rows.size() == 1 ? "its height is"
-                                                                         : "their heights are",
-                       size.empty() ? "not" : size, size.empty() ? "" : below ? " below" : " above",
+    return fmt::format("{} {}{} where the surface has {}",
+                       rows.size() == 1 ? "its height is" : "their heights are",
+                       size.empty() ? "not" : size,
+                       size.empty() ? ""
+                       : below      ? " below"
+                                    : " above",
                        rows.size() == 1 ? "it" : "them");
 }
 

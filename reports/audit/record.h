@@ -46,7 +46,7 @@ struct ReceiverRecord {
     std::optional<PhaseTable> phase = {};                   ///< without its rows
     std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
     std::vector<SlipRecord> slips = {};
-    std::optional<ImuTable> imu = {};  ///< without its rows
+    std::optional<ImuTable> imu = {};          ///< without its rows
     std::optional<SurfaceTable> surface = {};  ///< without its rows
     std::optional<AttitudeTable> attitude = {};
 };

@@ -107,16 +107,17 @@ std::vector<Block> imported_surface(const RunRecord& record, const ReceiverRecor
                                all));
     Block found = facts({});
     add_fact(found, "Source", surface.source);
-    add_fact(found, "Vertices", fmt::format("{}, median edge {} m", surface.found.vertices,
-                                            format_fixed(surface.found.edge_m, 1)));
+    add_fact(found, "Vertices",
+             fmt::format("{}, median edge {} m", surface.found.vertices,
+                         format_fixed(surface.found.edge_m, 1)));
     add_fact(found, "Height of a vertex, standard deviation",
              fmt::format("{} m", format_fixed(surface.vertical_sd_m, 3)));
     if (surface.undulation_m != 0.0)
         add_fact(found, "Undulation added",
                  fmt::format("{} m", format_fixed(surface.undulation_m, 3)));
     for (const SurfaceRun& run : surface.made_from)
-        add_fact(found, "Made from", fmt::format("run {}, {}", run.id,
-                                                 counted(run.positions, "position")));
+        add_fact(found, "Made from",
+                 fmt::format("run {}, {}", run.id, counted(run.positions, "position")));
     blocks.push_back(std::move(found));
     if (!surface.notes.empty()) blocks.push_back(list_of(surface.notes));
     return blocks;

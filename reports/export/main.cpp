@@ -130,8 +130,8 @@ int main(int argc, char** argv) {
                       {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
             line.text("--out", options.out, "file to write, - for standard output");
             line.word("--table", options.table, "of csv: which table",
-                      {"observations", "imu", "surface", "enu", "screened", "trajectory", "attitude",
-                       of_rule_speeds});
+                      {"observations", "imu", "surface", "enu", "screened", "trajectory",
+                       "attitude", of_rule_speeds});
             line.text("--receiver", options.receiver, "which receiver (default: the first)");
             line.integer("--every", options.every, "of a map: every so many epochs", 1,
                          1'000'000'000);

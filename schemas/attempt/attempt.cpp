@@ -45,8 +45,8 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other :
-         {"id", "recording", "base", "navigation", "phase", "imu", "surface",
-          "antenna_height_m", "lever_arm_m", "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
+         {"id", "recording", "base", "navigation", "phase", "imu", "surface", "antenna_height_m",
+          "lever_arm_m", "rotation_bound_deg", "calibration", "device_deduction", "instrument"})
         stated.erase(other);
     return stated;
 }
@@ -139,9 +139,10 @@ void require_sound_surface(const YamlValue& entry, const Receiver& receiver, boo
     const Surface& surface = *receiver.surface;
     const YamlValue map = entry["surface"];
     if (!receiver.antenna_height_m)
-        map.fail("without the antenna's height above the ground, positions cannot be compared "
-                 "with the surface",
-                 "Add antenna_height_m to the receiver, as measured by tape");
+        map.fail(
+            "without the antenna's height above the ground, positions cannot be compared "
+            "with the surface",
+            "Add antenna_height_m to the receiver, as measured by tape");
     require_sound_heights(map, surface);
     if (!surface.frame) return;
     if (surface.frame->kind == CoordinateFrame::ecef)
@@ -151,9 +152,10 @@ void require_sound_surface(const YamlValue& entry, const Receiver& receiver, boo
     const bool recorded_plane =
         receiver.frame && receiver.frame->kind == CoordinateFrame::local_plane;
     if (recorded_plane && !plane)
-        map["frame"].fail("the recording's coordinates are those of an engineering CRS, and the "
-                          "surface lies elsewhere on the Earth",
-                          "Give the surface in the recording's CRS, with frame: local_plane");
+        map["frame"].fail(
+            "the recording's coordinates are those of an engineering CRS, and the "
+            "surface lies elsewhere on the Earth",
+            "Give the surface in the recording's CRS, with frame: local_plane");
     if (plane && !recorded_plane && !has_origin)
         map["frame"].fail("the surface is counted from an origin, and the attempt gives none",
                           "Add origin: {latitude_deg, longitude_deg, height_m}");

@@ -65,10 +65,9 @@ CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
                                           errors_of(judged, best)),
                     .run = run,
                     .missing = {},
-                    .ground = judged.ground
-                                  ? ground_facts(judged.trajectory, run, *first, *last,
-                                                 *judged.ground, judged.origin)
-                                  : std::nullopt};
+                    .ground = judged.ground ? ground_facts(judged.trajectory, run, *first, *last,
+                                                           *judged.ground, judged.origin)
+                                            : std::nullopt};
     return {.missing =
                 "the window is not within one run of the craft, as the profile's thresholds "
                 "cut them"};

@@ -88,9 +88,10 @@ Finding computation::flatness(const Clause& clause, const ClauseContext& context
     return with_facts(context, [&](const CourseFacts& facts) {
         if (const auto& ground = context.course.ground)
             return against_limit(
-                beside_the_track(compared("highest less lowest ground under the run, by the surface",
-                                          ground->height_difference_m),
-                                 facts.height_difference_m, 1.0, clause.unit),
+                beside_the_track(
+                    compared("highest less lowest ground under the run, by the surface",
+                             ground->height_difference_m),
+                    facts.height_difference_m, 1.0, clause.unit),
                 clause);
         if (!facts.height_difference_m) return unknown("not every epoch of the run has a height");
         return against_limit(

@@ -44,8 +44,7 @@ std::optional<GroundFacts> ground_facts(std::span<const TrajectoryEpoch> rows, c
     if (!first || !last) return std::nullopt;
     const double length_m = (*last - *first).head<2>().norm();
     if (length_m == 0.0) return std::nullopt;
-    const double two_heights_m =
-        usual_coverage_factor * std::numbers::sqrt2 * ground.vertical_sd_m;
+    const double two_heights_m = usual_coverage_factor * std::numbers::sqrt2 * ground.vertical_sd_m;
     return GroundFacts{.height_difference_m = {high_m - low_m, two_heights_m},
                        .slope = {(last->z() - first->z()) / length_m, two_heights_m / length_m}};
 }

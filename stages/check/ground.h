@@ -26,9 +26,9 @@ struct GroundFacts {
 };
 
 /// The facts of the ground under a run and a window in it, straight below each estimate of the
-/// antenna; heights above a tangent plane are corrected as for `course_facts`. Errors of two heights
-/// are taken as independent, each of the vertices' stated size. Nothing where an estimate of the run
-/// does not lie over the surface, or the window's ends lie at one place.
+/// antenna; heights above a tangent plane are corrected as for `course_facts`. Errors of two
+/// heights are taken as independent, each of the vertices' stated size. Nothing where an estimate
+/// of the run does not lie over the surface, or the window's ends lie at one place.
 std::optional<GroundFacts> ground_facts(std::span<const TrajectoryEpoch> rows, const CraftRun& run,
                                         std::size_t window_first_row, std::size_t window_last_row,
                                         const CourseGround& ground,

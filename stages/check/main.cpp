@@ -17,8 +17,7 @@ std::optional<CourseGround> read_ground(StageRun& run, const Receiver& receiver,
                                         const std::optional<FrameOrigin>& origin) {
     if (!has_surface(receiver)) return std::nullopt;
     const SurfaceTable table = run.read(products::surface, receiver, read_surface);
-    return CourseGround{.surface = surface_of(table, origin),
-                        .vertical_sd_m = table.vertical_sd_m};
+    return CourseGround{.surface = surface_of(table, origin), .vertical_sd_m = table.vertical_sd_m};
 }
 
 ReceiverFindings gather(StageRun& run, const Receiver& receiver) {

@@ -80,7 +80,8 @@ void add_surface(const ClauseContext& context, Notes& notes) {
         if (!receiver || !receiver->ground) continue;
         const auto& found = receiver->tests.surface;
         if (!found) {
-            say(notes, "The surface says nothing of receiver \"{}\", whose heights were not measured.",
+            say(notes,
+                "The surface says nothing of receiver \"{}\", whose heights were not measured.",
                 receiver->receiver);
             continue;
         }

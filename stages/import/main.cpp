@@ -209,9 +209,9 @@ std::string write_ground(StageRun run, const Receiver& receiver, const OpenFiles
                          bool georeferenced) {
     const auto triangles = open.of("triangles");
     surface::StreamedSurface ground = surface::import_surface(
-        receiver, {.file = open.of("surface").front(),
-                   .triangles = triangles.empty() ? std::nullopt
-                                                  : std::optional(triangles.front())});
+        receiver,
+        {.file = open.of("surface").front(),
+         .triangles = triangles.empty() ? std::nullopt : std::optional(triangles.front())});
     std::vector<std::string> recordings;
     for (const InputFile& input : run.inputs())
         if (input.role == "recording") recordings.push_back(input.sha256);
@@ -308,6 +308,7 @@ std::vector<Section> inspect_positions(const Receiver& receiver, const Recording
     const RecordingBytes readable{.name = recording.name,
                                   .bytes = utf8.empty() ? recording.bytes : utf8};
     if (!is_read_by_itself(receiver, readable) && !gpsbabel::recognises(head)) {
+        if (auto ground = surface::describe(readable)) return {*std::move(ground)};
         if (const auto imu = imu::propose(readable)) return {imu::section_of(*imu)};
         refuse_not_read(readable, false);
         require_text(readable);

@@ -90,11 +90,11 @@ int main(int argc, char** argv) {
                                     screened[i].rows.size(), summary.arcs,
                                     summary.arcs == 1 ? "arc" : "arcs"));
                 if (const auto& surface = screened[i].basis.surface)
-                    run.say(fmt::format("Surface: {} of {} heights rejected; median {} m, scatter "
-                                        "{} m",
-                                        surface->rejected, surface->compared,
-                                        format_fixed(surface->offset_m, 3),
-                                        format_fixed(surface->scatter_m, 3)));
+                    run.say(fmt::format(
+                        "Surface: {} of {} heights rejected; median {} m, scatter "
+                        "{} m",
+                        surface->rejected, surface->compared, format_fixed(surface->offset_m, 3),
+                        format_fixed(surface->scatter_m, 3)));
                 if (phases[i]) write_phases(run, attempt.receivers[i], *phases[i]);
             }
         });

@@ -35,14 +35,13 @@ struct HeightsAbove {
 };
 
 HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
-    const double lowered_m =
-        ground.antenna_height_m *
-        (1.0 - std::cos(Angle::from_degrees(ground.tilt_max_deg).radians()));
+    const double lowered_m = ground.antenna_height_m *
+                             (1.0 - std::cos(Angle::from_degrees(ground.tilt_max_deg).radians()));
     HeightsAbove found;
     for (ScreenedEpoch& row : screened.rows) {
         if (!row.usable || !row.east_m || !row.north_m || !row.up_m) continue;
-        const Eigen::Vector3d position = in_frame_of_origin(
-            screened.origin, row.time, {*row.east_m, *row.north_m, *row.up_m});
+        const Eigen::Vector3d position =
+            in_frame_of_origin(screened.origin, row.time, {*row.east_m, *row.north_m, *row.up_m});
         const auto below = ground.surface.at(position.head<2>());
         if (!below) {
             found.beside.emplace_back(position.head<2>());
@@ -64,8 +63,7 @@ HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
 [[noreturn]] void refuse_elsewhere(const HeightsAbove& found, const GroundBelow& ground) {
     double nearest_m = std::numeric_limits<double>::infinity();
     for (const Eigen::Vector3d& vertex : ground.surface.mesh().vertices)
-        nearest_m =
-            std::min(nearest_m, (vertex.head<2>() - found.beside.front()).norm());
+        nearest_m = std::min(nearest_m, (vertex.head<2>() - found.beside.front()).norm());
     throw Failure(ground.place,
                   fmt::format("none of the {} usable positions lies over the surface: its nearest "
                               "vertex is {} km from the first of them",
@@ -131,12 +129,11 @@ std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const Gr
         if (!heights.beside.empty()) refuse_elsewhere(heights, ground);
         return std::nullopt;
     }
-    SurfaceComparison found{
-        .compared = std::ssize(heights.over),
-        .outside = std::ssize(heights.beside),
-        .antenna_height_m = ground.antenna_height_m,
-        .offset_m = median_of(heights.over, &HeightAbove::distance_m),
-        .sigma_offset_m = median_of(heights.over, &HeightAbove::sigma_m)};
+    SurfaceComparison found{.compared = std::ssize(heights.over),
+                            .outside = std::ssize(heights.beside),
+                            .antenna_height_m = ground.antenna_height_m,
+                            .offset_m = median_of(heights.over, &HeightAbove::distance_m),
+                            .sigma_offset_m = median_of(heights.over, &HeightAbove::sigma_m)};
     found.scatter_m = scatter_about(heights.over, found.offset_m);
     found.detectable_m = detectable_sigmas * found.sigma_offset_m;
     refuse_other_datum(found, found.offset_m / median_of(heights.over, &HeightAbove::normal_up),

@@ -30,9 +30,9 @@ struct GroundBelow {
 /// than 3.29 times the uncertainty, all heights differ alike, by a datum or the antenna's height:
 /// that says nothing of a single position, and epochs are tested for what is left without it.
 ///
-/// Nothing where there are no heights. Failure, at the attempt's place: no usable position lies over
-/// the surface; or the median is three metres or more, which is a height above the geoid taken for
-/// one above the ellipsoid, or another surface.
+/// Nothing where there are no heights. Failure, at the attempt's place: no usable position lies
+/// over the surface; or the median is three metres or more, which is a height above the geoid taken
+/// for one above the ellipsoid, or another surface.
 std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const GroundBelow& ground);
 
 }  // namespace runcert

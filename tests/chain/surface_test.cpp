@@ -150,8 +150,7 @@ TEST(SurfaceChain, HeightsAreComparedAndTheCourseIsThatOfTheSurface) {
     const ProcessResult verified =
         runcert({"verify", course.file("out-level").string(), "--recompute"});
     EXPECT_NE(verified.exit_status, 2) << verified.errors;
-    EXPECT_NE(verified.output.find("identical: all 7 files"), std::string::npos)
-        << verified.output;
+    EXPECT_NE(verified.output.find("identical: all 7 files"), std::string::npos) << verified.output;
     const ProcessResult audit = runcert({"audit", course.file("out-level").string()});
     EXPECT_EQ(audit.exit_status, 0) << audit.errors;
     EXPECT_NE(audit.output.find("Heights above the surface"), std::string::npos) << audit.output;
@@ -163,8 +162,7 @@ TEST(SurfaceChain, HeightsAreComparedAndTheCourseIsThatOfTheSurface) {
 
 TEST(SurfaceChain, ASolutionHalfAMetreTooHighForTenSecondsIsMarked) {
     const Course course;
-    const ProcessResult certified =
-        course.certified("lifted", {.lifted_m = 0.5}, surveyed);
+    const ProcessResult certified = course.certified("lifted", {.lifted_m = 0.5}, surveyed);
     ASSERT_NE(certified.exit_status, 2) << certified.errors;
     const ScreenedTable table = course.screened("lifted");
     EXPECT_GE(table.basis.surface->rejected, 95);
@@ -200,11 +198,11 @@ TEST(SurfaceChain, EarlierRunsCheckAnotherOneAndNeverThemselves) {
     const ProcessResult made = runcert(arguments);
     ASSERT_EQ(made.exit_status, 0) << made.errors;
     EXPECT_EQ(runcert(arguments).exit_status, 2);  // it is there
-    const SurfaceTable surface =
-        read_surface(read_file(course.file("course.ecsv")), "course.ecsv");
+    const SurfaceTable surface = read_surface(read_file(course.file("course.ecsv")), "course.ecsv");
     EXPECT_EQ(surface.made_from.size(), 5U);
     EXPECT_LT(surface.vertical_sd_m, 0.025);
-    constexpr const char* own = "\n    surface: {file: course.ecsv, source: runs of the day before}";
+    constexpr const char* own =
+        "\n    surface: {file: course.ecsv, source: runs of the day before}";
     const ProcessResult another =
         course.certified("another", {.north_m = 3.0, .seed = 99, .lifted_m = 0.5}, own);
     ASSERT_NE(another.exit_status, 2) << another.errors;

@@ -1,5 +1,5 @@
-// The readers of surfaces: LandXML, OBJ, PLY, what runcert surface wrote, and two tables, which stand
-// in one input with an empty line between them.
+// The readers of surfaces: LandXML, OBJ, PLY, what runcert surface wrote, and two tables, which
+// stand in one input with an empty line between them.
 
 #include <cmath>
 
@@ -19,8 +19,8 @@ Receiver receiver_for(std::string_view bytes) {
     if (bytes.starts_with("# %ECSV")) return receiver;
     if (bytes.find("<LandXML") == std::string_view::npos) stated.unit = "m";
     const bool on_earth = bytes.size() % 3 == 0;
-    stated.frame = StatedFrame{.kind = on_earth ? CoordinateFrame::geodetic
-                                                : CoordinateFrame::local_plane};
+    stated.frame =
+        StatedFrame{.kind = on_earth ? CoordinateFrame::geodetic : CoordinateFrame::local_plane};
     if (on_earth) stated.heights = SurfaceHeights::ellipsoid;
     return receiver;
 }

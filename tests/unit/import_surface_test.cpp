@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <ctime>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/geodesy.h"
@@ -95,7 +96,8 @@ end_header
 3 0 2 3
 )";
 
-constexpr const char* vertices = "vertex;x;y;z\n# corners\n11;0;0;5\n5;10;0;5\n6;10;10;6\n9;0;10;6\n";
+constexpr const char* vertices =
+    "vertex;x;y;z\n# corners\n11;0;0;5\n5;10;0;5\n6;10;10;6\n9;0;10;6\n";
 constexpr const char* triangles = "vertex_1,vertex_2,vertex_3\n11,5,6\n11,6,9\n";
 
 void expect_square(const SurfaceTable& table) {
@@ -177,15 +179,33 @@ TEST(SurfaceFormats, OfTheEarthLieOnTheEllipsoid) {
         EXPECT_THROW(surface_of(table, std::nullopt), Failure);
     };
     expect_plane(read(geodetic + "f 1 2 3\n", receiver));
-    receiver.surface->frame =
-        StatedFrame{.kind = CoordinateFrame::utm, .utm_zone = UtmZone{.zone = 53, .northern = false}};
+    receiver.surface->frame = StatedFrame{.kind = CoordinateFrame::utm,
+                                          .utm_zone = UtmZone{.zone = 53, .northern = false}};
     expect_plane(read(utm + "f 1 2 3\n", receiver));
-    EXPECT_TRUE(says(refused(geodetic + "f 1 2 3\n", receiver), "course:1: the vertex is not where"));
+    EXPECT_TRUE(
+        says(refused(geodetic + "f 1 2 3\n", receiver), "course:1: the vertex is not where"));
+}
+
+TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
+    const auto text_of = [](const std::string& text) {
+        const auto section = surface::describe({.name = "day/course.xml", .bytes = text});
+        return section ? members_json(*section).dump() : std::string("nothing");
+    };
+    const std::string said = text_of(landxml);
+    for (const char* part : {"LandXML 1.2, a TIN", "0.000 to 500.000", "Easting", "meter",
+                             "file: course.xml", "frame: local_plane", "source: ..."})
+        EXPECT_TRUE(says(said, part)) << said;
+    EXPECT_TRUE(says(text_of(obj), "unit: ...  # m, mm, ft or us-ft"));
+    EXPECT_TRUE(
+        says(text_of("v 440000 7465000 27\n"), "frame: {utm: {zone: ..., hemisphere: ...}}"));
+    EXPECT_TRUE(says(text_of("v 136.01 -31.6 27\n"), "frame: geodetic"));
+    EXPECT_EQ(text_of("time,lat\n1,2\n"), "nothing");
 }
 
 TEST(SurfaceRefusals, NamePlaceAndRemedy) {
     EXPECT_TRUE(says(refused("hello\n"), "attempt.yaml:9:9: \"course\" is no surface"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nf 1 2 9\n"), "course:3:7: the triangle names vertex 9"));
+    EXPECT_TRUE(
+        says(refused("v 0 0 5\nv 1 0 5\nf 1 2 9\n"), "course:3:7: the triangle names vertex 9"));
     EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 x\n"), "course:2:7"));
     EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 0 1 5\nv 1 1 5\nf 1 2 3 4\n"), "4 corners"));
     EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\ncurv 1\n"), "is no line of a surface in OBJ"));
@@ -198,12 +218,13 @@ TEST(SurfaceRefusals, NamePlaceAndRemedy) {
     Receiver receiver = receiver_with();
     receiver.surface->unit = "";
     EXPECT_TRUE(says(refused(obj, receiver), "Add unit: m, mm, ft or us-ft"));
-    EXPECT_TRUE(says(refused(std::string(landxml).replace(
-                                 std::string(landxml).find("\"meter\""), 7, "\"furlong\""),
+    EXPECT_TRUE(says(refused(std::string(landxml).replace(std::string(landxml).find("\"meter\""), 7,
+                                                          "\"furlong\""),
                              receiver),
                      "\"furlong\" is no unit"));
     receiver.surface->unit = "ft";
-    EXPECT_TRUE(says(refused(landxml, receiver), "the file's unit is meter, and the attempt's is ft"));
+    EXPECT_TRUE(
+        says(refused(landxml, receiver), "the file's unit is meter, and the attempt's is ft"));
     receiver = receiver_with();
     receiver.surface->frame.reset();
     EXPECT_TRUE(says(refused(obj, receiver), "Add frame: geodetic, local_plane, or utm"));
@@ -215,13 +236,18 @@ TEST(SurfaceRefusals, OfLandXmlPlyAndTables) {
     };
     EXPECT_TRUE(says(refused(changed(landxml, "surfType=\"TIN\"", "surfType=\"grid\"")),
                      "of type \"grid\""));
-    EXPECT_TRUE(says(refused(changed(landxml, "id=\"8\"", "id=\"7\"")), "two vertices have the number 7"));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "id=\"8\"", "id=\"7\"")), "two vertices have the number 7"));
     EXPECT_TRUE(says(refused(changed(landxml, "<F>7 8 20</F>", "<F>7 8 99</F>")), "vertex 99"));
-    EXPECT_TRUE(says(refused(changed(landxml, "0 10 5", "0 10")), "2 numbers where there are three"));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "0 10 5", "0 10")), "2 numbers where there are three"));
     EXPECT_TRUE(says(refused(changed(landxml, "</Faces>", "</Face>")), "the XML cannot be read"));
-    EXPECT_TRUE(says(refused(changed(landxml, "<Surface name", "<Surface name=\"other\"><Definition/></Surface><Surface name")),
-                     "\"other\" and \"track\""));
-    EXPECT_TRUE(says(refused(changed(ply, "ascii", "binary_little_endian")), "Export it as PLY ascii"));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "<Surface name",
+                             "<Surface name=\"other\"><Definition/></Surface><Surface name")),
+             "\"other\" and \"track\""));
+    EXPECT_TRUE(
+        says(refused(changed(ply, "ascii", "binary_little_endian")), "Export it as PLY ascii"));
     EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3\n", "")), "ends before all"));
     EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3", "3 0 2 4")), "they are 0 to 3"));
     EXPECT_TRUE(says(refused(vertices, receiver_with(), changed(triangles, "11,6,9", "11,6,10")),

@@ -14,10 +14,11 @@ namespace {
 using test::failure_of;
 
 Attempt read(const std::string& receiver_keys, const std::string& more = {}) {
-    return read_attempt("schema: attempt/1.0\nid: a\ncraft: {name: x, class: car}\nreceivers:\n"
-                        "  - id: primary\n    recording: run.csv\n" +
-                            receiver_keys + more + "profiles: [nalsa]\n",
-                        "attempt.yaml");
+    return read_attempt(
+        "schema: attempt/1.0\nid: a\ncraft: {name: x, class: car}\nreceivers:\n"
+        "  - id: primary\n    recording: run.csv\n" +
+            receiver_keys + more + "profiles: [nalsa]\n",
+        "attempt.yaml");
 }
 
 std::string surface(const std::string& keys) {
@@ -35,9 +36,9 @@ bool says(const std::string& text, const std::string& part) {
 }
 
 TEST(SurfaceKeys, AreReadAndHaveDefaults) {
-    const Attempt attempt = read(
-        surface(", frame: {utm: {zone: 55, hemisphere: south}}, heights: geoid, undulation_m: -3.5, "
-                "vertical_sd_m: 0.02, unit: us-ft, axes: north-east-up, tilt_max_deg: 20"));
+    const Attempt attempt = read(surface(
+        ", frame: {utm: {zone: 55, hemisphere: south}}, heights: geoid, undulation_m: -3.5, "
+        "vertical_sd_m: 0.02, unit: us-ft, axes: north-east-up, tilt_max_deg: 20"));
     ASSERT_TRUE(has_surface(attempt.receivers[0]));
     const Surface& read_back = *attempt.receivers[0].surface;
     EXPECT_EQ(read_back.file, "course.xml");
@@ -58,7 +59,8 @@ TEST(SurfaceKeys, AreReadAndHaveDefaults) {
 }
 
 TEST(SurfaceKeys, ScreeningReadsWhatItUsesAlone) {
-    const Attempt attempt = read(surface(", frame: geodetic, heights: ellipsoid, tilt_max_deg: 20"));
+    const Attempt attempt =
+        read(surface(", frame: geodetic, heights: ellipsoid, tilt_max_deg: 20"));
     const Attempt screened = part_read_by(attempt, "screen");
     ASSERT_TRUE(has_surface(screened.receivers[0]));
     EXPECT_EQ(screened.receivers[0].surface->tilt_max_deg, 20.0);
@@ -76,9 +78,9 @@ TEST(SurfaceKeys, WhatCannotBeComparedIsRefused) {
                      "Write heights: geoid, or remove undulation_m"));
     EXPECT_TRUE(says(refused(surface(", frame: ecef, heights: ellipsoid")), "plan coordinates"));
     EXPECT_TRUE(says(refused(surface(", frame: local_plane")), "Add origin:"));
-    EXPECT_TRUE(says(refused("    frame: local_plane\n" +
-                             surface(", frame: geodetic, heights: ellipsoid")),
-                     "frame: local_plane"));
+    EXPECT_TRUE(
+        says(refused("    frame: local_plane\n" + surface(", frame: geodetic, heights: ellipsoid")),
+             "frame: local_plane"));
     EXPECT_TRUE(says(refused(surface(", frame: local_plane, heights: ellipsoid")),
                      "counted from its origin"));
     EXPECT_TRUE(says(refused(surface(", unit: furlong")), "furlong"));

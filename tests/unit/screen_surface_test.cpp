@@ -71,10 +71,10 @@ EnuTable run_over_it(std::size_t epochs, std::uint64_t seed = 1) {
 }
 
 ScreenConfig config() {
-    return screen_config(read_attempt(
-        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
-        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
-        "attempt"));
+    return screen_config(
+        read_attempt("schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+                     "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+                     "attempt"));
 }
 
 ScreenedTable screened_over(const EnuTable& table, const GroundBelow& ground) {
@@ -184,8 +184,9 @@ TEST(SurfaceCheck, AnotherSurfaceIsRefused) {
     for (EnuEpoch& row : table.rows)
         *row.north_m += 5000.0;
     const std::string elsewhere = refused(table, strip());
-    EXPECT_TRUE(says(elsewhere, "none of the 100 usable positions lies over the surface: its "
-                                "nearest vertex is 5.0 km"))
+    EXPECT_TRUE(says(elsewhere,
+                     "none of the 100 usable positions lies over the surface: its "
+                     "nearest vertex is 5.0 km"))
         << elsewhere;
     // A hillside under a level run.
     table = run_over_it(100);

@@ -1,5 +1,3 @@
-#include "surface/height_grid.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -11,6 +9,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "draws.h"
+#include "surface/height_grid.h"
 
 // The ground that earlier passes show, on a banked oval of 600 m straights and turns of 320 m
 // radius, 30 m wide, whose ground is known.
@@ -98,8 +97,8 @@ std::vector<AntennaPosition> passes(int count, const PassErrors& errors, Course 
     RandomGenerator random(seed);
     std::vector<AntennaPosition> positions;
     for (int pass = 0; pass < count; ++pass) {
-        const double line_m = count < 3 ? -13.0 + 26.0 * random.uniform()
-                                        : -13.0 + 26.0 * pass / (count - 1.0);
+        const double line_m =
+            count < 3 ? -13.0 + 26.0 * random.uniform() : -13.0 + 26.0 * pass / (count - 1.0);
         const double weave_m = 300.0 + 200.0 * random.uniform();
         const double phase = 6.28 * random.uniform();
         const double kept = std::exp(-step_s / errors.slow_s);
@@ -130,8 +129,7 @@ GroundErrors errors_of(const HeightGrid& grid, bool supported_only, Course cours
     // Rolled out, the same triangles with the heights that the ground has at their corners.
     SurfaceMesh known = surface.mesh();
     for (Eigen::Vector3d& vertex : known.vertices)
-        vertex.z() =
-            oval_at(std::max(0.0, vertex.x()), Course::rolled_out).ground(-vertex.y()).z();
+        vertex.z() = oval_at(std::max(0.0, vertex.x()), Course::rolled_out).ground(-vertex.y()).z();
     const Triangulation truth(std::move(known));
     double along = 0.0, across = 0.0, height = 0.0, count = 0.0, all = 0.0;
     for (double s = 1.0; s < lap_m; s += 3.1)
@@ -142,8 +140,8 @@ GroundErrors errors_of(const HeightGrid& grid, bool supported_only, Course cours
             const auto found = surface.at(ground.head<2>());
             if (!found) continue;
             const bool rolled_out = course == Course::rolled_out;
-            const Eigen::Vector3d normal = rolled_out ? truth.normal_of(found->triangle)
-                                                      : ground_normal(s, offset);
+            const Eigen::Vector3d normal =
+                rolled_out ? truth.normal_of(found->triangle) : ground_normal(s, offset);
             const double up_m = rolled_out ? truth.at(ground.head<2>())->up_m : ground.z();
             const Eigen::Vector3d error = found->normal - normal;
             along += std::pow(error.head<2>().dot(place.along), 2);
@@ -174,17 +172,18 @@ GroundErrors mean_errors(int count, const PassErrors& errors, bool supported_onl
 
 }  // namespace
 
-// What earlier passes are worth, from 2 to 20 of them, with white and time-correlated errors of 15 and
-// 12 mm, or of 50 mm each: normals against those of the same triangles with true heights. The prototype of
-// this method found, in degrees along and across and in millimetres, 0.05, 0.48, 83; 0.03, 0.09,
-// 13; 0.03, 0.10, 8; 0.04, 0.33, 51; 0.03, 0.12, 22. Its passes had lines of their own.
+// What earlier passes are worth, from 2 to 20 of them, with white and time-correlated errors of 15
+// and 12 mm, or of 50 mm each: normals against those of the same triangles with true heights. The
+// prototype of this method found, in degrees along and across and in millimetres, 0.05, 0.48, 83;
+// 0.03, 0.09, 13; 0.03, 0.10, 8; 0.04, 0.33, 51; 0.03, 0.12, 22. Its passes had lines of their own.
 TEST(SurfaceOfPasses, AreWorthWhatTheirNumberAndNoiseSay) {
     struct Row {
         int count;
         PassErrors errors;
         double along_deg, across_deg, height_m;
     };
-    const PassErrors small{.white_m = 0.015, .slow_m = 0.012}, large{.white_m = 0.05, .slow_m = 0.05};
+    const PassErrors small{.white_m = 0.015, .slow_m = 0.012},
+        large{.white_m = 0.05, .slow_m = 0.05};
     for (const Row& row : {Row{2, small, 0.05, 0.48, 0.083}, Row{5, small, 0.03, 0.09, 0.013},
                            Row{20, small, 0.03, 0.10, 0.008}, Row{5, large, 0.04, 0.33, 0.051},
                            Row{20, large, 0.03, 0.12, 0.022}}) {
@@ -255,7 +254,8 @@ TEST(SurfaceOfPasses, TooFewPositionsOrRunsAllOverTheCountryAreRefused) {
     EXPECT_THROW(fit_height_grid(positions), Failure);
     positions.resize(20);
     for (std::size_t i = 0; i < positions.size(); ++i)
-        positions[i].enu_m = {static_cast<double>(i % 5) * 1e5, static_cast<double>(i / 5) * 1e5, 0};
+        positions[i].enu_m = {static_cast<double>(i % 5) * 1e5, static_cast<double>(i / 5) * 1e5,
+                              0};
     EXPECT_THROW(fit_height_grid(positions), Failure);
 }
 

@@ -1,5 +1,3 @@
-#include "surface/triangulation.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -9,6 +7,7 @@
 #include <numbers>
 
 #include "core/random.h"
+#include "surface/triangulation.h"
 
 // Triangles against brute force, planes that are known, and the worked example of section 3 of the
 // method's surface attitude.
@@ -140,8 +139,8 @@ TEST(Triangulation, TrianglesOfVeryDifferentSizesNeedNoMoreCellsThanTriangles) {
     EXPECT_FALSE(Triangulation(SurfaceMesh{}).at({0.0, 0.0}));
 }
 
-// What METHOD.md says of the surface as a measurement of a float solution: linear least squares of a
-// prior (0.5 m horizontally, 1 m in height) and one distance along the normal, good to 10 cm.
+// What METHOD.md says of the surface as a measurement of a float solution: linear least squares of
+// a prior (0.5 m horizontally, 1 m in height) and one distance along the normal, good to 10 cm.
 TEST(NormalConstraint, AsAMeasurementImprovesTheHeightAndNoHorizontalSpeed) {
     const double bank = 14.0 * std::numbers::pi / 180.0;
     const Eigen::Vector3d normal(-std::sin(bank), 0.0, std::cos(bank));

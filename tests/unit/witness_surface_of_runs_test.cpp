@@ -1,5 +1,3 @@
-#include "witness/surface_of_runs.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include "core/geodesy.h"
 #include "core/random.h"
 #include "witness/surface_input.h"
+#include "witness/surface_of_runs.h"
 
 // A course that earlier runs show: a plane that rises 1 % along and 4 % across.
 
@@ -42,8 +41,8 @@ ScreenedTable run_along(double north_m, const Geodetic& own_origin, std::uint64_
         // The normal leans by 4 % against north and 1 % against east.
         const double up_m = ground_m(east_m, north_m) + antenna_m / std::hypot(1.0, 0.01, 0.04);
         const double scale = antenna_m / std::hypot(1.0, 0.01, 0.04);
-        const Enu antenna{{east_m - 0.01 * scale, north_m - 0.04 * scale,
-                           up_m + vertical_m * random.normal()}};
+        const Enu antenna{
+            {east_m - 0.01 * scale, north_m - 0.04 * scale, up_m + vertical_m * random.normal()}};
         const Eigen::Vector3d there = own.enu_from_ecef(frame.ecef_from_enu(antenna)).m;
         ScreenedEpoch& row = table.rows.emplace_back();
         row.epoch = k + 1;

@@ -87,12 +87,12 @@ pugi::xml_node only_surface(const pugi::xml_node& root, const RecordingBytes& fi
         throw Failure(file.name, "the LandXML file holds no surface with a definition",
                       "Export the surface itself as triangles (surfType=\"TIN\")");
     if (found.size() > 1)
-        throw Failure(lines.place(found[1]),
-                      fmt::format("the file holds {} surfaces, \"{}\" and \"{}\" among them",
-                                  found.size(),
-                                  escape_for_message(found[0].attribute("name").value()),
-                                  escape_for_message(found[1].attribute("name").value())),
-                      "Export the one that the craft runs on");
+        throw Failure(
+            lines.place(found[1]),
+            fmt::format("the file holds {} surfaces, \"{}\" and \"{}\" among them", found.size(),
+                        escape_for_message(found[0].attribute("name").value()),
+                        escape_for_message(found[1].attribute("name").value())),
+            "Export the one that the craft runs on");
     const pugi::xml_node definition = found.front().child("Definition");
     const std::string type = definition.attribute("surfType").value();
     if (type != "TIN")
@@ -113,11 +113,10 @@ RawSurface read_landxml(const RecordingBytes& file) {
     pugi::xml_document document;
     const auto parsed = document.load_buffer(file.bytes.data(), file.bytes.size());
     if (!parsed)
-        throw Failure(
-            place_in(file, RecordPlace(static_cast<std::size_t>(std::max<std::ptrdiff_t>(
-                               0, parsed.offset)))),
-            fmt::format("the XML cannot be read: {}", lower_case(parsed.description())),
-            "Export the file again");
+        throw Failure(place_in(file, RecordPlace(static_cast<std::size_t>(
+                                         std::max<std::ptrdiff_t>(0, parsed.offset)))),
+                      fmt::format("the XML cannot be read: {}", lower_case(parsed.description())),
+                      "Export the file again");
     const pugi::xml_node root = document.child("LandXML");
     RawSurface raw{.format = "landxml", .north_first = true};
     LineCounter lines(file);
@@ -126,9 +125,8 @@ RawSurface read_landxml(const RecordingBytes& file) {
     VertexNumbers numbers;
     for (const pugi::xml_node& point : definition.child("Pnts").children("P")) {
         const SourceLine line = lines.at(point);
-        const auto at = three_of<double>(line, file, "a point", [](const Cell& cell) {
-            return read_real(cell, "coordinate");
-        });
+        const auto at = three_of<double>(
+            line, file, "a point", [](const Cell& cell) { return read_real(cell, "coordinate"); });
         const auto id = parse_integer(point.attribute("id").value());
         if (!id)
             throw Failure(place_in(file, line), "the point has no number (id)",
@@ -144,10 +142,12 @@ RawSurface read_landxml(const RecordingBytes& file) {
                 continue;
             }
             const SourceLine line = lines.at(face);
-            const auto corners = three_of<std::uint32_t>(line, file, "a face", [&](const Cell& cell) {
-                return numbers.of(read_whole(cell, "number of a point", -largest_number, largest_number),
-                                  cell.place());
-            });
+            const auto corners =
+                three_of<std::uint32_t>(line, file, "a face", [&](const Cell& cell) {
+                    return numbers.of(
+                        read_whole(cell, "number of a point", -largest_number, largest_number),
+                        cell.place());
+                });
             raw.add_triangle(corners, line, file);
         }
     return raw;

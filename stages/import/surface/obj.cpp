@@ -25,11 +25,13 @@ bool is_passed_over(std::string_view keyword) {
 /// The vertex of "7", "7/1", "7//3" or "-1", which counts back from the last.
 std::uint32_t vertex_of(Cell cell, std::size_t count) {
     cell.text = cell.text.substr(0, cell.text.find('/'));
-    const std::int64_t number = read_whole(cell, "number of a vertex", -2'000'000'000, 2'000'000'000);
+    const std::int64_t number =
+        read_whole(cell, "number of a vertex", -2'000'000'000, 2'000'000'000);
     const std::int64_t index = number < 0 ? static_cast<std::int64_t>(count) + number : number - 1;
     if (number == 0 || index < 0 || index >= static_cast<std::int64_t>(count))
-        cell.fail(fmt::format("the triangle names vertex {}; {} are listed before it", number, count),
-                  "Export the surface whole, with all its vertices");
+        cell.fail(
+            fmt::format("the triangle names vertex {}; {} are listed before it", number, count),
+            "Export the surface whole, with all its vertices");
     return static_cast<std::uint32_t>(index);
 }
 
@@ -67,9 +69,9 @@ RawSurface read_obj(const RecordingBytes& file) {
                               vertex_of(cells[3], count)},
                              *line, file);
         } else {
-            cells.front().fail(fmt::format("\"{}\" is no line of a surface in OBJ",
-                                           escape_for_message(keyword)),
-                               "Export the surface as polygons: lines v and f");
+            cells.front().fail(
+                fmt::format("\"{}\" is no line of a surface in OBJ", escape_for_message(keyword)),
+                "Export the surface as polygons: lines v and f");
         }
     }
     return raw;

@@ -59,9 +59,9 @@ std::vector<PlyElement> read_header(LineReader& lines, const RecordingBytes& fil
             elements.back().properties.push_back((list ? "*" : "") +
                                                  std::string(words.back().text));
         } else if (keyword != "ply" && keyword != "comment" && keyword != "obj_info") {
-            words.front().fail(fmt::format("\"{}\" is no line of a PLY header",
-                                           escape_for_message(keyword)),
-                               "Export the surface as PLY 1.0, ascii");
+            words.front().fail(
+                fmt::format("\"{}\" is no line of a PLY header", escape_for_message(keyword)),
+                "Export the surface as PLY 1.0, ascii");
         }
     }
     if (!has_format)
@@ -110,9 +110,9 @@ void read_faces(const PlyElement& element, LineReader& lines, const RecordingByt
             const std::int64_t vertex =
                 read_whole(cells[k + 1], "number of a vertex", INT32_MIN, INT32_MAX);
             if (vertex < 0 || vertex > last)
-                cells[k + 1].fail(fmt::format("the triangle names vertex {}; they are 0 to {}",
-                                              vertex, last),
-                                  "Export the surface whole, with all its vertices");
+                cells[k + 1].fail(
+                    fmt::format("the triangle names vertex {}; they are 0 to {}", vertex, last),
+                    "Export the surface whole, with all its vertices");
             corners[k] = static_cast<std::uint32_t>(vertex);
         }
         raw.add_triangle(corners, line, file);

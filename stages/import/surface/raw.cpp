@@ -39,7 +39,8 @@ void VertexNumbers::add(std::int64_t number, std::uint32_t vertex, const std::st
 std::uint32_t VertexNumbers::of(std::int64_t number, const std::string& place) const {
     const auto found = vertices_.find(number);
     if (found == vertices_.end())
-        throw Failure(place, fmt::format("the triangle names vertex {}, which there is not", number),
+        throw Failure(place,
+                      fmt::format("the triangle names vertex {}, which there is not", number),
                       "Export the surface whole, with all its vertices");
     return found->second;
 }

@@ -25,8 +25,8 @@ inline constexpr std::int64_t largest_number = 1'000'000'000'000'000;
 /// A surface as its file has it, but for its axes: coordinates x, y, z are east, north, up, or
 /// longitude and latitude in degrees.
 struct RawSurface {
-    std::string format;  ///< "landxml", "obj", "ply", "csv"
-    bool north_first = false;  ///< the format's own order is northing, easting
+    std::string format;                           ///< "landxml", "obj", "ply", "csv"
+    bool north_first = false;                     ///< the format's own order is northing, easting
     std::optional<double> unit_m = std::nullopt;  ///< where the file says it
     std::string unit_name = {};                   ///< as it says it
     SurfaceMesh mesh = {};

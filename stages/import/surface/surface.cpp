@@ -26,17 +26,20 @@ RawSurface read_raw(const SurfaceFiles& files, const Receiver& receiver) {
     if (is_landxml(bytes)) return read_landxml(files.file);
     if (is_ply(bytes)) return read_ply(files.file);
     if (is_obj(bytes)) return read_obj(files.file);
-    throw Failure(receiver.surface->place,
-                  fmt::format("\"{}\" is no surface of a format that is known",
-                              shown(files.file.name)),
-                  "Export LandXML 1.2, OBJ or PLY (ascii); or a table of vertices, and name the "
-                  "table of its triangles in surface: triangles");
+    throw Failure(
+        receiver.surface->place,
+        fmt::format("\"{}\" is no surface of a format that is known", shown(files.file.name)),
+        "Export LandXML 1.2, OBJ or PLY (ascii); or a table of vertices, and name the "
+        "table of its triangles in surface: triangles");
 }
 
 /// Metres in a unit of the file.
 double unit_of(const Surface& stated, const RawSurface& raw) {
     const auto metres = [](const std::string& unit) {
-        return unit == "mm" ? 1e-3 : unit == "ft" ? 0.3048 : unit == "us-ft" ? 1200.0 / 3937.0 : 1.0;
+        return unit == "mm"      ? 1e-3
+               : unit == "ft"    ? 0.3048
+               : unit == "us-ft" ? 1200.0 / 3937.0
+                                 : 1.0;
     };
     if (stated.unit.empty() && !raw.unit_m)
         throw Failure(stated.place, "neither the file nor the attempt says the unit of its lengths",
@@ -53,13 +56,14 @@ double unit_of(const Surface& stated, const RawSurface& raw) {
 
 /// A surface between reading and writing.
 struct HeldSurface {
-    SurfaceMesh mesh;  ///< in plan coordinates (m), for what is tested
+    SurfaceMesh mesh;              ///< in plan coordinates (m), for what is tested
     std::vector<Geodetic> places;  ///< of its vertices; empty in a local frame
     std::vector<std::int64_t> vertex_lines, triangle_lines;
 };
 
 void give_rows(const HeldSurface& held, const TakeRow& take) {
-    const auto line_of = [](const std::vector<std::int64_t>& lines, std::size_t i, SurfaceRow& row) {
+    const auto line_of = [](const std::vector<std::int64_t>& lines, std::size_t i,
+                            SurfaceRow& row) {
         if (i < lines.size()) row.source_line = static_cast<std::int32_t>(lines[i]);
     };
     for (std::size_t i = 0; i < held.mesh.vertices.size(); ++i) {
@@ -135,8 +139,7 @@ Geodetic place_of(const Eigen::Vector3d& vertex, const Surface& stated, std::int
 
 /// Turns what the file has into metres, and where it lies.
 HeldSurface placed(RawSurface raw, const Surface& stated, const RecordingBytes& file) {
-    const bool north_first =
-        stated.axes.empty() ? raw.north_first : stated.axes == "north-east-up";
+    const bool north_first = stated.axes.empty() ? raw.north_first : stated.axes == "north-east-up";
     const bool degrees = stated.frame->kind == CoordinateFrame::geodetic;
     const double unit = unit_of(stated, raw);
     HeldSurface held{.mesh = std::move(raw.mesh),
@@ -230,7 +233,8 @@ HeldSurface read_own(const Receiver& receiver, const RecordingBytes& file, Surfa
                 throw Failure(file.name, fmt::format("vertex {} is out of order", row.number),
                               "Make the surface again with runcert surface");
             const bool on_earth = row.latitude_deg && row.longitude_deg && row.height_m;
-            if (on_earth != table.georeferenced || !(on_earth || (row.east_m && row.north_m && row.up_m)))
+            if (on_earth != table.georeferenced ||
+                !(on_earth || (row.east_m && row.north_m && row.up_m)))
                 throw Failure(file.name, fmt::format("vertex {} has no place", row.number),
                               "Make the surface again with runcert surface");
             if (on_earth)
@@ -245,10 +249,10 @@ HeldSurface read_own(const Receiver& receiver, const RecordingBytes& file, Surfa
         const OptionalInteger each[] = {row.corner_1, row.corner_2, row.corner_3};
         for (std::size_t i = 0; i < 3; ++i) {
             if (!each[i] || *each[i] < 1 || *each[i] > std::ssize(held.mesh.vertices))
-                throw Failure(file.name,
-                              fmt::format("triangle {} names a vertex that there is not",
-                                          row.number),
-                              "Make the surface again with runcert surface");
+                throw Failure(
+                    file.name,
+                    fmt::format("triangle {} names a vertex that there is not", row.number),
+                    "Make the surface again with runcert surface");
             corners[i] = static_cast<std::uint32_t>(*each[i] - 1);
         }
         held.mesh.triangles.push_back(corners);
@@ -259,8 +263,7 @@ HeldSurface read_own(const Receiver& receiver, const RecordingBytes& file, Surfa
     return held;
 }
 
-HeldSurface read_surveyed(const Receiver& receiver, const SurfaceFiles& files,
-                          SurfaceTable& head) {
+HeldSurface read_surveyed(const Receiver& receiver, const SurfaceFiles& files, SurfaceTable& head) {
     const Surface& stated = *receiver.surface;
     RawSurface raw = read_raw(files, receiver);
     if (!stated.frame)
@@ -298,7 +301,8 @@ StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& fil
     head.found.unused = unread.unused;
     head.receiver = receiver.id;
     head.georeferenced = !held->places.empty();
-    head.vertical_sd_m = stated.vertical_sd.value_or(own ? head.vertical_sd_m : usual_vertical_sd_m);
+    head.vertical_sd_m =
+        stated.vertical_sd.value_or(own ? head.vertical_sd_m : usual_vertical_sd_m);
     head.source = stated.source;
     head.notes.clear();
     if (!stated.vertical_sd && !own)

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "schemas/attempt/attempt.h"
+#include "schemas/document/document.h"
 #include "schemas/surface/declared.h"
 #include "stages/import/recording.h"
 
@@ -36,6 +37,10 @@ struct StreamedSurface {
 /// or stated twice and differently; where a triangle has no area in plan, or names a vertex that
 /// there is not; and where two triangles lie over the same ground.
 StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& files);
+
+/// What a file of LandXML, OBJ or PLY is, for a person, with the lines of an attempt that describe
+/// it; nothing for any other file, or one without vertices. Failure where it cannot be read.
+std::optional<Section> describe(const RecordingBytes& file);
 
 /// Failure where the surface was made from one of these recordings (SHA-256 of their files), or
 /// lies on the Earth and the recording does not.

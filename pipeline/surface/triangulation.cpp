@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/failure.h"
+
 namespace runcert {
 namespace {
 
@@ -82,6 +84,10 @@ PlanGrid::PlanGrid(const SurfaceMesh& mesh) {
         }
     const double count = static_cast<double>(mesh.triangles.size());
     const Eigen::Vector2d extent = most - least_;
+    constexpr double widest_m = 1e9;
+    if (!(extent.maxCoeff() < widest_m))
+        throw Failure("surface", "its vertices are farther apart than any on the Earth",
+                      "Correct its unit or frame");
     // Not many more cells than triangles, however far apart these lie.
     cell_m_ = std::max({median_edge_m(mesh), std::sqrt(extent.x() * extent.y() / (4.0 * count)),
                         extent.maxCoeff() / (4.0 * count + 64.0)});

@@ -44,6 +44,7 @@ struct GroundPoint {
 /// would else need many cells.
 class PlanGrid {
   public:
+    /// Failure (at "surface") where vertices are farther apart than a million kilometres.
     explicit PlanGrid(const SurfaceMesh& mesh);
 
     std::size_t cells() const { return begin_.empty() ? 0 : begin_.size() - 1; }

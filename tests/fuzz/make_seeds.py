@@ -529,6 +529,8 @@ def surfaces():
          "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
          + "".join(f"{x} {y} {z}\n" for x, y, z in corners) + "3 0 1 2\n3 0 2 3\n")
     vertices = "vertex,x,y,z\n" + "".join(f"{i + 1},{x},{y},{z}\n" for i, (x, y, z) in enumerate(corners))
+    own = (TESTS / "golden/v1.0/1-surface.ecsv").read_text().split("vertex,4,")
+    save("surface", "own", own[0] + "vertex,4,35.13480948300,136.97757427500,105.0000,,,,,,,\n" + own[1].split("\n", 1)[1])
     save("surface", "tables", vertices + "\nvertex_1,vertex_2,vertex_3\n1,2,3\n1,3,4\n")
 
 

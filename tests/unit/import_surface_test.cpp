@@ -212,6 +212,8 @@ TEST(SurfaceRefusals, NamePlaceAndRemedy) {
     EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 2 0 7\nf 1 2 3\n"),
                      "triangle 1 (line 4) has no area in plan"));
     EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\n"), "the surface has no triangles"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1e300 0 5\nv 2 1 7\nf 1 2 3\n"),
+                     "vertex 2 is farther away than the Earth is wide"));
     // A bridge over the course.
     EXPECT_TRUE(says(refused(std::string(obj) + "v 2 2 9\nv 8 2 9\nv 2 8 9\nf 5 6 7\n"),
                      "triangles 1 (line 7) and 3 (line 12) lie over the same ground"));

@@ -167,6 +167,17 @@ void set_plan(HeldSurface& held) {
         held.mesh.vertices.push_back(frame.enu_from_geodetic(place).m);
 }
 
+/// Failure for a vertex that cannot be on the Earth beside the others: a unit, or a slip of the
+/// pen.
+void require_near(const HeldSurface& held, const RecordingBytes& file) {
+    constexpr double widest_m = 2e7;
+    for (std::size_t i = 0; i < held.mesh.vertices.size(); ++i)
+        if (!(held.mesh.vertices[i].cwiseAbs().maxCoeff() <= widest_m))
+            throw Failure(file.name,
+                          fmt::format("vertex {} is farther away than the Earth is wide", i + 1),
+                          "Correct surface: unit or frame, or export the surface again");
+}
+
 /// Triangles with an area, counter-clockwise, none over another. Returns how many were turned.
 std::int64_t settle_triangles(HeldSurface& held, const RecordingBytes& file) {
     const auto named = [&](std::size_t triangle) {
@@ -293,6 +304,7 @@ StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& fil
         throw Failure(files.file.name, "the surface has no triangles",
                       "Make it again with more runs over the course");
     set_plan(*held);
+    require_near(*held, files.file);
     const std::int64_t turned = settle_triangles(*held, files.file);
     const SurfaceFound unread = head.found;
     head.found = measure(*held);

@@ -30,7 +30,7 @@ inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
 inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
 /// In the order in which the stages write them.
-inline constexpr std::array all{observations, phase,          imu,        surface,  enu,    screened,
+inline constexpr std::array all{observations,   phase,      imu,      surface, enu,    screened,
                                 screened_phase, trajectory, attitude, windows, verdict};
 
 /// Names of files of the first receiver, and of the one of the run.

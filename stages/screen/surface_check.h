@@ -24,7 +24,9 @@ struct GroundBelow {
 /// below it, along the upward normal n, less its height above the ground. Its standard uncertainty
 /// is sqrt(vertex^2 + n' C n) + h (1 - cos tilt): the vertices' stated one, the position's stated
 /// covariance C times the table's variance factor, and what the antenna comes down by at the
-/// largest tilt. Epochs with |d| above 3.29 times it are marked; the statistic is that ratio.
+/// largest tilt. The antenna of a leaning mast also moves sideways, by h sin(tilt), over ground of
+/// the same slope: along the normal that changes nothing. Epochs with |d| above 3.29 times it are
+/// marked; the statistic is that ratio.
 ///
 /// First the median of d over all usable epochs above the surface is looked at. Where it is more
 /// than 3.29 times the uncertainty, all heights differ alike, by a datum or the antenna's height:

@@ -25,6 +25,7 @@ void add_attest(CLI::App& app, Command& chosen);
 void add_timestamp(CLI::App& app, Command& chosen);
 void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
+void add_surface(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);
 void add_audit(CLI::App& app, Command& chosen);
 void add_diff(CLI::App& app, Command& chosen);

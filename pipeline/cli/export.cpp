@@ -37,7 +37,8 @@ void add_export(CLI::App& app, Command& chosen) {
                         "file to write, - for standard output (default: the attempt's id with "
                         "the format's ending, here)");
     command->add_option("--table", options->table,
-                        "of csv: observations, enu, screened, trajectory (default) or rule_speeds");
+                        "of csv: observations, imu, surface, enu, screened, trajectory (default), "
+                        "attitude or rule_speeds");
     command->add_option("--receiver", options->receiver,
                         "id of the receiver (default: the first of the attempt, the one judged)");
     command->add_option("--every", options->every,

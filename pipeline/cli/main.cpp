@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
         add_explain(app, chosen);
         add_compare(app, chosen);
         add_simulate(app, chosen);
+        add_surface(app, chosen);
         add_keygen(app, chosen);
         add_seal(app, chosen);
         add_bundle(app, chosen);

@@ -48,8 +48,10 @@ Files named_files(const Json& keys) {
             const Json::json_pointer at = Json::json_pointer("/receivers") / i;
             for (const char* key : {"recording", "base", "navigation", "phase"})
                 add_files(receiver, key, at, files);
-            if (receiver.is_object() && receiver.contains("imu"))
-                add_files(receiver["imu"], "file", at / "imu", files);
+            for (const char* beside : {"imu", "surface"})
+                if (receiver.is_object() && receiver.contains(beside))
+                    for (const char* key : {"file", "triangles"})
+                        add_files(receiver[beside], key, at / beside, files);
         }
     for (const FieldRule& rule : attempt_schema().fields())
         if (!rule.series.empty() && keys.contains(rule.path))

@@ -122,6 +122,10 @@ std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
     add("navigation", receiver.navigation);
     if (!receiver.phase.empty()) add("phase", {receiver.phase});
     if (receiver.imu) add("imu", {receiver.imu->file});
+    if (receiver.surface) {
+        add("surface", {receiver.surface->file});
+        if (!receiver.surface->triangles.empty()) add("triangles", {receiver.surface->triangles});
+    }
     return files;
 }
 

@@ -18,7 +18,7 @@ inline constexpr std::string_view attempt_copy_name = "attempt.yaml";
 
 /// A file that a receiver's recording consists of.
 struct AttemptFile {
-    std::string role;      ///< "recording", "base", "navigation", "phase", "imu"
+    std::string role;      ///< "recording", "base", "navigation", "phase", "imu", "surface", ...
     std::string original;  ///< as the attempt names it
     /// In a run folder: "ROLE.ID", the number where there are several of the role, and the
     /// original's own extension ("recording.primary.pos", "recording.primary.2.nmea").

@@ -43,7 +43,9 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
                const Receiver& receiver) {
     Names names;
     for (const ProductFile& product : products)
-        if ((!product.of_phases || has_phases(receiver)) && (!product.of_imu || has_imu(receiver)))
+        if ((!product.of_phases || has_phases(receiver)) &&
+            (!product.of_imu || has_imu(receiver)) &&
+            (!product.of_surface || has_surface(receiver)))
             names.push_back(product_file(attempt, receiver, product));
     return names;
 }
@@ -77,7 +79,7 @@ const std::vector<Step>& steps() {
         {.name = "import",
          .program = "runcert-import",
          .calls = {"gpsbabel", "rnx2rtkp"},
-         .products = {observations, phase, imu}},
+         .products = {observations, phase, imu, surface}},
         {.name = "enu",
          .program = "runcert-enu",
          .products = {products::enu},
@@ -85,7 +87,7 @@ const std::vector<Step>& steps() {
         {.name = "screen",
          .program = "runcert-screen",
          .products = {screened, screened_phase},
-         .made_from = {products::enu, phase}},
+         .made_from = {products::enu, phase, surface}},
         {.name = "smooth",
          .program = "runcert-smooth",
          .products = {trajectory, attitude},
@@ -97,7 +99,7 @@ const std::vector<Step>& steps() {
         {.name = "check",
          .program = "runcert-check",
          .products = {verdict},
-         .made_from = {observations, products::enu, screened, trajectory, windows}},
+         .made_from = {observations, surface, products::enu, screened, trajectory, windows}},
         {.name = "report",
          .program = "runcert-report",
          .options = {"--no-render"},

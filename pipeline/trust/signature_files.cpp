@@ -169,8 +169,9 @@ bool is_file_of_a_run(const std::string& name) {
     if (name == attempt_copy_name) return true;
     for (const FieldRule& rule : attempt_schema().fields())
         if (!rule.series.empty() && name == rule.path + ".csv") return true;
-    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.", "phase.",
-                                "imu.",     "rtklib.",    "forward.", "backward."};
+    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
+                                "phase.",   "imu.",       "surface.", "triangles.",
+                                "rtklib.",  "forward.",   "backward."};
     return std::ranges::any_of(begins, [&](const char* part) {
         return name.starts_with(part) && name.size() > std::string_view(part).size();
     });

@@ -117,6 +117,19 @@ std::string physical_limit(const ScreenedTable& table, RowSpan rows) {
     return text;
 }
 
+std::string off_the_surface(RowSpan rows) {
+    const std::string size = range_text(
+        rows, 2, " m", [](const ScreenedEpoch& each) { return size_of(each.estimated); });
+    const bool below = rows.front().estimated.up_m.value_or(0.0) < 0.0;
+    return fmt::format("{} {}{} where the surface has {}",
+                       rows.size() == 1 ? "its height is" : "their heights are",
+                       size.empty() ? "not" : size,
+                       size.empty() ? ""
+                       : below      ? " below"
+                                    : " above",
+                       rows.size() == 1 ? "it" : "them");
+}
+
 }  // namespace
 
 std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
@@ -147,6 +160,8 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
                        : "the recorded velocities contradict their positions";
         case Reason::physical_limit:
             return physical_limit(table, rows);
+        case Reason::surface:
+            return off_the_surface(rows);
         case Reason::baseline:
             return fmt::format("{}{}", words_of(row.reason),
                                table.basis.baseline ? ", " + table.basis.baseline->receiver : "");

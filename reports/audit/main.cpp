@@ -116,6 +116,7 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                        .phase_file = named(products::phase),
                        .screened_phase_file = named(products::screened_phase),
                        .imu_file = named(products::imu),
+                       .surface_file = named(products::surface),
                        .attitude_file = named(products::attitude)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
@@ -129,6 +130,14 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                                      }
                                      return std::move(table.head);
                                  });
+    if (has_surface(receiver))
+        one.surface = witnesses.read("surface", one.surface_file,
+                                     [](std::string_view text, const std::string& where) {
+                                         auto table = open_surface(text, where);
+                                         for (SurfaceRow row; table.rows.next(row);) {
+                                         }
+                                         return std::move(table.head);
+                                     });
     if (has_imu(receiver))
         one.attitude = witnesses.read("attitude", one.attitude_file, read_attitude);
     one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);

@@ -18,6 +18,7 @@
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
+#include "schemas/surface/declared.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
@@ -36,7 +37,7 @@ struct ReceiverRecord {
     Receiver receiver;
     std::string recording;  ///< names of the files that were handed in
     std::string observations_file, enu_file, screened_file, trajectory_file, windows_file;
-    std::string phase_file, screened_phase_file, imu_file, attitude_file;
+    std::string phase_file, screened_phase_file, imu_file, surface_file, attitude_file;
     std::optional<Observations> observations = {};
     std::optional<EnuTable> enu = {};
     std::optional<ScreenedTable> screened = {};
@@ -45,7 +46,8 @@ struct ReceiverRecord {
     std::optional<PhaseTable> phase = {};                   ///< without its rows
     std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
     std::vector<SlipRecord> slips = {};
-    std::optional<ImuTable> imu = {};  ///< without its rows
+    std::optional<ImuTable> imu = {};          ///< without its rows
+    std::optional<SurfaceTable> surface = {};  ///< without its rows
     std::optional<AttitudeTable> attitude = {};
 };
 

@@ -96,6 +96,33 @@ std::vector<Block> imported_imu(const RunRecord& record, const ReceiverRecord& o
     return blocks;
 }
 
+/// The part about the surface that a receiver's craft runs on, where it was handed in.
+std::vector<Block> imported_surface(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    if (!one.surface) return {};
+    const SurfaceTable& surface = *one.surface;
+    std::vector<Block> blocks{heading("Surface")};
+    add(blocks, product_blocks(record, surface.header, one.surface_file,
+                               fmt::format("{}, {}", surface.format,
+                                           counted(surface.found.triangles, "triangle")),
+                               all));
+    Block found = facts({});
+    add_fact(found, "Source", surface.source);
+    add_fact(found, "Vertices",
+             fmt::format("{}, median edge {} m", surface.found.vertices,
+                         format_fixed(surface.found.edge_m, 1)));
+    add_fact(found, "Height of a vertex, standard deviation",
+             fmt::format("{} m", format_fixed(surface.vertical_sd_m, 3)));
+    if (surface.undulation_m != 0.0)
+        add_fact(found, "Undulation added",
+                 fmt::format("{} m", format_fixed(surface.undulation_m, 3)));
+    for (const SurfaceRun& run : surface.made_from)
+        add_fact(found, "Made from",
+                 fmt::format("run {}, {}", run.id, counted(run.positions, "position")));
+    blocks.push_back(std::move(found));
+    if (!surface.notes.empty()) blocks.push_back(list_of(surface.notes));
+    return blocks;
+}
+
 }  // namespace
 
 std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
@@ -111,6 +138,7 @@ std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& 
     add(blocks, parameter_blocks(record.attempt, observations.header, all));
     add(blocks, imported_phases(record, one, all));
     add(blocks, imported_imu(record, one, all));
+    add(blocks, imported_surface(record, one, all));
     return blocks;
 }
 

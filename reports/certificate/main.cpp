@@ -51,6 +51,7 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     ReceiverResults results;
     results.observations = run.read(products::observations, receiver, read_observations);
     if (has_imu(receiver)) run.note_file("imu", run.file_of(products::imu, receiver));
+    if (has_surface(receiver)) run.note_file("surface", run.file_of(products::surface, receiver));
     results.enu_header = run.read(products::enu, receiver, read_enu).header;
     results.screened = run.read(products::screened, receiver, read_screened);
     const auto read_the_rest = [&] {

@@ -48,6 +48,9 @@ std::string table_text(StageRun& run, const Receiver& receiver, const Options& o
     if (product.of_imu && !has_imu(receiver))
         throw Failure("--table", fmt::format("beside receiver {} no IMU was recorded", receiver.id),
                       "Choose another table");
+    if (product.of_surface && !has_surface(receiver))
+        throw Failure("--table", fmt::format("receiver {} has no surface", receiver.id),
+                      "Choose another table");
     const std::string file = run.file_of(product, receiver);
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
 }
@@ -127,8 +130,8 @@ int main(int argc, char** argv) {
                       {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
             line.text("--out", options.out, "file to write, - for standard output");
             line.word("--table", options.table, "of csv: which table",
-                      {"observations", "imu", "enu", "screened", "trajectory", "attitude",
-                       of_rule_speeds});
+                      {"observations", "imu", "surface", "enu", "screened", "trajectory",
+                       "attitude", of_rule_speeds});
             line.text("--receiver", options.receiver, "which receiver (default: the first)");
             line.integer("--every", options.every, "of a map: every so many epochs", 1,
                          1'000'000'000);

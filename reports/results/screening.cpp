@@ -165,6 +165,8 @@ Noun decided_for(Hypothesis hypothesis) {
         case Hypothesis::baseline:
             return {"position that the other receiver contradicts",
                     "positions that the other receiver contradicts"};
+        case Hypothesis::surface:
+            return {"height that the surface contradicts", "heights that the surface contradicts"};
         default:
             break;
     }
@@ -205,6 +207,7 @@ void add_basis(Block& facts, const ScreenedTable& table, std::size_t faults_show
                             : "too few were recorded to compare");
     for (const DisplacementComparison& each : basis.displacements)
         add_fact(facts, "Displacements by a witness", displacement_comparison_text(each));
+    if (basis.surface) add_fact(facts, "Heights above the surface", surface_text(*basis.surface));
     add_fact(facts, "Motion of the epochs kept", limits_text(table));
     if (basis.device)
         add_fact(facts, "Signs of positions that were not measured",

@@ -140,6 +140,16 @@ std::string displacement_comparison_text(const DisplacementComparison& compariso
                        counted(comparison.rejected, "epoch"));
 }
 
+std::string surface_text(const SurfaceComparison& surface) {
+    return fmt::format(
+        "{} compared, {} beside it; median {}{} m{}, scatter {} m; {} contradicted; "
+        "an error of {} m is found with a probability of 0.8",
+        counted(surface.compared), counted(surface.outside), surface.offset_m > 0.0 ? "+" : "",
+        format_fixed(surface.offset_m, 3), surface.offset_removed ? " (a datum's, taken off)" : "",
+        format_fixed(surface.scatter_m, 3), counted(surface.rejected),
+        format_fixed(surface.detectable_m, 2));
+}
+
 std::string tested_error_text(Hypothesis hypothesis) {
     switch (hypothesis) {
         case Hypothesis::outlier:

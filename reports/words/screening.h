@@ -44,6 +44,10 @@ std::string time_fault_text(const TimeFault& fault);
 /// "“mast”: antennas 1.204 m apart, standard deviation 0.006 m over 601 epochs; contradicted at 3".
 std::string baseline_comparison_text(const BaselineComparison& baseline);
 
+/// "601 compared, none beside it; median +0.012 m, scatter 0.021 m; 3 contradicted; an error of
+/// 0.41 m is found with a probability of 0.8".
+std::string surface_text(const SurfaceComparison& surface);
+
 /// "Carrier phases of the receiver's raw signals: over 3 s they differ by 0.012 m per axis (57
 /// spans) and contradict 2 epochs", without its end.
 std::string displacement_comparison_text(const DisplacementComparison& comparison);

@@ -45,21 +45,27 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other :
-         {"id", "recording", "base", "navigation", "phase", "imu", "antenna_height_m",
-          "lever_arm_m", "antenna_motion", "rotation_bound_deg", "calibration", "device_deduction",
+         {"id", "recording", "base", "navigation", "phase", "imu", "surface",
+          "antenna_height_m", "lever_arm_m", "antenna_motion", "rotation_bound_deg", "calibration", "device_deduction",
           "instrument"})
         stated.erase(other);
     return stated;
 }
 
-/// The same of the IMUs beside them.
-void take_imus(const YamlValue& list, std::map<std::string, HeldJson>& stated) {
+/// The same of what stands beside them under a key ("imu"), but for the names of its files.
+void take_beside(const YamlValue& list, const char* key, std::map<std::string, HeldJson>& stated) {
     for (const YamlValue& entry : list.list()) {
-        if (!entry["imu"].exists()) continue;
-        nlohmann::ordered_json imu = json_from_yaml(entry["imu"]);
-        imu.erase("file");
-        stated[entry["id"].text()] = imu;
+        if (!entry[key].exists()) continue;
+        nlohmann::ordered_json beside = json_from_yaml(entry[key]);
+        for (const char* file : {"file", "triangles"})
+            beside.erase(file);
+        stated[entry["id"].text()] = beside;
     }
+}
+
+void take_all_beside(const YamlValue& list, Attempt& attempt) {
+    take_beside(list, "imu", attempt.stated_imus);
+    take_beside(list, "surface", attempt.stated_surfaces);
 }
 
 /// An uncertainty is of something, and in a unit of that.
@@ -108,6 +114,58 @@ void require_sound_imu(const YamlValue& entry, const Receiver& receiver) {
         entry["imu"]["columns"].fail("no column has the times of the IMU's samples",
                                      "Name the column of the time; or give rate_hz, and start_gps, "
                                      "the GPS time of the first sample");
+}
+
+/// A surface whose file does not say its heights needs them from the attempt.
+void require_sound_heights(const YamlValue& map, const Surface& surface) {
+    const bool geoid = surface.heights == SurfaceHeights::geoid;
+    if (geoid && !surface.undulation)
+        map.fail("heights above the geoid need the height of the geoid above the ellipsoid",
+                 "Add undulation_m, as a geoid model gives it for the course");
+    if (!geoid && surface.undulation)
+        map["undulation_m"].fail("an undulation belongs to heights above the geoid",
+                                 "Write heights: geoid, or remove undulation_m");
+    const bool on_earth = surface.frame && surface.frame->kind != CoordinateFrame::local_plane;
+    if (on_earth && !surface.heights)
+        map.fail("nothing says what the surface's heights are counted from",
+                 "Write heights: ellipsoid; or heights: geoid, with undulation_m");
+    if (!on_earth && surface.heights)
+        map["heights"].fail("heights in the local frame are counted from its origin",
+                            "Remove heights and undulation_m");
+}
+
+/// Where a surface lies must be comparable with where the receiver's positions lie.
+void require_sound_surface(const YamlValue& entry, const Receiver& receiver, bool has_origin) {
+    if (!receiver.surface) return;
+    const Surface& surface = *receiver.surface;
+    const YamlValue map = entry["surface"];
+    if (!receiver.antenna_height_m)
+        map.fail(
+            "without the antenna's height above the ground, positions cannot be compared "
+            "with the surface",
+            "Add antenna_height_m to the receiver, as measured by tape");
+    require_sound_heights(map, surface);
+    if (!surface.frame) return;
+    if (surface.frame->kind == CoordinateFrame::ecef)
+        map["frame"].fail("a surface has plan coordinates and heights",
+                          "Use geodetic, local_plane, or utm: {zone: 55, hemisphere: south}");
+    const bool plane = surface.frame->kind == CoordinateFrame::local_plane;
+    const bool recorded_plane =
+        receiver.frame && receiver.frame->kind == CoordinateFrame::local_plane;
+    if (recorded_plane && !plane)
+        map["frame"].fail(
+            "the recording's coordinates are those of an engineering CRS, and the "
+            "surface lies elsewhere on the Earth",
+            "Give the surface in the recording's CRS, with frame: local_plane");
+    if (plane && !recorded_plane && !has_origin)
+        map["frame"].fail("the surface is counted from an origin, and the attempt gives none",
+                          "Add origin: {latitude_deg, longitude_deg, height_m}");
+}
+
+void require_sound_surfaces(const YamlValue& document, const Attempt& attempt) {
+    const std::vector<YamlValue> entries = document["receivers"].list();
+    for (std::size_t i = 0; i < entries.size(); ++i)
+        require_sound_surface(entries[i], attempt.receivers[i], attempt.origin.has_value());
 }
 
 void require_sound(const YamlValue& entry, const Receiver& receiver) {
@@ -338,7 +396,7 @@ Attempt part_read_by(const Attempt& attempt, std::string_view stage) {
     part.parameters = read_members<Parameters>(document["parameters"]);
     for (const YamlValue& entry : document["receivers"].list())
         part.stated[entry["id"].text()] = reading_of(entry);
-    take_imus(document["receivers"], part.stated_imus);
+    take_all_beside(document["receivers"], part);
     if (!part.profiles.empty()) part.profiles = attempt.profiles;
     if (!part.rules.empty()) part.rules = attempt.rules;
     part.overrides = stated_before_rule(attempt, stage);
@@ -366,7 +424,8 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     attempt.signatures = read_role_signatures(document["signatures"]);
     if (attempt.amends) require_amended(document["amends"], *attempt.amends);
     require_sound_receivers(document["receivers"], attempt);
-    take_imus(document["receivers"], attempt.stated_imus);
+    take_all_beside(document["receivers"], attempt);
+    require_sound_surfaces(document, attempt);
     require_heights(document["receivers"], attempt.craft.kind);
     attempt.profiles = read_profiles(document["profiles"]);
     take_records(document["records"], attempt);

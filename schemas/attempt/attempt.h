@@ -23,6 +23,11 @@ inline bool has_imu(const Receiver& receiver) {
     return receiver.imu.has_value();
 }
 
+/// Whether the surface that the craft runs on is handed in.
+inline bool has_surface(const Receiver& receiver) {
+    return receiver.surface.has_value();
+}
+
 /// A direction of the craft as a component of forward, right, down (0 to 2), and its sign.
 struct CraftDirection {
     std::size_t component = 0;
@@ -49,6 +54,8 @@ struct Attempt : AttemptDocument {
     std::map<std::string, HeldJson> stated = {};
     /// What it says of the IMU beside each receiver that has one, but for the file's name.
     std::map<std::string, HeldJson> stated_imus = {};
+    /// The same of the surface that it runs on.
+    std::map<std::string, HeldJson> stated_surfaces = {};
     /// Every one resolved: the attempt's figure, or the default of the craft's class.
     Parameters parameters = {};
     /// The document with these in it, that the part of a stage is taken from.

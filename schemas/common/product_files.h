@@ -13,12 +13,14 @@ struct ProductFile {
     bool each_receiver = true;   ///< one for each receiver, otherwise one for the run
     bool of_phases = false;      ///< only for a receiver whose raw phases the attempt hands in
     bool of_imu = false;         ///< only for a receiver beside which an IMU was recorded
+    bool of_surface = false;     ///< only for a receiver whose surface the attempt hands in
 };
 
 namespace products {
 inline constexpr ProductFile observations{"observations", "1-observations", "ecsv"};
 inline constexpr ProductFile phase{"phase", "1-phase", "ecsv", true, true};
 inline constexpr ProductFile imu{"imu", "1-imu", "ecsv", true, false, true};
+inline constexpr ProductFile surface{"surface", "1-surface", "ecsv", true, false, false, true};
 inline constexpr ProductFile enu{"enu", "2-enu", "ecsv"};
 inline constexpr ProductFile screened{"screened", "3-screened", "ecsv"};
 inline constexpr ProductFile screened_phase{"screened_phase", "3-phase", "ecsv", true, true};
@@ -28,7 +30,7 @@ inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
 inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
 /// In the order in which the stages write them.
-inline constexpr std::array all{observations,   phase,      imu,      enu,     screened,
+inline constexpr std::array all{observations,   phase,      imu,      surface, enu,    screened,
                                 screened_phase, trajectory, attitude, windows, verdict};
 
 /// Names of files of the first receiver, and of the one of the run.

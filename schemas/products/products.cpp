@@ -17,6 +17,7 @@
 #include "schemas/phase/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
+#include "schemas/surface/declared.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
@@ -28,6 +29,7 @@ namespace runcert {
 YamlNode observations_field_table_node();
 YamlNode phase_field_table_node();
 YamlNode imu_field_table_node();
+YamlNode surface_field_table_node();
 YamlNode enu_field_table_node();
 YamlNode screened_field_table_node();
 YamlNode screened_phase_field_table_node();
@@ -55,7 +57,7 @@ void read_rows(OpenTable<Table> table) {
     }
 }
 
-constexpr std::array<Product, 10> known_products{{
+constexpr std::array<Product, 11> known_products{{
     {products::observations.stem, true, observations_field_table_node,
      [](std::string_view text, const std::string& where) {
          read_rows(open_observations(text, where));
@@ -64,6 +66,8 @@ constexpr std::array<Product, 10> known_products{{
      [](std::string_view text, const std::string& where) { read_rows(open_phase(text, where)); }},
     {products::imu.stem, true, imu_field_table_node,
      [](std::string_view text, const std::string& where) { read_rows(open_imu(text, where)); }},
+    {products::surface.stem, true, surface_field_table_node,
+     [](std::string_view text, const std::string& where) { read_rows(open_surface(text, where)); }},
     {products::enu.stem, true, enu_field_table_node,
      [](std::string_view text, const std::string& where) { read_rows(open_enu(text, where)); }},
     {products::screened.stem, true, screened_field_table_node,

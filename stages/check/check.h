@@ -12,6 +12,7 @@
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
+#include "stages/check/ground.h"
 #include "stages/check/wind.h"
 
 namespace runcert {
@@ -34,6 +35,7 @@ struct ReceiverFindings {
     Windows windows;
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
     std::vector<TrajectoryEpoch> trajectory = {};
+    std::optional<CourseGround> ground = std::nullopt;  ///< if a surface was handed in
     /// The screened epochs of each profile's best window, by the profile's id.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
     /// The same of each of the windows that make the figure with it.

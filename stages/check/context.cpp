@@ -63,7 +63,11 @@ CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
         if (run.first_row <= *first && *last <= run.last_row)
             return {.facts = course_facts(judged.trajectory, run, *first, *last,
                                           errors_of(judged, best)),
-                    .run = run};
+                    .run = run,
+                    .missing = {},
+                    .ground = judged.ground ? ground_facts(judged.trajectory, run, *first, *last,
+                                                           *judged.ground, judged.origin)
+                                            : std::nullopt};
     return {.missing =
                 "the window is not within one run of the craft, as the profile's thresholds "
                 "cut them"};

@@ -20,6 +20,15 @@ Compared compared(std::string name, const CourseFigure& figure, double factor = 
     return result;
 }
 
+/// A figure of the ground, with the track's own said beside it.
+Compared beside_the_track(Compared ground, const std::optional<CourseFigure>& track, double factor,
+                          const std::string& unit) {
+    if (track)
+        ground.note = fmt::format("{} {} by the heights of the track",
+                                  format_fixed(std::abs(factor * track->value), 2), unit);
+    return ground;
+}
+
 /// The finding from the facts about the course, or that there are none.
 template <class Find>
 Finding with_facts(const ClauseContext& context, Find&& find) {
@@ -77,6 +86,13 @@ double position_accuracy(const ScreenedEpoch& row, bool vertical) {
 
 Finding computation::flatness(const Clause& clause, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) {
+        if (const auto& ground = context.course.ground)
+            return against_limit(
+                beside_the_track(
+                    compared("highest less lowest ground under the run, by the surface",
+                             ground->height_difference_m),
+                    facts.height_difference_m, 1.0, clause.unit),
+                clause);
         if (!facts.height_difference_m) return unknown("not every epoch of the run has a height");
         return against_limit(
             compared("highest less lowest height of the run", *facts.height_difference_m), clause);
@@ -85,6 +101,13 @@ Finding computation::flatness(const Clause& clause, const ClauseContext& context
 
 Finding computation::slope(const Clause& clause, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) {
+        if (const auto& ground = context.course.ground)
+            return against_limit(
+                beside_the_track(compared("slope of the ground under the window, without sign, by "
+                                          "the surface",
+                                          ground->slope, 100.0, true),
+                                 facts.slope, 100.0, clause.unit),
+                clause);
         if (!facts.slope) return unknown("the window's ends have no heights");
         return against_limit(
             compared("slope of the window, without sign", *facts.slope, 100.0, true), clause);

@@ -7,10 +7,18 @@
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/check/check.h"
+#include "witness/surface_input.h"
 
 using namespace runcert;
 
 namespace {
+
+std::optional<CourseGround> read_ground(StageRun& run, const Receiver& receiver,
+                                        const std::optional<FrameOrigin>& origin) {
+    if (!has_surface(receiver)) return std::nullopt;
+    const SurfaceTable table = run.read(products::surface, receiver, read_surface);
+    return CourseGround{.surface = surface_of(table, origin), .vertical_sd_m = table.vertical_sd_m};
+}
 
 ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
     // Every table is read whole, which checks its values; what is not used of it is not kept.
@@ -31,6 +39,7 @@ ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
             for (ScreenedEpoch row; screened.next(row);)
                 selection.add(row, windows);
         });
+    auto ground = read_ground(run, receiver, trajectory.origin);
     return {.receiver = receiver.id,
             .facts = observations.head().facts,
             .accuracy_source = observations.head().accuracy_source,
@@ -47,6 +56,7 @@ ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
             .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
+            .ground = std::move(ground),
             .window_epochs = std::move(selection.window_epochs),
             .further_epochs = std::move(selection.further_epochs)};
 }

@@ -74,6 +74,34 @@ void add_simulated(const ClauseContext& context, Notes& notes) {
                 receiver->receiver);
 }
 
+/// Notes what the surface that the craft ran on says of the heights, and what it cannot say.
+void add_surface(const ClauseContext& context, Notes& notes) {
+    for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary}) {
+        if (!receiver || !receiver->ground) continue;
+        const auto& found = receiver->tests.surface;
+        if (!found) {
+            say(notes,
+                "The surface says nothing of receiver \"{}\", whose heights were not measured.",
+                receiver->receiver);
+            continue;
+        }
+        if (found->offset_removed)
+            say(notes,
+                "The antenna of receiver \"{}\" is {} m {} where surface and antenna height have "
+                "it, everywhere alike: the survey's height datum or the stated height of the "
+                "antenna is wrong by that. Positions were compared without it.",
+                receiver->receiver, format_fixed(std::abs(found->offset_m), 2),
+                found->offset_m > 0.0 ? "above" : "below");
+        if (found->outside > 0)
+            say(notes, "{} of {} usable positions of receiver \"{}\" do not lie over the surface.",
+                found->outside, found->outside + found->compared, receiver->receiver);
+        if (receiver == &context.input.judged && context.course.facts && !context.course.ground)
+            notes.push_back(
+                "The surface does not lie under the whole run; height difference and slope are "
+                "those of the track.");
+    }
+}
+
 void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
@@ -210,6 +238,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_simulated(context, notes);
     add_straddle(context, notes);
     add_windows(context, notes);
+    add_surface(context, notes);
     add_flow(context, notes);
     add_second_method(context, notes);
     add_unsure_witnesses(context, notes);
@@ -237,6 +266,12 @@ std::vector<Figure> course_figures(const ClauseContext& context) {
             add("highest less lowest height of the run", *facts->height_difference_m, "m", 1.0,
                 "above the ellipsoid; noise makes it larger, never smaller");
         if (facts->slope) add("slope of the window", *facts->slope, "%", 100.0, "upwards positive");
+        if (const auto& ground = context.course.ground) {
+            add("highest less lowest ground under the run", ground->height_difference_m, "m", 1.0,
+                "by the surface");
+            add("slope of the ground under the window", ground->slope, "%", 100.0,
+                "by the surface; upwards positive");
+        }
         add("heading", facts->heading_deg, "deg", 1.0, "from north over east");
         add("largest distance of the track from its chord", facts->straightness_m, "m");
         add("change of direction in the window", facts->turning_deg, "deg", 1.0,

@@ -5,6 +5,7 @@
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
+#include "stages/check/ground.h"
 #include "stages/check/wind.h"
 #include "witness/runs.h"
 
@@ -50,6 +51,7 @@ struct CourseFindings {
     std::optional<CourseFacts> facts = std::nullopt;
     std::optional<CraftRun> run = std::nullopt;
     std::string missing = {};
+    std::optional<GroundFacts> ground = std::nullopt;  ///< if a surface lies under the whole run
 };
 
 /// One profile's figures, gathered to decide its clauses. Speeds are in m/s.

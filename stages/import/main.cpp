@@ -21,6 +21,7 @@
 #include "stages/import/recognise.h"
 #include "stages/import/recording.h"
 #include "stages/import/rinex/rinex.h"
+#include "stages/import/surface/surface.h"
 #include "store/atomic_file.h"
 #include "store/yaml_output.h"
 
@@ -203,6 +204,33 @@ std::string write_imu_samples(StageRun run, const Receiver& receiver, const Open
                        samples.head.format);
 }
 
+/// Writes the surface that a receiver's craft runs on, and says how much that is.
+std::string write_ground(StageRun run, const Receiver& receiver, const OpenFiles& open,
+                         bool georeferenced) {
+    const auto triangles = open.of("triangles");
+    surface::StreamedSurface ground = surface::import_surface(
+        receiver,
+        {.file = open.of("surface").front(),
+         .triangles = triangles.empty() ? std::nullopt : std::optional(triangles.front())});
+    std::vector<std::string> recordings;
+    for (const InputFile& input : run.inputs())
+        if (input.role == "recording") recordings.push_back(input.sha256);
+    surface::require_of_another_run(receiver, ground.head, recordings, georeferenced);
+    nlohmann::ordered_json parameters = *run.attempt().stated.at(receiver.id);
+    parameters["surface"] = *run.attempt().stated_surfaces.at(receiver.id);
+    run.use_parameters(parameters);
+    ground.head.header = run.header();
+    AtomicFile file(run.run_dir() / run.file_of(products::surface, receiver));
+    TableWriter<SurfaceRow> table =
+        begin_surface(ground.head, [&file](std::string_view piece) { file.write(piece); });
+    ground.give([&table](const SurfaceRow& row) { table.write(row); });
+    table.finish();
+    file.commit();
+    return fmt::format("{} triangles of the surface from {} ({})", ground.head.found.triangles,
+                       std::filesystem::path(receiver.surface->file).filename().string(),
+                       ground.head.format);
+}
+
 void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSource& source) {
     StageRun one = run;
     const OpenFiles open = open_files(receiver, source);
@@ -229,6 +257,8 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
                         observations.head.format));
     if (has_phases(receiver)) run.say(write_phases(one, receiver, open));
+    if (has_surface(receiver))
+        run.say(write_ground(one, receiver, open, observations.head.facts.georeferenced));
     if (!has_imu(receiver)) return;
     const imu::RecordingSpan span{
         .first_epoch = observations.head.facts.first_epoch,
@@ -278,6 +308,7 @@ std::vector<Section> inspect_positions(const Receiver& receiver, const Recording
     const RecordingBytes readable{.name = recording.name,
                                   .bytes = utf8.empty() ? recording.bytes : utf8};
     if (!is_read_by_itself(receiver, readable) && !gpsbabel::recognises(head)) {
+        if (auto ground = surface::describe(readable)) return {*std::move(ground)};
         if (const auto imu = imu::propose(readable)) return {imu::section_of(*imu)};
         refuse_not_read(readable, false);
         require_text(readable);
@@ -414,6 +445,11 @@ Recognition recognised_positions(Receiver receiver, const RecordingBytes& record
         return recognition_of_table(readable, receiver.columns);
     if (receiver.columns.empty() && !is_read_by_itself(receiver, readable) &&
         !gpsbabel::recognises(head)) {
+        if (surface::describe(readable))
+            throw Failure(recording.name,
+                          "the file holds the surface of a course, which no attempt is begun with",
+                          "Leave it out here, and add to the attempt's receiver the lines that "
+                          "runcert inspect prints of it");
         if (const auto imu = imu::propose(readable)) return imu::recognition_of(*imu);
         refuse_not_read(readable, false);
         require_text(readable);

@@ -2,12 +2,14 @@
 
 #include <optional>
 
+#include "core/text.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/screen/phases.h"
 #include "stages/screen/screen.h"
 #include "store/atomic_file.h"
 #include "witness/phase_rows.h"
+#include "witness/surface_input.h"
 
 using namespace runcert;
 
@@ -37,6 +39,18 @@ void write_phases(StageRun& run, const Receiver& receiver, ScreenedPhases& scree
         run.say(note);
 }
 
+std::optional<GroundBelow> read_ground(StageRun& run, const Receiver& receiver,
+                                       const EnuTable& positions) {
+    if (!has_surface(receiver)) return std::nullopt;
+    const SurfaceTable table = run.read(products::surface, receiver, read_surface);
+    return GroundBelow{.surface = surface_of(table, positions.origin),
+                       .vertical_sd_m = table.vertical_sd_m,
+                       .antenna_height_m = receiver.antenna_height_m.value_or(0.0),
+                       .tilt_max_deg = receiver.surface->tilt_max_deg,
+                       .undulation_m = table.undulation_m,
+                       .place = receiver.surface->place};
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,9 +61,11 @@ int main(int argc, char** argv) {
             std::vector<EnuTable> tables;
             std::vector<std::optional<ScreenedPhases>> phases;
             std::vector<std::optional<PhaseWitness<2>>> witnesses;
+            std::vector<std::optional<GroundBelow>> grounds;
             for (const Receiver& receiver : attempt.receivers) {
                 const EnuTable& table =
                     tables.emplace_back(run.read(products::enu, receiver, read_enu));
+                grounds.push_back(read_ground(run, receiver, table));
                 auto& own = phases.emplace_back();
                 auto& witness = witnesses.emplace_back();
                 if (!has_phases(receiver)) continue;
@@ -57,8 +73,10 @@ int main(int argc, char** argv) {
                 witness = own->witness<2>(table, config.jerk_density);
             }
             std::vector<ScreeningWitnesses> beside;
-            for (const auto& witness : witnesses)
-                beside.push_back({.phases = witness ? &*witness : nullptr});
+            for (std::size_t i = 0; i < witnesses.size(); ++i)
+                beside.push_back({.phases = witnesses[i] ? &*witnesses[i] : nullptr,
+                                  .handed_in = {},
+                                  .ground = grounds[i] ? &*grounds[i] : nullptr});
             // Series handed in belong to the first receiver's craft and use its time.
             beside.front().handed_in = {
                 attempt, all_handed_in_series(run, tables.front().facts.first_epoch)};
@@ -71,6 +89,12 @@ int main(int argc, char** argv) {
                 run.say(fmt::format("{} of {} epochs usable, in {} {}", summary.usable,
                                     screened[i].rows.size(), summary.arcs,
                                     summary.arcs == 1 ? "arc" : "arcs"));
+                if (const auto& surface = screened[i].basis.surface)
+                    run.say(fmt::format(
+                        "Surface: {} of {} heights rejected; median {} m, scatter "
+                        "{} m",
+                        surface->rejected, surface->compared, format_fixed(surface->offset_m, 3),
+                        format_fixed(surface->scatter_m, 3)));
                 if (phases[i]) write_phases(run, attempt.receivers[i], *phases[i]);
             }
         });

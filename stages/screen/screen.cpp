@@ -294,6 +294,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = estimate_noises(look, config, basis);
     }
     test_positions(screened, noises, plan, config, basis);
+    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground);
     Motion motion = check_witnesses_and_limits(
         screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
     screened.basis = std::move(basis);

@@ -8,6 +8,7 @@
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
 #include "stages/screen/sections.h"
+#include "stages/screen/surface_check.h"
 #include "witness/roster.h"
 #include "witness/witness.h"
 
@@ -38,6 +39,7 @@ struct ScreenConfig : ScreenParameters {
 struct ScreeningWitnesses {
     const Witness<2>* phases = nullptr;  ///< null if there are none
     HandedIn handed_in = {};
+    const GroundBelow* ground = nullptr;  ///< null if no surface was handed in
 };
 
 /// The parameters of screening (`schemas/attempt/v1.yaml`, `parameters.screen`): those that the
@@ -54,10 +56,13 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// repeated until none is left. All tests together raise a false alarm with at most the family-wise
 /// rate.
 ///
+/// Then the heights are compared with the surface that the craft runs on, if one was handed in
+/// (`check_surface`).
+///
 /// Then come the witnesses, if any (carrier phases, the recorded velocities, series handed in), and
 /// the limits of the craft's class. No row is removed. The caller sets the header. Failure, naming
 /// the time, where a covariance of the estimate stops being positive definite by more than
-/// rounding.
+/// rounding; and where the surface is another one.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
                      const ScreeningWitnesses& beside = {});
 

@@ -132,6 +132,7 @@ inline constexpr const char* other_way = R"yaml(
 /attempt/secondary: {method: video, source: a sheet, speed: 54, unit: kn, expanded_uncertainty: 0.2}
 /attempt/receivers/0/lever_arm_m: null
 /attempt/receivers/0/rotation_bound_deg: null
+/attempt/receivers/0/surface: {file: ground.csv, triangles: triangles.csv, frame: {utm: {zone: 33, hemisphere: south}}, axes: east-north-up, unit: m, heights: geoid, undulation_m: 1.0, vertical_sd_m: 0.1, tilt_max_deg: 5.0, source: a survey}
 /attempt/receivers/0/imu: {file: imu.csv, columns: {time: t, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}, axes: {x: forward, y: right, z: down}, mount_deg: {roll: 1, pitch: 2, yaw: 3}, readings: rates, samples: instant, gyro_unit: rad/s, gyro_scale: 1, accelerometer_unit: m/s2, accelerometer_scale: 1, accelerometer_sense: specific_force, time_unit: s, rate_hz: 100, start_gps: "2026-10-20T11:00:58.000", time_offset_s: 0.1, grade: mems, antenna_m: {forward: 0.5, right: 0.1, down: -1.2}, reference_point_m: {forward: 0.1, right: 0.2, down: 0.3}, reference_point: the hull, arm_expanded_uncertainty_m: 0.05}
 )yaml";
 
@@ -145,6 +146,11 @@ inline constexpr const char* other_way_changes = R"yaml(
 - {key: secondary.unit, set: {/attempt/secondary/unit: mph}}
 - {key: secondary.expanded_uncertainty, set: {/attempt/secondary/expanded_uncertainty: 0.4}}
 - {key: "receivers[].imu.file", set: {/attempt/receivers/0/imu/file: other-imu.csv}, redoes: import smooth window}
+- {key: "receivers[].surface.file", set: {/attempt/receivers/0/surface/file: other-ground.csv}, redoes: import screen}
+- {key: "receivers[].surface.frame", set: {/attempt/receivers/0/surface/frame: geodetic}, redoes: import}
+- {key: "receivers[].surface.frame.utm.zone", set: {/attempt/receivers/0/surface/frame/utm/zone: 34}, redoes: import}
+- {key: "receivers[].surface.frame.utm.hemisphere", set: {/attempt/receivers/0/surface/frame/utm/hemisphere: north}, redoes: import}
+- {key: "receivers[].surface.heights", set: {/attempt/receivers/0/surface/heights: ellipsoid, /attempt/receivers/0/surface/undulation_m: null}, redoes: import}
 - {key: "receivers[].imu.columns.week", set: {/attempt/receivers/0/imu/columns/week: week}, redoes: import}
 - {key: "receivers[].imu.axes.x", set: {/attempt/receivers/0/imu/axes: {x: -forward, y: -right, z: down}}, redoes: import}
 - {key: "receivers[].imu.axes.y", set: {/attempt/receivers/0/imu/axes: {x: right, y: -forward, z: down}}, redoes: import}

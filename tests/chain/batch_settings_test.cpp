@@ -38,6 +38,12 @@ void write_recordings(const fs::path& folder) {
             samples += fmt::format("{:.2f},0,0,{:.5f},0,0,-9.8\n", 0.01 * k, rate + 1e-5 * (k % 7));
         write_file_atomically(folder / name, samples);
     }
+    for (const auto& [name, height] : {std::pair("ground.csv", 27.55), {"other-ground.csv", 27.56}})
+        write_file_atomically(
+            folder / name, fmt::format("vertex,x,y,z\n1,439900,7465000,{0}\n2,440900,7465000,{0}\n"
+                                       "3,440900,7465500,{0}\n4,439900,7465500,{0}\n",
+                                       height));
+    write_file_atomically(folder / "triangles.csv", "vertex_1,vertex_2,vertex_3\n1,2,3\n1,3,4\n");
     write_file_atomically(folder / "other-gates.csv", "time_s,distance_m\n2,0\n19,481\n");
 }
 

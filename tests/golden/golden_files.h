@@ -21,6 +21,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
 #include "schemas/simulation/simulation.h"
+#include "schemas/surface/declared.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
@@ -69,6 +70,10 @@ inline constexpr GoldenKind kinds[] = {
     {"1-imu.ecsv", "imu",
      [](const std::string& text, const std::string& where) {
          return write_imu(read_imu(text, where));
+     }},
+    {"1-surface.ecsv", "surface",
+     [](const std::string& text, const std::string& where) {
+         return write_surface(read_surface(text, where));
      }},
     {"2-enu.ecsv", "enu",
      [](const std::string& text, const std::string& where) {

@@ -119,6 +119,35 @@ TEST(GoldenTables, Enu) {
     EXPECT_FALSE(table.rows.at(4).east_m);
 }
 
+TEST(GoldenSurface, VerticesAndTriangles) {
+    const SurfaceTable table = read_surface(text_of("v1.0/1-surface.ecsv"), "f");
+    EXPECT_EQ(table.format, "csv");
+    EXPECT_TRUE(table.georeferenced);
+    EXPECT_EQ(table.undulation_m, 37.5);
+    EXPECT_EQ(table.vertical_sd_m, 0.0625);
+    EXPECT_EQ(table.made_from.at(0).positions, 1234);
+    EXPECT_EQ(table.found.turned, 1);
+    ASSERT_EQ(table.rows.size(), 6U);
+    EXPECT_EQ(table.rows[0].element, SurfaceElement::vertex);
+    EXPECT_EQ(table.rows[0].latitude_deg, 35.134709483);
+    EXPECT_EQ(table.rows[3].up_m, 3.75);
+    EXPECT_FALSE(table.rows[3].source_line);
+    EXPECT_EQ(table.rows[5].element, SurfaceElement::triangle);
+    EXPECT_EQ(table.rows[5].corner_3, 4);
+}
+
+TEST(GoldenScreened, HeightsAboveTheSurface) {
+    const SurfaceComparison surface =
+        read_screened(text_of("v1.0/3-screened.ecsv"), "f").basis.surface.value();
+    EXPECT_EQ(surface.compared, 15);
+    EXPECT_EQ(surface.outside, 2);
+    EXPECT_EQ(surface.antenna_height_m, 2.25);
+    EXPECT_EQ(surface.offset_m, -0.8125);
+    EXPECT_TRUE(surface.offset_removed);
+    EXPECT_EQ(surface.detectable_m, 0.5165);
+    EXPECT_EQ(surface.rejected, 1);
+}
+
 TEST(GoldenScreened, Epochs) {
     const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
     EXPECT_EQ(table.variance_factor, 1.2345);

@@ -193,6 +193,39 @@ TEST(Heights, ThatAreMissingLeaveFlatnessAndSlopeToAPerson) {
     EXPECT_TRUE(contains(scene.clause("slope").evidence, "the window's ends have no heights"));
 }
 
+/// A slope of `slope` towards north under the whole scene, its vertices good to 1 cm.
+CourseGround ground_under_the_scene(double slope, double until_m = 3000.0) {
+    SurfaceMesh mesh;
+    for (const double north_m : {-100.0, until_m})
+        for (const double east_m : {-50.0, 50.0})
+            mesh.vertices.emplace_back(east_m, north_m, 7.0 + slope * north_m);
+    mesh.triangles = {{0, 1, 3}, {0, 3, 2}};
+    return {.surface = Triangulation(std::move(mesh)), .vertical_sd_m = 0.01};
+}
+
+TEST(Heights, OfTheGroundAreThoseOfTheSurfaceWhereThereIsOne) {
+    RuleScene scene(with_limit("slope", 1.0, "%"));
+    ASSERT_EQ(scene.clause("slope").status, RequirementStatus::met);
+    scene.judged.ground = ground_under_the_scene(0.02);
+    Requirement slope = scene.clause("slope");
+    EXPECT_EQ(slope.status, RequirementStatus::not_met);
+    EXPECT_NEAR(slope.figures.at(0).value, 2.0, 1e-9);
+    // Two heights of 1 cm over the window's 180 m.
+    EXPECT_NEAR(*slope.figures.at(0).expanded_uncertainty,
+                100.0 * 2.0 * std::numbers::sqrt2 * 0.01 / 180.0, 1e-9);
+    EXPECT_TRUE(contains(slope.evidence, "0.00 % by the heights of the track")) << slope.evidence;
+    scene.use(with_limit("flatness", 10.0, "m"));
+    const double run_m = scene.row(40.0).north_m.value() - scene.row(5.2).north_m.value();
+    EXPECT_NEAR(scene.clause("flatness").figures.at(0).value, 0.02 * run_m, 1e-6);
+    // Where it does not lie under the whole run, the track's own heights decide.
+    scene.judged.ground = ground_under_the_scene(0.02, 500.0);
+    EXPECT_EQ(scene.clause("flatness").status, RequirementStatus::met);
+    scene.use(with_limit("slope", 1.0, "%"));
+    slope = scene.clause("slope");
+    EXPECT_EQ(slope.status, RequirementStatus::met);
+    EXPECT_FALSE(contains(slope.evidence, "by the surface"));
+}
+
 TEST(Heights, HaveTheSlowErrorThatTheirNoiseOrItsBoundTells) {
     RuleScene scene(with_limit("flatness", 1.0, "m"));
     scene.best().bound.emplace().sigma_m = 0.1;

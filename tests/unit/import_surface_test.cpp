@@ -1,0 +1,291 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "core/failure.h"
+#include "core/geodesy.h"
+#include "import_test_support.h"
+#include "stages/import/surface/surface.h"
+#include "witness/surface_input.h"
+
+// Surfaces of each format, and what is refused of them.
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+using surface::StreamedSurface;
+
+Receiver receiver_with(CoordinateFrame frame = CoordinateFrame::local_plane) {
+    Receiver receiver;
+    receiver.id = "primary";
+    Surface& stated = receiver.surface.emplace();
+    stated.place = "attempt.yaml:9:9";
+    stated.file = "course";
+    stated.source = "a survey";
+    stated.unit = "m";
+    stated.frame = StatedFrame{.kind = frame};
+    if (frame != CoordinateFrame::local_plane) stated.heights = SurfaceHeights::ellipsoid;
+    return receiver;
+}
+
+SurfaceTable read(const std::string& text, const Receiver& receiver,
+                  const std::string& triangles = {}) {
+    surface::SurfaceFiles files{.file = {.name = "course", .bytes = text}};
+    if (!triangles.empty())
+        files.triangles = RecordingBytes{.name = "triangles", .bytes = triangles};
+    const StreamedSurface streamed = surface::import_surface(receiver, files);
+    SurfaceTable table = streamed.head;
+    streamed.give([&](const SurfaceRow& row) { table.rows.push_back(row); });
+    // It is written and read as it is.
+    return read_surface(write_surface(table), "1-surface.ecsv");
+}
+
+std::string refused(const std::string& text, const Receiver& receiver = receiver_with(),
+                    const std::string& triangles = {}) {
+    try {
+        (void)read(text, receiver, triangles);
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return "accepted";
+}
+
+bool says(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+/// Two triangles over a square of 10 m that rises by 1 m towards north, the second clockwise.
+constexpr const char* obj = R"(# a course
+v 0 0 5
+v 10 0 5
+v 10 10 6
+v 0 10 6
+vn 0 0 1
+f 1 2 3
+f 1/1 4/1 -2/1
+)";
+
+constexpr const char* landxml = R"(<?xml version="1.0"?>
+<LandXML version="1.2" xmlns="http://www.landxml.org/schema/LandXML-1.2">
+<Units><Metric linearUnit="meter" elevationUnit="meter"/></Units>
+<Surfaces><Surface name="track"><Definition surfType="TIN">
+<Pnts><P id="7">0 0 5</P><P id="8">0 10 5</P><P id="20">10 10 6</P>
+<P id="21">10 0 6</P><P id="30">500 500 9</P></Pnts>
+<Faces><F>7 8 20</F><F>7 20 21</F>
+<F i="1">7 8 30</F></Faces></Definition></Surface></Surfaces></LandXML>
+)";
+
+constexpr const char* ply = R"(ply
+format ascii 1.0
+comment a course
+element vertex 4
+property float x
+property float y
+property uchar red
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 255 5
+10 0 255 5
+10 10 255 6
+0 10 255 6
+3 0 1 2
+3 0 2 3
+)";
+
+constexpr const char* vertices =
+    "vertex;x;y;z\n# corners\n11;0;0;5\n5;10;0;5\n6;10;10;6\n9;0;10;6\n";
+constexpr const char* triangles = "vertex_1,vertex_2,vertex_3\n11,5,6\n11,6,9\n";
+
+void expect_square(const SurfaceTable& table) {
+    EXPECT_EQ(table.found.vertices, 4);
+    EXPECT_EQ(table.found.triangles, 2);
+    EXPECT_NEAR(table.found.area_m2, 100.0, 0.1);
+    EXPECT_NEAR(table.found.edge_m, 10.0, 1e-3);
+    const Triangulation ground = surface_of(table, std::nullopt);
+    for (const Eigen::Vector2d& place : {Eigen::Vector2d(2.0, 7.0), Eigen::Vector2d(7.0, 2.0)}) {
+        const auto point = ground.at(place);
+        ASSERT_TRUE(point);
+        EXPECT_NEAR(point->up_m, 5.0 + 0.1 * place.y(), 1e-4);
+        EXPECT_GT(point->normal.z(), 0.9);
+        EXPECT_LT(point->normal.y(), -0.09);
+    }
+}
+
+TEST(SurfaceFormats, HoldTheSameSquare) {
+    const SurfaceTable from_obj = read(obj, receiver_with());
+    EXPECT_EQ(from_obj.format, "obj");
+    EXPECT_EQ(from_obj.found.turned, 1);
+    ASSERT_FALSE(from_obj.notes.empty());
+    EXPECT_TRUE(says(from_obj.notes.back(), "1 of 2 triangles are listed clockwise"));
+    expect_square(from_obj);
+    const SurfaceTable from_ply = read(ply, receiver_with());
+    EXPECT_EQ(from_ply.format, "ply");
+    EXPECT_EQ(from_ply.found.turned, 0);
+    expect_square(from_ply);
+    const SurfaceTable from_tables = read(vertices, receiver_with(), triangles);
+    EXPECT_EQ(from_tables.format, "csv");
+    expect_square(from_tables);
+    Receiver of_landxml = receiver_with();
+    of_landxml.surface->unit = "";
+    const SurfaceTable from_landxml = read(landxml, of_landxml);
+    EXPECT_EQ(from_landxml.format, "landxml");
+    EXPECT_EQ(from_landxml.found.invisible, 1);
+    EXPECT_EQ(from_landxml.found.unused, 1);
+    EXPECT_EQ(from_landxml.rows.at(3).source_line, 6);
+    expect_square(from_landxml);
+}
+
+TEST(SurfaceFormats, UnitsAxesAndHeightsAreThoseStated) {
+    Receiver receiver = receiver_with();
+    receiver.surface->unit = "ft";
+    EXPECT_NEAR(read(obj, receiver).found.area_m2, 100.0 * 0.3048 * 0.3048, 0.1);
+    receiver.surface->unit = "mm";
+    EXPECT_NEAR(read(obj, receiver).found.edge_m, 0.010, 1e-6);
+    // The square's neighbour axis: with north first it rises towards east, and is mirrored.
+    receiver = receiver_with();
+    receiver.surface->axes = "north-east-up";
+    const SurfaceTable mirrored = read(obj, receiver);
+    EXPECT_EQ(mirrored.found.turned, 1);
+    EXPECT_NEAR(surface_of(mirrored, std::nullopt).at({7.0, 2.0})->up_m, 5.7, 1e-4);
+}
+
+TEST(SurfaceFormats, OfTheEarthLieOnTheEllipsoid) {
+    const Geodetic corner{.latitude = Angle::from_degrees(-31.6),
+                          .longitude = Angle::from_degrees(136.0),
+                          .height_m = 110.0};
+    const LocalFrame frame(corner);
+    std::string geodetic, utm;
+    for (const auto& [east, north] : {std::pair(0.0, 0.0), {100.0, 0.0}, {0.0, 100.0}}) {
+        const Geodetic place = frame.geodetic_from_enu({{east, north, 0.01 * east}});
+        geodetic += fmt::format("v {:.10f} {:.10f} {:.4f}\n", place.longitude.degrees(),
+                                place.latitude.degrees(), place.height_m - 2.5);
+        const UtmCoordinates grid = utm_from_geodetic({.zone = 53, .northern = false}, place);
+        utm += fmt::format("v {:.4f} {:.4f} {:.4f}\n", grid.easting_m, grid.northing_m,
+                           place.height_m - 2.5);
+    }
+    Receiver receiver = receiver_with(CoordinateFrame::geodetic);
+    receiver.surface->heights = SurfaceHeights::geoid;
+    receiver.surface->undulation = 2.5;
+    const FrameOrigin origin{.position = corner, .source = "attempt"};
+    const auto expect_plane = [&](const SurfaceTable& table) {
+        EXPECT_TRUE(table.georeferenced);
+        EXPECT_EQ(table.undulation_m, 2.5);
+        EXPECT_NEAR(surface_of(table, origin).at({40.0, 30.0})->up_m, 0.4, 2e-3);
+        EXPECT_FALSE(surface_of(table, origin).at({60.0, 60.0}));
+        EXPECT_THROW(surface_of(table, std::nullopt), Failure);
+    };
+    expect_plane(read(geodetic + "f 1 2 3\n", receiver));
+    receiver.surface->frame = StatedFrame{.kind = CoordinateFrame::utm,
+                                          .utm_zone = UtmZone{.zone = 53, .northern = false}};
+    expect_plane(read(utm + "f 1 2 3\n", receiver));
+    EXPECT_TRUE(
+        says(refused(geodetic + "f 1 2 3\n", receiver), "course:1: the vertex is not where"));
+}
+
+TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
+    const auto text_of = [](const std::string& text) {
+        const auto section = surface::describe({.name = "day/course.xml", .bytes = text});
+        return section ? members_json(*section).dump() : std::string("nothing");
+    };
+    const std::string said = text_of(landxml);
+    for (const char* part : {"LandXML 1.2, a TIN", "0.000 to 500.000", "Easting", "meter",
+                             "file: course.xml", "frame: local_plane", "source: ..."})
+        EXPECT_TRUE(says(said, part)) << said;
+    EXPECT_TRUE(says(text_of(obj), "unit: ...  # m, mm, ft or us-ft"));
+    EXPECT_TRUE(
+        says(text_of("v 440000 7465000 27\n"), "frame: {utm: {zone: ..., hemisphere: ...}}"));
+    EXPECT_TRUE(says(text_of("v 136.01 -31.6 27\n"), "frame: geodetic"));
+    EXPECT_EQ(text_of("time,lat\n1,2\n"), "nothing");
+}
+
+TEST(SurfaceRefusals, NamePlaceAndRemedy) {
+    EXPECT_TRUE(says(refused("hello\n"), "attempt.yaml:9:9: \"course\" is no surface"));
+    EXPECT_TRUE(
+        says(refused("v 0 0 5\nv 1 0 5\nf 1 2 9\n"), "course:3:7: the triangle names vertex 9"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 x\n"), "course:2:7"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 0 1 5\nv 1 1 5\nf 1 2 3 4\n"), "4 corners"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\ncurv 1\n"), "is no line of a surface in OBJ"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 2 0 7\nf 1 2 3\n"),
+                     "triangle 1 (line 4) has no area in plan"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\n"), "the surface has no triangles"));
+    EXPECT_TRUE(says(refused("v 0 0 5\nv 1e300 0 5\nv 2 1 7\nf 1 2 3\n"),
+                     "vertex 2 is farther away than the Earth is wide"));
+    // A bridge over the course.
+    EXPECT_TRUE(says(refused(std::string(obj) + "v 2 2 9\nv 8 2 9\nv 2 8 9\nf 5 6 7\n"),
+                     "triangles 1 (line 7) and 3 (line 12) lie over the same ground"));
+    Receiver receiver = receiver_with();
+    receiver.surface->unit = "";
+    EXPECT_TRUE(says(refused(obj, receiver), "Add unit: m, mm, ft or us-ft"));
+    EXPECT_TRUE(says(refused(std::string(landxml).replace(std::string(landxml).find("\"meter\""), 7,
+                                                          "\"furlong\""),
+                             receiver),
+                     "\"furlong\" is no unit"));
+    receiver.surface->unit = "ft";
+    EXPECT_TRUE(
+        says(refused(landxml, receiver), "the file's unit is meter, and the attempt's is ft"));
+    receiver = receiver_with();
+    receiver.surface->frame.reset();
+    EXPECT_TRUE(says(refused(obj, receiver), "Add frame: geodetic, local_plane, or utm"));
+}
+
+TEST(SurfaceRefusals, OfLandXmlPlyAndTables) {
+    const auto changed = [](std::string text, const std::string& from, const std::string& to) {
+        return text.replace(text.find(from), from.size(), to);
+    };
+    EXPECT_TRUE(says(refused(changed(landxml, "surfType=\"TIN\"", "surfType=\"grid\"")),
+                     "of type \"grid\""));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "id=\"8\"", "id=\"7\"")), "two vertices have the number 7"));
+    EXPECT_TRUE(says(refused(changed(landxml, "<F>7 8 20</F>", "<F>7 8 99</F>")), "vertex 99"));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "0 10 5", "0 10")), "2 numbers where there are three"));
+    EXPECT_TRUE(says(refused(changed(landxml, "</Faces>", "</Face>")), "the XML cannot be read"));
+    EXPECT_TRUE(
+        says(refused(changed(landxml, "<Surface name",
+                             "<Surface name=\"other\"><Definition/></Surface><Surface name")),
+             "\"other\" and \"track\""));
+    EXPECT_TRUE(
+        says(refused(changed(ply, "ascii", "binary_little_endian")), "Export it as PLY ascii"));
+    EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3\n", "")), "ends before all"));
+    EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3", "3 0 2 4")), "they are 0 to 3"));
+    EXPECT_TRUE(says(refused(vertices, receiver_with(), changed(triangles, "11,6,9", "11,6,10")),
+                     "triangles:3:6: the triangle names vertex 10"));
+    EXPECT_TRUE(says(refused("a;b\n1;2\n", receiver_with(), triangles),
+                     "does not name the columns vertex, x, y, z"));
+}
+
+TEST(SurfaceRefusals, OfASurfaceThatTheRunItselfMade) {
+    SurfaceTable table;
+    table.made_from.push_back({.id = "earlier", .recordings = {"abc"}, .positions = 9});
+    EXPECT_NO_THROW(surface::require_of_another_run(receiver_with(), table, {"def"}, true));
+    EXPECT_THROW(surface::require_of_another_run(receiver_with(), table, {"def", "abc"}, true),
+                 Failure);
+    table.georeferenced = true;
+    EXPECT_THROW(surface::require_of_another_run(receiver_with(), table, {"def"}, false), Failure);
+}
+
+TEST(SurfaceFormats, AMillionTrianglesTakeSeconds) {
+    constexpr int side = 708;
+    std::string text;
+    for (int row = 0; row <= side; ++row)
+        for (int column = 0; column <= side; ++column)
+            text += fmt::format("v {} {} {}\n", 10 * column, 10 * row, 0.01 * row);
+    for (int row = 0; row < side; ++row)
+        for (int column = 0; column < side; ++column) {
+            const int corner = row * (side + 1) + column + 1;
+            text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", corner, corner + 1,
+                                corner + side + 2, corner + side + 1);
+        }
+    const std::clock_t before = std::clock();
+    const StreamedSurface streamed =
+        surface::import_surface(receiver_with(), {.file = {.name = "course", .bytes = text}});
+    EXPECT_EQ(streamed.head.found.triangles, 2 * side * side);
+    EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 60.0);
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

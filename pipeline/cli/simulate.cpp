@@ -87,9 +87,18 @@ Json receiver_of(const SimulationSpec& spec) {
             receiver["navigation"] = navigation_name;
         }
         if (spec.craft) add_craft(*spec.craft, spec.imu, receiver);
-        if (spec.surface)
+        if (spec.surface) {
+            constexpr double least_stated_m = 0.001;
             receiver["antenna_height_m"] =
                 spec.surface->below_m - spec.craft->antenna[2] - spec.craft->tape_error[2];
+            receiver["surface"] = {
+                {"file", surface_name},
+                {"frame", "local_plane"},
+                {"vertical_sd_m", std::max(spec.surface->vertical_sd_m, least_stated_m)},
+                {"tilt_max_deg", std::min(90.0, std::ceil(spec.craft->roll.amplitude_deg +
+                                                          spec.craft->pitch.amplitude_deg))},
+                {"source", "a survey, simulated"}};
+        }
         return receiver;
     }
     receiver["format"] = "csv";

@@ -171,10 +171,10 @@ std::vector<PositionFix> fixes_of(const InertialRunSpec& spec, std::uint64_t see
                                 spec.white_vertical_m);
     std::vector<PositionFix> fixes;
     for (const InertialTruth& epoch : truth)
-        fixes.push_back({.time_s = epoch.time_s,
-                         .enu_m = epoch.imu.position_m + epoch.imu.enu_from_body * antenna_m +
-                                  errors.next(),
-                         .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
+        fixes.push_back(
+            {.time_s = epoch.time_s,
+             .enu_m = epoch.imu.position_m + epoch.imu.enu_from_body * antenna_m + errors.next(),
+             .covariance_m2 = sigma.cwiseProduct(sigma).asDiagonal().toDenseMatrix()});
     return fixes;
 }
 
@@ -233,8 +233,7 @@ InertialRun simulate_inertial(const InertialRunSpec& spec) {
         add_points(antenna, reference_point, epochs[i], run.truth[i]);
     run.fixes = fixes_of(spec, spec.seed + 2'000'003, run.truth, spec.antenna_m);
     if (spec.second_antenna_m)
-        run.second_fixes =
-            fixes_of(spec, spec.seed + 3'000'003, run.truth, *spec.second_antenna_m);
+        run.second_fixes = fixes_of(spec, spec.seed + 3'000'003, run.truth, *spec.second_antenna_m);
     return run;
 }
 

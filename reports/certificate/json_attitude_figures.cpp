@@ -103,7 +103,7 @@ Json two_points(const AroundWindow& around, const TrajectoryTable& trajectory,
     Json figure = empty_figure(
         "points", "Antenna and reference point",
         "Horizontal speed of the antenna by the positions, and of the craft's reference point by "
-        "IMU and positions with a band of twice its standard uncertainty. Shaded: the window.",
+        "IMU and positions. Band: twice its standard uncertainty. Shaded: the window.",
         time_label, fmt::format("horizontal speed ({})", unit.name));
     Curve antenna({"antenna", "line", "orange"}), craft({"reference point", "line", "blue"});
     Range speeds;
@@ -170,6 +170,25 @@ class CraftDrawing {
         figure_["segments"].push_back(std::move(json));
     }
 
+    /// The surface in the plane, `half_m` to either side of the reference point. Without one there,
+    /// a level line.
+    void draw_ground(const AttitudeEpoch& row, const Triangulation* surface,
+                     const Eigen::Vector3d& axis, double at_m, const std::string& name) {
+        const double half_m = 0.5 * size_m();
+        const Eigen::Vector2d place(*row.reference_east_m, *row.reference_north_m);
+        constexpr int steps = 20;
+        std::vector<Eigen::Vector2d> ground;
+        for (int i = 0; surface != nullptr && i <= steps; ++i) {
+            const double across_m = half_m * (2.0 * i / steps - 1.0);
+            if (const auto below = surface->at(place + across_m * axis.head<2>()))
+                ground.emplace_back(at_m + across_m, below->up_m - *row.reference_up_m);
+        }
+        if (ground.size() < 2)
+            line("level, " + name, {{at_m - half_m, 0.0}, {at_m + half_m, 0.0}});
+        else
+            line("surface, " + name, ground);
+    }
+
     void finish() {
         const double room = 0.1 * size_m();
         set_axes(figure_, *across_.least - room, *across_.most + room, *up_.least - room,
@@ -183,18 +202,20 @@ class CraftDrawing {
 };
 
 /// The craft to scale where the window begins and where it ends, from the side or from behind.
-Json craft_to_scale(const AttitudeTable& table, const AttitudeEpoch& start,
+Json craft_to_scale(const ReceiverResults& results, const AttitudeEpoch& start,
                     const AttitudeEpoch& end, bool from_behind) {
     Json figure = empty_figure(
         from_behind ? "craft_behind" : "craft",
         from_behind ? "The craft from behind" : "The craft from its right side",
-        fmt::format("To scale, at the beginning of the window (left) and at its end: craft, and "
-                    "the line from its reference point to the antenna. {}",
+        fmt::format("To scale, at the beginning of the window (left) and at its end: craft, the "
+                    "line from its reference point to the antenna, and the surface, or else the "
+                    "level. {}",
                     from_behind ? "Its right is to the right." : "It goes towards the right."),
         from_behind ? "across the course (m)" : "along the course (m)",
         "above the reference point (m)");
     figure["equal_scale"] = true;
-    CraftDrawing drawing(table, figure);
+    const Triangulation* const surface = results.surface ? &*results.surface : nullptr;
+    CraftDrawing drawing(*results.attitude, figure);
     double at_m = 0.0;
     for (const auto& [row, name] : {std::pair{&start, "begin"}, std::pair{&end, "end"}}) {
         const Eigen::Vector3d along = Eigen::Vector3d(*row->reference_velocity_east_m_s,
@@ -203,8 +224,7 @@ Json craft_to_scale(const AttitudeTable& table, const AttitudeEpoch& start,
         const Eigen::Vector3d right(along.y(), -along.x(), 0.0);
         drawing.draw(*row, from_behind ? right : along,
                      from_behind ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitX(), at_m, name);
-        const double half_m = 0.5 * drawing.size_m();
-        drawing.line(std::string("level, ") + name, {{at_m - half_m, 0.0}, {at_m + half_m, 0.0}});
+        drawing.draw_ground(*row, surface, from_behind ? right : along, at_m, name);
         at_m += 1.5 * drawing.size_m();
     }
     drawing.finish();
@@ -213,8 +233,10 @@ Json craft_to_scale(const AttitudeTable& table, const AttitudeEpoch& start,
 
 }  // namespace
 
-std::vector<Json> attitude_figures(const AttitudeTable& table, const TrajectoryTable& trajectory,
-                                   const RuleView& rule) {
+std::vector<Json> attitude_figures(const ReceiverResults& results, const RuleView& rule) {
+    if (!results.attitude) return {};
+    const AttitudeTable& table = *results.attitude;
+    const TrajectoryTable& trajectory = results.trajectory;
     const WindowSpan& window = *rule.verdict.window;
     const AroundWindow around = attitudes_around(table, window);
     constexpr std::size_t least_epochs = 2;
@@ -229,7 +251,7 @@ std::vector<Json> attitude_figures(const AttitudeTable& table, const TrajectoryT
     const AttitudeEpoch& start = *nearest(window.start.seconds());
     const AttitudeEpoch& end = *nearest(window.start.seconds() + window.duration.seconds());
     for (const bool from_behind : {false, true})
-        figures.push_back(craft_to_scale(table, start, end, from_behind));
+        figures.push_back(craft_to_scale(results, start, end, from_behind));
     return figures;
 }
 

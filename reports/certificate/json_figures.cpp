@@ -382,8 +382,8 @@ Json figures_json(const ReportInputs& inputs) {
     figures.push_back(track_figure(inputs));
     for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})
         if (!figure.is_null()) figures.push_back(figure);
-    if (judged.attitude && seen != rules.end())
-        for (Json& figure : attitude_figures(*judged.attitude, judged.trajectory, *seen))
+    if (seen != rules.end())
+        for (Json& figure : attitude_figures(judged, *seen))
             figures.push_back(std::move(figure));
     if (judged.phase_view && seen != rules.end())
         for (Json& figure : phase_figures(*judged.phase_view, *seen->verdict.window))

@@ -32,9 +32,9 @@ void add_phase_speed(Json& figure, const PhaseView& view, const SpeedUnit& unit)
 std::vector<Json> phase_figures(const PhaseView& view, const WindowSpan& window);
 
 /// Around the window of a rule: roll and pitch, heading and course, the speeds of antenna and
-/// reference point, and the craft to scale. None where fewer than two epochs have an attitude.
-std::vector<Json> attitude_figures(const AttitudeTable& table, const TrajectoryTable& trajectory,
-                                   const RuleView& rule);
+/// reference point, and the craft to scale on its surface. None without an IMU, or where fewer than
+/// two epochs have an attitude.
+std::vector<Json> attitude_figures(const ReceiverResults& results, const RuleView& rule);
 
 /// Least and largest of what was seen.
 struct Range {

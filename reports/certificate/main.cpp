@@ -17,6 +17,7 @@
 #include "trust/attestation.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
+#include "witness/surface_input.h"
 
 using namespace runcert;
 
@@ -51,9 +52,11 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     ReceiverResults results;
     results.observations = run.read(products::observations, receiver, read_observations);
     if (has_imu(receiver)) run.note_file("imu", run.file_of(products::imu, receiver));
-    if (has_surface(receiver)) run.note_file("surface", run.file_of(products::surface, receiver));
     results.enu_header = run.read(products::enu, receiver, read_enu).header;
     results.screened = run.read(products::screened, receiver, read_screened);
+    if (has_surface(receiver))
+        results.surface = surface_of(run.read(products::surface, receiver, read_surface),
+                                     results.screened.origin);
     const auto read_the_rest = [&] {
         results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
         if (has_imu(receiver))

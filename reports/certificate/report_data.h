@@ -16,6 +16,7 @@
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "store/program.h"
+#include "surface/triangulation.h"
 #include "witness/screened_phases.h"
 
 namespace runcert {
@@ -75,6 +76,7 @@ struct ReceiverResults {
     std::optional<PhaseView> phase_view = {};
     TrajectoryTable trajectory;
     std::optional<AttitudeTable> attitude = {};  ///< by its IMU
+    std::optional<Triangulation> surface = {};   ///< that it ran on, in the run's frame
     Windows windows;
 };
 

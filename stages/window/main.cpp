@@ -46,8 +46,7 @@ std::shared_ptr<const InertialSolution> inertial_solution(
     const ReceiverTables& tables, const std::optional<SecondAntenna>& second,
     const AttitudeTable& attitude) {
     if (attitude.consistency.epochs == 0) return std::make_shared<const InertialSolution>();
-    InertialInput input =
-        inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
+    InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
     take_solution(attitude, input.setup);
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     if (attitude.consistency.standing == InertialStanding::noise_too_large)
@@ -75,8 +74,7 @@ void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
         std::optional<SecondAntenna> second;
         if (other && i == 0) second.emplace(tables[1].screened, *other->lever_arm);
         tables[i].inertial = inertial_solution(
-            tables[i], second,
-            run.read(products::attitude, attempt.receivers[i], read_attitude));
+            tables[i], second, run.read(products::attitude, attempt.receivers[i], read_attitude));
     }
 }
 

@@ -73,8 +73,9 @@ class MastRun {
                                rate.x(), rate.y(), rate.z(), force.x(), force.y(), force.z());
         }
         write_file_atomically(folder_.path() / "imu.csv", imu);
-        write_file_atomically(folder_.path() / "attempt.yaml",
-                              fmt::format(R"(schema: attempt/1.0
+        write_file_atomically(
+            folder_.path() / "attempt.yaml",
+            fmt::format(R"(schema: attempt/1.0
 id: mast
 craft: {{name: simulated yacht, class: land-yacht}}
 place: a simulated lake
@@ -92,8 +93,7 @@ receivers:
 {}record: {{speed: 150, unit: km/h, source: "a simulation"}}
 profiles: [{}]
 )",
-                                          described, attempt.antenna_down_m, second,
-                                          attempt.profiles));
+                        described, attempt.antenna_down_m, second, attempt.profiles));
         write_craft_rule();
     }
     fs::path folder() const { return folder_.path() / "run"; }

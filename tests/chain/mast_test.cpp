@@ -219,12 +219,11 @@ TEST(MastExample, UnderARuleOfTheCraftNothingIsBeaten) {
         double fastest_m_s = 0.0;
         const auto& truth = example.truth();
         for (std::size_t i = 0; i + 30 < truth.size(); ++i)
-            fastest_m_s = std::max(
-                fastest_m_s,
-                std::hypot(truth[i + 30].at("reference_east_m") - truth[i].at("reference_east_m"),
-                           truth[i + 30].at("reference_north_m") -
-                               truth[i].at("reference_north_m")) /
-                    3.0);
+            fastest_m_s = std::max(fastest_m_s, std::hypot(truth[i + 30].at("reference_east_m") -
+                                                               truth[i].at("reference_east_m"),
+                                                           truth[i + 30].at("reference_north_m") -
+                                                               truth[i].at("reference_north_m")) /
+                                                    3.0);
         EXPECT_LT(fastest_m_s - craft_m_s, 2.0 * window.standard_uncertainty_m_s);
     }
 }

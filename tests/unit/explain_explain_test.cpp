@@ -69,6 +69,7 @@ Profile profile() {
                        clause("satellites", 5.0, "satellites"),
                        clause("least_speed", 5.0, "kn"),
                        clause("device_deduction"),
+                       clause("speed_of"),
                        clause("sail_area"),
                        clause("counted_part"),
                        clause("start_height", 4277.0, "m"),

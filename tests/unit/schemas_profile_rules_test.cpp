@@ -203,7 +203,7 @@ TEST(ProfileRule, BadInputIsNamedWithItsPlaceAndRemedy) {
          "0.5 is below 0.51"},
         {"title: top speed", "title: top speed\ncurrent: subtracted\nopposite_runs: {within_s: 60}",
          "p:5:10", "the current is known along one window"},
-        {"displacement}", "mean_n, source: velocity}\nspeed_of: reference_point", "p:7:11",
+        {"displacement}", "mean_n, source: velocity}\nspeed_of: reference_point", "p:6:11",
          "recorded velocities are those of the antenna"},
         {"title: top speed", "title: top speed\ncurrent: added", "p:5:10",
          "\"added\" is not one of ignored, subtracted"},

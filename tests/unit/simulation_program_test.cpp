@@ -224,23 +224,14 @@ TEST_F(SimulateProgram, WritesWhatATapeFoundAndTheImuBesideIt) {
     for (const char* file :
          {"recording.pos", "truth.csv", "attempt.yaml", "imu.csv", "wheel.csv", "surface.xml"})
         EXPECT_TRUE(text_of(folder_ / "imu" / file) == text_of(folder_ / "again" / file)) << file;
-    // Without an IMU the arm from the antenna is stated, and a bound of the attitude.
+    // Without an IMU the antenna's height is stated, and bounds of the attitude.
     ASSERT_EQ(simulate(write_spec(craft), folder_ / "none"), 0) << errors();
     const std::string without = text_of(folder_ / "none/attempt.yaml");
-    EXPECT_NE(without.find("lever_arm_m:\n      forward: -0.5\n      right: 0.25\n      down: "
-                           "10.375\n    rotation_bound_deg: 20.0\n"),
+    EXPECT_NE(without.find("antenna_motion:\n      height_m: 10.375\n      roll_deg: 10.0\n      "
+                           "pitch_deg: 0.0\n      roll_period_s: 2.0\n      leeway_deg: 0.0\n"),
               std::string::npos)
         << without;
     EXPECT_EQ(without.find(" imu:"), std::string::npos);
-    ASSERT_EQ(simulate(write_spec(minimal + on_the_earth +
-                                  "craft: {antenna_m: {forward: 0, right: 0, down: -1}, roll: "
-                                  "{amplitude_deg: 60, frequency_hz: 0.1}, pitch: {amplitude_deg: "
-                                  "60, frequency_hz: 0.1}}\n"),
-                       folder_ / "wild"),
-              0)
-        << errors();
-    EXPECT_NE(text_of(folder_ / "wild/attempt.yaml").find("rotation_bound_deg: 180.0\n"),
-              std::string::npos);
     EXPECT_TRUE(text_of(folder_ / "none/recording.pos") == text_of(folder_ / "imu/recording.pos"));
 }
 

@@ -158,7 +158,7 @@ TEST(IndicatedWindow, IsShownWhateverItsRowsWereLeftOutFor) {
         EXPECT_LT(shown->speed_m_s, 61.0);
         EXPECT_FALSE(shown->refusals.empty());
     }
-    EXPECT_EQ(reasons, 22U);
+    EXPECT_EQ(reasons, 23U);
 }
 
 }  // namespace

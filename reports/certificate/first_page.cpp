@@ -83,6 +83,24 @@ std::string window_line(const RuleView& rule) {
     return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
 }
 
+/// Of which point of the craft the speed is, and what the other one did; empty where neither rule
+/// nor IMU says anything of points.
+std::string point_words(const RuleView& rule) {
+    const auto& counted_point = rule.profile.speed_of;
+    if (rule.best() == nullptr) return {};
+    const CraftSpeeds& points = rule.best()->points;
+    if (!counted_point && !points.antenna_speed_m_s) return {};
+    const std::string point(words_of(counted_point.value_or(SpeedOf::antenna)));
+    if (!points.reference_point_speed_m_s) return point;
+    if (counted_point == SpeedOf::reference_point)
+        return fmt::format("{}; the antenna made {}", point,
+                           speed_beside(rule.verdict, *points.antenna_speed_m_s, rule.unit().name));
+    return fmt::format(
+        "{}; the craft's reference point made {}", point,
+        speed_with_uncertainty_text(*points.reference_point_speed_m_s,
+                                    *points.reference_point_expanded_uncertainty_m_s, rule.unit()));
+}
+
 void add_result(Section& page, const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
     const ShownFigures shown = rule.shown();
@@ -94,6 +112,7 @@ void add_result(Section& page, const RuleView& rule) {
     const auto with_unit = [&](const std::string& figure) {
         return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
     };
+    if (const std::string of = point_words(rule); !of.empty()) add_fact(list, "Speed of", of);
     if (verdict.speed_m_s) add_fact(list, "Required speed", with_unit(shown.required_speed));
     if (verdict.speed_m_s) add_fact(list, "Acceptance limit", with_unit(shown.acceptance_limit));
     if (verdict.record) add_fact(list, "Record to beat", record_text(*verdict.record));

@@ -293,10 +293,14 @@ std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context
             "a second computation, from the raw signals handed in, gives {}; {} (normalised error "
             "{:.2f}, at most 1); that the receiver wrote them is to be attested",
             shown.other, agreement, one.normalised_error);
+    const std::string_view positions =
+        one.kind != WitnessKind::positions && context.profile.speed_of == SpeedOf::reference_point
+            ? "the antenna by the positions"
+            : compared_with(one.kind);
     return fmt::format(
         "{} give {} over the window, {} against the {} of {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), shown.other,
-        shown.difference, shown.judged, compared_with(one.kind), one.normalised_error);
+        shown.difference, shown.judged, positions, one.normalised_error);
 }
 
 std::string indicated_text(const ClauseContext& context) {

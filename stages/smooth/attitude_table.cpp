@@ -49,8 +49,9 @@ Doubted doubted_for(const InertialDoubt& doubt) {
                     "the antenna is above the IMU. Measure it."};
         case InertialFinding::noise_large:
             return {InertialStanding::noise_too_large,
-                    "No noise of an IMU of its class explains the positions. It may not have been "
-                    "fixed to the craft, or it belongs to another run."};
+                    "No noise of an IMU of its class explains the positions. The IMU was not fixed "
+                    "to the craft, belongs to another run, or the receiver filtered its "
+                    "positions."};
         case InertialFinding::not_converged:
             return {InertialStanding::not_aligned,
                     "The attitude still turned when the solution was repeated: no start of it "

@@ -102,6 +102,7 @@ alpha:
   body: a body
   title: a title
   window: {kind: alpha, distance_m: 200, definition: path_length, proximity_m: 50, turn_deg: 90}
+  speed_of: antenna
   margin: {kind: absolute, value: 0, unit: km/h}
   clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
 part:
@@ -120,7 +121,6 @@ pair:
   title: a title
   window: {duration_s: 2, definition: path_length}
   opposite_runs: {within_s: 600}
-  speed_of: antenna
   margin: {kind: relative, value: 0.002}
   clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
 )yaml";
@@ -197,6 +197,11 @@ inline constexpr const char* claim_changes = R"yaml(
 )yaml";
 
 inline constexpr const char* receiver_changes = R"yaml(
+- {key: "receivers[].antenna_motion.height_m", set: {/attempt/receivers/1/antenna_motion/height_m: 3}, redoes: window}
+- {key: "receivers[].antenna_motion.roll_deg", set: {/attempt/receivers/1/antenna_motion/roll_deg: 6}, redoes: window}
+- {key: "receivers[].antenna_motion.pitch_deg", set: {/attempt/receivers/1/antenna_motion/pitch_deg: 3}, redoes: window}
+- {key: "receivers[].antenna_motion.roll_period_s", set: {/attempt/receivers/1/antenna_motion/roll_period_s: 4}, redoes: window}
+- {key: "receivers[].antenna_motion.leeway_deg", set: {/attempt/receivers/1/antenna_motion/leeway_deg: 5}, redoes: window}
 - {key: "receivers[].id", set: {/attempt/receivers/1/id: third}, redoes: import enu screen smooth window}
 - {key: receivers, set: {/attempt/receivers/1: null}, redoes: import enu screen smooth window}
 - {key: "receivers[].recording", set: {/attempt/receivers/0/recording: b.pos}, redoes: import}
@@ -274,6 +279,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: window.proximity_m, set: {/rules/alpha/window/proximity_m: 40}, redoes: window}
 - {key: window.turn_deg, set: {/rules/alpha/window/turn_deg: 80}, redoes: window}
 - {key: window.repaired_steps, set: {/rules/time/window/repaired_steps: true}, redoes: window}
+- {key: speed_of, set: {/rules/alpha/speed_of: reference_point}, redoes: window}
 - {key: opposite_runs.within_s, set: {/rules/pair/opposite_runs/within_s: 700}, redoes: window}
 )yaml";
 

@@ -10,7 +10,8 @@
 namespace runcert {
 
 /// An IMU as a witness of the antenna's displacement. Of each span the positions are left out, so
-/// that only those before and after align it; its error is that of carrying their motion across.
+/// that only those before and after align it; its error is twice that stated for carrying their
+/// motion across.
 ///
 /// It can only contradict: what the positions err by for longer than the span, it takes for motion
 /// of the craft. It says nothing of spans that reach beyond its solution or across a gap in

@@ -380,7 +380,8 @@ Json figures_json(const ReportInputs& inputs) {
         figures.push_back(std::move(figure));
     figures.push_back(speed_figure(judged, rules));
     figures.push_back(track_figure(inputs));
-    for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})
+    for (const Json& figure :
+         std::array{ground_figure(inputs), residual_figure(judged), test_figure(judged.screened)})
         if (!figure.is_null()) figures.push_back(figure);
     if (seen != rules.end())
         for (Json& figure : attitude_figures(judged, *seen))

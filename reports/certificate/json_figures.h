@@ -22,6 +22,9 @@ Json place_figure(const ReportInputs& inputs);
 /// The speed over each rule's length all along the run ([DHD22] (27), figure 11): a figure for each
 /// dimension that a rule counts, of the rules that have such a speed.
 std::vector<Json> average_figures(const ReportInputs& inputs);
+/// Heights along the track: the surface below it, and the antenna less its height above the ground;
+/// null without a surface there.
+Json ground_figure(const ReportInputs& inputs);
 /// Measured less smoothed positions; null where no epoch has both.
 Json residual_figure(const ReceiverResults& results);
 /// The statistics of screening's tests over their thresholds; null where there are none.

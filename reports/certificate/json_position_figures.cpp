@@ -6,6 +6,7 @@
 #include "core/geodesy.h"
 #include "core/rounding.h"
 #include "reports/certificate/json_figures.h"
+#include "witness/surface_input.h"
 
 namespace runcert {
 namespace {
@@ -229,6 +230,50 @@ Json place_figure(const ReportInputs& inputs) {
     figure["figure"] = "place";
     figure["figure_title"] = "Track and window";
     figure["caption"] = "Blue: the track, north up where that is known; orange: the window.";
+    return figure;
+}
+
+Json ground_figure(const ReportInputs& inputs) {
+    const ReceiverResults& judged = inputs.receivers.front();
+    if (!judged.surface) return nullptr;
+    Json figure = empty_figure(
+        "ground", "The track on its surface",
+        "Along the track: the surface below it, and the antenna by the smoothed positions less its "
+        "stated height above the ground.",
+        "length of the track (m)", "height in the frame of the origin (m)");
+    Curve ground({"surface", "line", "green", 2, 3}),
+        track({"antenna, lowered", "line", "blue", 2, 3});
+    const double antenna_height_m = inputs.attempt.receivers.front().antenna_height_m.value_or(0.0);
+    const auto& rows = judged.trajectory.rows;
+    const std::size_t every = thinning(rows.size());
+    Range lengths, heights;
+    std::optional<Eigen::Vector3d> before;
+    double length_m = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const TrajectoryEpoch& row = rows[i];
+        if (!row.arc || !row.east_m || !row.north_m || !row.up_m) continue;
+        const Eigen::Vector3d place = in_frame_of_origin(judged.trajectory.origin, row.time,
+                                                         {*row.east_m, *row.north_m, *row.up_m});
+        if (before) length_m += (place - *before).head<2>().norm();
+        before = place;
+        if (i % every != 0) continue;
+        const auto below = judged.surface->at(place.head<2>());
+        if (!below) {
+            ground.interrupt();
+            track.interrupt();
+            continue;
+        }
+        const double lowered_m = place.z() - antenna_height_m;
+        ground.add(length_m, below->up_m);
+        track.add(length_m, lowered_m);
+        lengths.widen(length_m);
+        heights.widen(below->up_m);
+        heights.widen(lowered_m);
+    }
+    if (ground.size() < 2) return nullptr;
+    ground.add_to(figure);
+    track.add_to(figure);
+    set_axes(figure, *lengths.least, *lengths.most, *heights.least, *heights.most);
     return figure;
 }
 

@@ -177,6 +177,7 @@ Section run_section(const ReportInputs& inputs, const Json& figures) {
     Section section{.anchor = "run", .title = "Run and course"};
     add(section, plots_of(figures, "speed"));
     add(section, plots_of(figures, "track"));
+    add(section, plots_of(figures, "ground"));
     if (figures.empty())
         add(section, paragraph("There is nothing to draw: no stretch of the recording could be "
                                "estimated."));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
 

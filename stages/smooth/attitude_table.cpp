@@ -133,6 +133,22 @@ void judge_mount(const InertialSolution& solution, EstimatedMount& mount) {
             "is turned in the craft, mount_deg says so.";
 }
 
+/// A straight run determines a displacement whichever way the IMU points, but not where another
+/// point of the craft is. No craft goes so far from where it heads.
+void refuse_wrong_axes(AttitudeTable& attitude) {
+    constexpr double most_deg = 30.0;
+    const auto& remaining = attitude.mount.remaining;
+    InertialConsistency& found = attitude.consistency;
+    if (!remaining || found.standing != InertialStanding::consistent ||
+        std::max(std::abs(remaining->pitch), std::abs(remaining->yaw)) <= most_deg)
+        return;
+    found.standing = InertialStanding::axes_wrong;
+    found.reason = fmt::format(
+        "Against course and level the axes of the IMU are turned by {:.0f} degrees in pitch and "
+        "{:.0f} in yaw: axes or mount_deg of the attempt are wrong.",
+        remaining->pitch, remaining->yaw);
+}
+
 void set_point(AttitudeEpoch& row, const PointMotion& point) {
     const Eigen::Vector3d position_sigma = point.position_covariance_m2.diagonal().cwiseSqrt();
     const Eigen::Vector3d velocity_sigma = point.velocity_covariance_m2_s2.diagonal().cwiseSqrt();
@@ -255,6 +271,7 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
     const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, attitude);
+    refuse_wrong_axes(attitude);
     set_rows(solution, input.setup.origin, attitude);
     if (second) compare_headings(solution, input.setup, second->screened.facts.receiver, attitude);
     return attitude;

@@ -49,8 +49,12 @@ std::shared_ptr<const InertialSolution> inertial_solution(
     InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
     take_solution(attitude, input.setup);
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
-    if (attitude.consistency.standing == InertialStanding::noise_too_large)
-        solution.consistency.doubts.push_back({.finding = InertialFinding::noise_large});
+    const InertialStanding standing = attitude.consistency.standing;
+    if (standing != InertialStanding::consistent)
+        solution.consistency.doubts.push_back(
+            {.finding = standing == InertialStanding::noise_too_large
+                            ? InertialFinding::noise_large
+                            : InertialFinding::innovations_large});
     return std::make_shared<const InertialSolution>(std::move(solution));
 }
 
@@ -71,8 +75,9 @@ void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
     const Receiver* const other = second_on_craft(attempt);
     for (std::size_t i = 0; i < tables.size(); ++i) {
         if (!tables[i].imu) continue;
-        std::optional<SecondAntenna> second;
-        if (other && i == 0) second.emplace(tables[1].screened, *other->lever_arm);
+        const auto second =
+            other && i == 0 ? std::optional(SecondAntenna{tables[1].screened, *other->lever_arm})
+                            : std::nullopt;
         tables[i].inertial = inertial_solution(
             tables[i], second, run.read(products::attitude, attempt.receivers[i], read_attitude));
     }

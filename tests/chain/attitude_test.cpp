@@ -44,6 +44,7 @@ struct MastAttempt {
     double drift_m_s = 0.0;     ///< of the positions, towards where the craft goes
     double drift_from_s = 0.0;  ///< for 3 s
     std::string profiles = "nalsa";
+    std::string axes = "{x: forward, y: right, z: down}";
     Eigen::Vector3d second_m = Eigen::Vector3d::Zero();  ///< of the second antenna, if there is one
 };
 
@@ -86,14 +87,14 @@ receivers:
 {}    imu:
       file: imu.csv
       columns: {{time: time, gyro_x: gx, gyro_y: gy, gyro_z: gz, accelerometer_x: ax, accelerometer_y: ay, accelerometer_z: az}}
-      axes: {{x: forward, y: right, z: down}}
+      axes: {}
       grade: mems
       antenna_m: {{forward: 0.0, right: 0.0, down: {:.2f}}}
       reference_point_m: {{forward: 0.0, right: 0.0, down: 0.0}}
 {}record: {{speed: 150, unit: km/h, source: "a simulation"}}
 profiles: [{}]
 )",
-                        described, attempt.antenna_down_m, second, attempt.profiles));
+                        described, attempt.axes, attempt.antenna_down_m, second, attempt.profiles));
         write_craft_rule();
     }
     fs::path folder() const { return folder_.path() / "run"; }
@@ -240,6 +241,21 @@ TEST(MastChain, WhereImuAndPositionsDoNotAgreeThereIsNoSecondSpeedButAReason) {
         EXPECT_FALSE(run.window().points.reference_point_speed_m_s);
         EXPECT_TRUE(run.window().points.antenna_speed_m_s);
     }
+}
+
+// Reversed on a straight run: displacements are right, and places on the craft are not.
+TEST(MastChain, AxesThatPointBackwardsAreRefused) {
+    InertialRunSpec spec = mast_spec();
+    spec.antenna_m = {0.0, 0.0, -1.0};
+    spec.roll_deg = 2.0;
+    spec.pitch_deg = 1.0;
+    const MastRun run(spec, {.antenna_down_m = -1.0, .axes = "{x: -forward, y: -right, z: down}"});
+    ASSERT_NE(run.certified().exit_status, 2);
+    const AttitudeTable attitude = run.attitude();
+    EXPECT_NE(attitude.consistency.standing, InertialStanding::consistent);
+    EXPECT_NE(attitude.consistency.reason.find("axes"), std::string::npos)
+        << attitude.consistency.reason;
+    EXPECT_FALSE(run.window().points.reference_point_speed_m_s);
 }
 
 TEST(MastChain, ARuleThatCountsTheCraftJudgesTheHull) {

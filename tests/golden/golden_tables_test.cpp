@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "golden_files.h"
 
 // Tables: what today's reader finds in the golden files of the stages.

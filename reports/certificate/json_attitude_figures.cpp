@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "core/angle.h"
-#include "core/rounding.h"
 #include "inertial/attitude.h"
 #include "reports/certificate/json_figures.h"
 
@@ -160,14 +159,11 @@ class CraftDrawing {
     }
 
     void line(const std::string& name, const std::vector<Eigen::Vector2d>& points) {
-        Json json{{"segment_name", name}, {"x", Json::array()}, {"y", Json::array()}};
         for (const Eigen::Vector2d& point : points) {
-            json["x"].push_back(rounded(point.x(), 3));
-            json["y"].push_back(rounded(point.y(), 3));
             across_.widen(point.x());
             up_.widen(point.y());
         }
-        figure_["segments"].push_back(std::move(json));
+        figure_["segments"].push_back(segment(name, points));
     }
 
     /// The surface in the plane, `half_m` to either side of the reference point. Without one there,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -93,6 +94,8 @@ void add_level(Json& figure, const std::string& name, double level);
 /// Adds the required speed of a rule, where it has one, as a level that widens the range.
 void add_required_speed(Json& figure, Range& speeds, const ProfileVerdict& verdict,
                         const SpeedUnit& unit);
+/// A line through points, as `figures[].segments[]` of the report.
+Json segment(const std::string& name, const std::vector<Eigen::Vector2d>& points);
 void add_mark(Json& figure, const std::string& name, double x, double y);
 
 /// A line is thinned to about as many points as a page can show: of so many rows one is drawn.

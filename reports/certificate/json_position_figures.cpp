@@ -29,15 +29,6 @@ std::optional<Eigen::Vector2d> in_frame(const CoursePoint& point,
     return PlaceFrames(*origin).on_the_ground_m(*point.geodetic);
 }
 
-Json segment(const std::string& name, const std::vector<Eigen::Vector2d>& points) {
-    Json json{{"segment_name", name}, {"x", Json::array()}, {"y", Json::array()}};
-    for (const Eigen::Vector2d& point : points) {
-        json["x"].push_back(rounded(point.x(), 3));
-        json["y"].push_back(rounded(point.y(), 3));
-    }
-    return json;
-}
-
 void add_gates(Json& figure, Extent& extent, const Course& course,
                const std::optional<FrameOrigin>& origin) {
     for (const auto& [name, line] :
@@ -193,6 +184,15 @@ void add_bounds(Json& figure, const std::vector<Residual>& residuals) {
 }
 
 }  // namespace
+
+Json segment(const std::string& name, const std::vector<Eigen::Vector2d>& points) {
+    Json json{{"segment_name", name}, {"x", Json::array()}, {"y", Json::array()}};
+    for (const Eigen::Vector2d& point : points) {
+        json["x"].push_back(rounded(point.x(), 3));
+        json["y"].push_back(rounded(point.y(), 3));
+    }
+    return json;
+}
 
 Json track_figure(const ReportInputs& inputs) {
     const TrajectoryTable& table = inputs.receivers.front().trajectory;

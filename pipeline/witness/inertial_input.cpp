@@ -113,13 +113,31 @@ AntennaBaseline baseline_of(const ImuTable& imu, const ScreenedTable& screened,
     return baseline;
 }
 
+/// The class stated, or else that whose gyros have at most three times the bias of the figures
+/// stated.
+ImuClass class_of(const std::optional<ImuGrade>& grade) {
+    constexpr double like = 3.0;
+    if (!grade) return ImuClass::consumer;
+    if (!grade->errors)
+        return grade->name == "tactical" ? ImuClass::tactical
+               : grade->name == "mems"   ? ImuClass::mems
+                                         : ImuClass::consumer;
+    for (const ImuClass one : {ImuClass::tactical, ImuClass::mems})
+        if (noise_of(*grade->errors).gyro_bias_rad_s <= like * imu_noise(one).gyro_bias_rad_s)
+            return one;
+    return ImuClass::consumer;
+}
+
+/// Standard uncertainty of the arm to the antenna: as measured, and as the IMU's axes err.
+double arm_sigma_m(const ImuTable& imu) {
+    return std::hypot(imu.arm_sigma_m,
+                      axes_error(class_of(imu.grade)) * vector_of(imu.antenna).norm());
+}
+
 }  // namespace
 
 ImuNoise imu_noise(const std::optional<ImuGrade>& grade) {
-    if (grade && grade->errors) return noise_of(*grade->errors);
-    if (grade && grade->name == "tactical") return imu_noise(ImuClass::tactical);
-    if (grade && grade->name == "mems") return imu_noise(ImuClass::mems);
-    return imu_noise(ImuClass::consumer);
+    return grade && grade->errors ? noise_of(*grade->errors) : imu_noise(class_of(grade));
 }
 
 const Receiver* second_on_craft(const Attempt& attempt) {
@@ -137,7 +155,7 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                         .setup = {.origin = screened.origin->position,
                                   .noise = imu_noise(imu.grade),
                                   .antenna_m = vector_of(imu.antenna),
-                                  .antenna_sigma_m = imu.arm_sigma_m}};
+                                  .antenna_sigma_m = arm_sigma_m(imu)}};
     if (second) input.setup.baseline = baseline_of(imu, screened, *second);
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);
     const NoiseSummary& noise = trajectory.estimation.horizontal.noise;

@@ -160,6 +160,22 @@ std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& 
     return blocks;
 }
 
+/// Where the craft stood, and what its positions moved there.
+Block stand_table(const std::vector<Stand>& stands) {
+    Block table_of_stands = table({">From, s", ">To, s", "Shown by", ">Moved in 3 s, mm",
+                                   ">By what is stated, mm"},
+                                  "Where the craft stood");
+    const auto millimetres = [](const std::optional<double>& length_m) {
+        return length_m ? format_fixed(1e3 * *length_m, 1) : std::string();
+    };
+    for (const Stand& stand : stands)
+        add_row(table_of_stands,
+                {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
+                 std::string(to_text(stand.shown_by)), millimetres(stand.moved_m),
+                 millimetres(stand.stated_m)});
+    return table_of_stands;
+}
+
 std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRecord& one,
                                        bool all) {
     const Windows& windows = *one.windows;
@@ -167,6 +183,7 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
                                                counted(std::ssize(windows.profiles), "rule"), all);
     add(blocks, parameter_blocks(record.attempt, windows.header, all));
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
+    if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
     if (windows.course) {
         Block course = facts({});
         add_course(*windows.course, "Course of the run", course);

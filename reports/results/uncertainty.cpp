@@ -80,6 +80,8 @@ std::string decided_words(const ErrorBound& bound) {
     if (bound.decided_by == BoundSource::fitted) return "the size fitted to the recording";
     if (bound.decided_by == BoundSource::stated)
         return "the stated standard deviation times its scale";
+    if (bound.decided_by == BoundSource::standing)
+        return "what the positions showed while the craft stood";
     return !bound.floor_fix
                ? "the floor that the rule sets"
                : fmt::format("the floor for the fix type “{}”", words_of(*bound.floor_fix));
@@ -88,14 +90,17 @@ std::string decided_words(const ErrorBound& bound) {
 std::string bound_text(const ErrorBound& bound, const Scale& scale) {
     return fmt::format(
         "allowed for up to a standard deviation of {}, with any correlation time from {:g} s to "
-        "{:g} s. Decided by {}: fitted {}{}, stated times its scale {}, floor {}. The positions "
+        "{:g} s. Decided by {}: fitted {}{}, stated times its scale {}{}, floor {}. The positions "
         "alone so give u = {}",
         metres(bound.sigma_m), bound.tau_min_s, bound.tau_max_s, decided_words(bound),
         metres(bound.fitted_m),
         bound.along > 1.0
             ? fmt::format(" ({:.2f} times that of both axes, along the track)", bound.along)
             : std::string(),
-        metres(bound.stated_m), metres(bound.floor_m),
+        metres(bound.stated_m),
+        bound.standing_m ? fmt::format(", while the craft stood {}", metres(*bound.standing_m))
+                         : std::string(),
+        metres(bound.floor_m),
         scale.uncertainty(bound.standard_uncertainty_m_s));
 }
 

@@ -106,9 +106,9 @@ class Expectation {
             stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
             usable_.add(row.usable ? 1.0 : 0.0);
         }
-        floor_m_ = reference.window.bound
-                       ? std::max(reference.window.bound->floor_m, reference.window.bound->fitted_m)
-                       : 0.0;
+        if (const auto& bound = reference.window.bound)
+            floor_m_ =
+                std::max({bound->floor_m, bound->fitted_m, bound->standing_m.value_or(0.0)});
         set_reference(reference);
         for (const WitnessedSpeed& one : reference.window.witnesses)
             if (contradicts(one)) contradicting_.push_back(one);

@@ -15,6 +15,7 @@
 #include "stages/window/reliability.h"
 #include "stages/window/selection.h"
 #include "stages/window/shares.h"
+#include "stages/window/stands.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
@@ -156,7 +157,7 @@ ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
     }
     return error_bound<Axes>(estimate.screened, arc.rows[choice.found.first],
                              arc.rows[choice.found.last], estimate.noise,
-                             choice.profile.uncertainty, along);
+                             choice.profile.uncertainty, along, estimate.stands);
 }
 
 template <int Axes>
@@ -391,10 +392,15 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
         .rows = arcs_in(trajectory),
         .times = {},
         .witnesses = {},
+        .stands = {},
         .unexplained_m_s = unexplained_by_velocities_m_s(
             screened, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal)};
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
+    const auto wheel = beside.handed_in.series.find("wheel");
+    estimate.stands =
+        stands_of(screened, trajectory, beside.still_by_imu,
+                  wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);
     const auto same_steps = [&](const Arc<Axes>& arc) {
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))

@@ -25,6 +25,7 @@ struct AxesEstimate {
     std::vector<ArcRows> rows;                    ///< each arc's rows in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
+    std::vector<Stand> stands;
     double unexplained_m_s = 0.0;  ///< as from `unexplained_by_velocities_m_s`
 };
 

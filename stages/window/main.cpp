@@ -28,6 +28,7 @@ struct ReceiverTables {
     std::optional<ImuTable> imu = {};
     /// By IMU and positions; empty if there is no solution. Null without an IMU.
     std::shared_ptr<const InertialSolution> inertial = nullptr;
+    std::vector<StillSpan> still = {};  ///< where the IMU felt that the craft stood
 };
 
 void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables) {
@@ -40,13 +41,21 @@ void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables
         run.attempt().parameters.screen.phase_mask_deg));
 }
 
+/// Where the IMU felt that the craft stood, at speeds by the trajectory.
+std::vector<StillSpan> still_by_imu(const InertialInput& input, const TrajectoryTable& trajectory) {
+    std::vector<TimedValue> speeds;
+    for (const TrajectoryEpoch& row : trajectory.rows)
+        if (row.speed_m_s) speeds.push_back({row.time.seconds(), *row.speed_m_s});
+    return still_spans(input.samples, [&](double time_s) {
+        return value_at(speeds, time_s, 2.0).value_or(std::numeric_limits<double>::quiet_NaN());
+    });
+}
+
 /// The solution that 4-attitude has, with the covariances between its epochs; empty if it has
 /// none.
-std::shared_ptr<const InertialSolution> inertial_solution(
-    const ReceiverTables& tables, const std::optional<SecondAntenna>& second,
-    const AttitudeTable& attitude) {
+std::shared_ptr<const InertialSolution> inertial_solution(InertialInput input,
+                                                          const AttitudeTable& attitude) {
     if (attitude.consistency.epochs == 0) return std::make_shared<const InertialSolution>();
-    InertialInput input = inertial_input(*tables.imu, tables.screened, tables.trajectory, second);
     take_solution(attitude, input.setup);
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     const InertialStanding standing = attitude.consistency.standing;
@@ -78,15 +87,19 @@ void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
         const auto second =
             other && i == 0 ? std::optional(SecondAntenna{tables[1].screened, *other->lever_arm})
                             : std::nullopt;
+        InertialInput input =
+            inertial_input(*tables[i].imu, tables[i].screened, tables[i].trajectory, second);
+        tables[i].still = still_by_imu(input, tables[i].trajectory);
         tables[i].inertial = inertial_solution(
-            tables[i], second, run.read(products::attitude, attempt.receivers[i], read_attitude));
+            std::move(input), run.read(products::attitude, attempt.receivers[i], read_attitude));
     }
 }
 
 WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     WitnessRecords all{.phases = tables[own].phases,
                        .first_of_phases = tables[own].first_of_phases,
-                       .inertial = tables[own].inertial};
+                       .inertial = tables[own].inertial,
+                       .still_by_imu = tables[own].still};
     // Series handed in belong to the first receiver's craft and use its time.
     if (own == 0)
         all.handed_in = {run.attempt(),

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/accuracy_measures.h"
 #include "core/uncertainty.h"
 #include "motion/sensitivity.h"
 #include "schemas/observations/stated_covariance.h"
+#include "stages/window/stands.h"
 
 namespace runcert {
 namespace {
@@ -24,18 +26,21 @@ PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs
 
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const UncertaintyRule& rule, double along) {
+                       const NoiseSummary& noise, const UncertaintyRule& rule, double along,
+                       const std::vector<Stand>& stands) {
     ErrorBound bound;
     bound.along = along;
     bound.tau_min_s = rule.tau_min_s;
     bound.tau_max_s = rule.tau_max_s;
     double sum = 0.0;
     std::int64_t count = 0;
+    std::set<FixType> fixes;
     for (std::size_t i = first_row; i <= last_row; ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.usable) continue;
         sum += stated_covariance<Axes>(row).trace() / Axes;
         ++count;
+        fixes.insert(row.fix);
         const auto floor = rule.error_floor_m.find(std::string(to_text(row.fix)));
         if (floor != rule.error_floor_m.end() &&
             (!bound.floor_fix || floor->second > bound.floor_m)) {
@@ -48,10 +53,18 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     bound.stated_m = std::max(1.0, noise.white_scale) * std::sqrt(sum / static_cast<double>(count));
     if (noise.correlated_error_detected)
         bound.fitted_m = along * noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
-    bound.sigma_m = std::max({bound.fitted_m, bound.stated_m, bound.floor_m});
+    const double lag_s =
+        screened.rows[last_row].time.seconds() - screened.rows[first_row].time.seconds();
+    for (const FixType fix : fixes)
+        if (const auto shown = standing_error_m<Axes>(screened, stands, fix, lag_s,
+                                                      noise.measurement_scale.value))
+            bound.standing_m = std::max(*shown, bound.standing_m.value_or(0.0));
+    bound.sigma_m = std::max(
+        {bound.fitted_m, bound.stated_m, bound.standing_m.value_or(0.0), bound.floor_m});
     bound.decided_by = bound.sigma_m == bound.floor_m    ? BoundSource::floor
                        : bound.sigma_m == bound.stated_m ? BoundSource::stated
-                                                         : BoundSource::fitted;
+                       : bound.sigma_m == bound.fitted_m ? BoundSource::fitted
+                                                         : BoundSource::standing;
     return bound;
 }
 
@@ -253,7 +266,8 @@ template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorB
 template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
     template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,          \
-                                          const NoiseSummary&, const UncertaintyRule&, double);    \
+                                          const NoiseSummary&, const UncertaintyRule&, double,     \
+                                          const std::vector<Stand>&);                              \
     template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                    \
                                                   const SpeedQuantity&, const SpeedWeights<AXES>&, \
                                                   const PositionNoise&);                           \

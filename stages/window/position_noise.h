@@ -12,8 +12,9 @@
 namespace runcert {
 
 /// The size of the time-correlated position error that the certificate allows for. It is the
-/// largest of the fitted one, the stated standard deviation times its scale, and the floor for the
-/// fix types in rows `first_row` to `last_row`.
+/// largest of the fitted one, the stated standard deviation times its scale, what the positions
+/// showed while the craft stood (`standing_error_m`), and the floor for the fix types in rows
+/// `first_row` to `last_row`.
 ///
 /// The data best determine how fast such an error wanders, sigma sqrt(2 / tau). The fitted size is
 /// that of an error that wanders as fast with the shortest correlation time of the interval. Its
@@ -22,7 +23,8 @@ namespace runcert {
 /// share. `standard_uncertainty_m_s` stays zero. Axes: 2, or 1 for heights alone.
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const UncertaintyRule& rule, double along = 1.0);
+                       const NoiseSummary& noise, const UncertaintyRule& rule, double along = 1.0,
+                       const std::vector<Stand>& stands = {});
 
 /// The size of the fitted time-correlated error along a direction (east, north), in units of that
 /// of both axes together. It is the most likely size for the coordinates along the direction,

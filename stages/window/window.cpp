@@ -20,6 +20,7 @@
 #include "stages/window/instants.h"
 #include "stages/window/opposite_runs.h"
 #include "stages/window/sample_series.h"
+#include "stages/window/stands.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/window_courses.h"
 
@@ -57,6 +58,7 @@ class Certifier {
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
+    const std::vector<Stand>& stands() const { return horizontal_.stands; }
 
     /// Predicts the uncertainty of other windows from a certified one.
     Allowance allowance(const Profile& profile, const Reference& reference) const {
@@ -93,6 +95,8 @@ class Certifier {
                                            const std::vector<ProfileWindows>& windows,
                                            const WitnessRecords& beside) const {
         std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
+        if (std::string stood = standing_text(stands()); !stood.empty())
+            notes.push_back(std::move(stood));
         if (horizontal_.unexplained_m_s > 0.0)
             notes.push_back(fmt::format(
                 "Positions and recorded velocities differ all over the recording by {:.2f} m/s, "
@@ -606,6 +610,7 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
         windows.profiles.push_back(std::move(*entry.windows));
     }
     set_courses(trajectory, windows);
+    windows.stands = certifier.stands();
     windows.witness_notes = certifier.witness_notes(profiles, windows.profiles, beside);
     return windows;
 }

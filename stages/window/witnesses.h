@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "inertial/inertial_smoother.h"
+#include "inertial/still_spans.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
@@ -30,6 +31,7 @@ struct WitnessRecords {
     GpsTime first_of_phases = {};  ///< their first epoch
     /// By the receiver's IMU and its positions; null without an IMU.
     std::shared_ptr<const InertialSolution> inertial = nullptr;
+    std::vector<StillSpan> still_by_imu = {};  ///< where that IMU felt that the craft stood
     std::vector<OtherReceiver> receivers = {};
     HandedIn handed_in = {};
 };

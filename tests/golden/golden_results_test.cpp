@@ -23,6 +23,19 @@ TEST(GoldenWindows, Best) {
     EXPECT_FALSE(windows.profiles[1].best || windows.profiles[1].indicated);
 }
 
+TEST(GoldenWindows, SayWhereTheCraftStood) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    ASSERT_EQ(windows.stands.size(), 1U);
+    const Stand& stand = windows.stands[0];
+    EXPECT_EQ(stand.from_s, 3.25);
+    EXPECT_EQ(stand.to_s, 41.5);
+    EXPECT_EQ(stand.shown_by, StandSource::imu);
+    EXPECT_EQ(stand.pairs, 352);
+    EXPECT_EQ(stand.moved_m, 0.0075);
+    EXPECT_EQ(stand.stated_m, 0.014142);
+    EXPECT_EQ(windows.profiles[0].best->bound->standing_m, 0.0065);
+}
+
 TEST(GoldenWindows, Uncertainty) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();

@@ -196,6 +196,7 @@ CertifiableWindow window() {
                               0.0075,
                               1.25,
                               0.005,
+                              0.0065,
                               0.0125,
                               FixType::float_ambiguities,
                               BoundSource::fitted,

@@ -42,6 +42,18 @@ ImuNoise imu_noise(ImuClass grade) {
     return {};
 }
 
+double axes_error(ImuClass grade) {
+    switch (grade) {
+        case ImuClass::tactical:
+            return 0.0005;
+        case ImuClass::mems:
+            return 0.005;
+        case ImuClass::consumer:
+            return 0.01;
+    }
+    return 0.0;
+}
+
 ImuNoise on_a_craft(ImuNoise noise) {
     noise.velocity_walk_m_s_sqrt_s *= 10.0;
     noise.angle_walk_rad_sqrt_s *= 2.0;

@@ -91,6 +91,7 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
     if (own == 0)
         all.handed_in = {run.attempt(),
                          all_handed_in_series(run, tables[own].trajectory.facts.first_epoch)};
+    all.antenna_motion = run.attempt().receivers[own].antenna_motion;
     const auto& baseline = tables[own].screened.basis.baseline;
     for (std::size_t i = 0; i < tables.size(); ++i)
         if (i != own && !(baseline && baseline->same_errors))

@@ -32,6 +32,8 @@ struct WitnessRecords {
     std::shared_ptr<const InertialSolution> inertial = nullptr;
     std::vector<OtherReceiver> receivers = {};
     HandedIn handed_in = {};
+    /// Bounds of the antenna's motion against the craft, where there is no such IMU.
+    std::optional<AntennaMotion> antenna_motion = std::nullopt;
 };
 
 /// A sentence for each part of a series that was left out, and for each series that gave no

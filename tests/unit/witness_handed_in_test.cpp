@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "core/random.h"
+#include "core/uncertainty.h"
+#include "witness/antenna_swing.h"
 #include "witness/kinds/gates.h"
 #include "witness/kinds/wheel.h"
 #include "witness/recorded_velocities.h"
@@ -103,6 +105,33 @@ WheelRun run_at(double from_s, double scale, double towards = 1.0) {
     return {.span = {.first_s = from_s, .last_s = from_s + 10.0},
             .direction = towards * Vector2d(300.0, 0.0),
             .scale = scale};
+}
+
+// 10 m up, pitch of 5 and roll of 10 degrees every 2 s, leeway of 3: by hand 0.8716 m of pitch,
+// 0.0909 of roll with leeway, 0.3350 of roll over 90 m, and 0.2505 m/s that the path is longer by.
+TEST(WitnessOfCraft, IsLessCertainByWhatTheAntennaMaySwing) {
+    const AntennaMotion motion{.height_m = 10.0,
+                               .roll_deg = 10.0,
+                               .pitch_deg = 5.0,
+                               .roll_period_s = 2.0,
+                               .leeway_deg = 3.0};
+    EXPECT_NEAR(swing_bound_m_s(motion, 30.0, 3.0, false), 2.0 * 0.9960 / 3.0, 1e-4);
+    EXPECT_NEAR(swing_bound_m_s(motion, 30.0, 3.0, true), 2.0 * 0.9960 / 3.0 + 0.2505, 1e-4);
+    const auto wheel = std::make_shared<const WheelMotion>(rolling({}, 0.01, true));
+    const WitnessOfCraft of_craft(wheel, {.bound = motion});
+    const auto alone = wheel->between(1.0, 4.0), swung = of_craft.between(1.0, 4.0);
+    ASSERT_TRUE(alone && swung);
+    EXPECT_EQ(swung->displacement_m, alone->displacement_m);
+    const double bound_m = 3.0 * swing_bound_m_s(motion, 30.0, 3.0, true);
+    const Eigen::Matrix2d more = swung->covariance_m2 - alone->covariance_m2;
+    EXPECT_NEAR(more(0, 0), bound_m * bound_m / 3.0, 1e-9);
+    EXPECT_NEAR(more(1, 1), bound_m * bound_m / 3.0, 1e-9);
+    EXPECT_EQ(of_craft.path_between(1.0, 4.0), wheel->path_between(1.0, 4.0));
+    // Where nothing bounds the swing, the antenna is taken to be the craft.
+    const std::vector<TimedPosition<2>> positions{{.time_s = 1.0, .sigma_m = 0.01}};
+    EXPECT_EQ(positions_of_craft(positions, {}).front().sigma_m, 0.01);
+    EXPECT_NEAR(positions_of_craft(positions, {.bound = motion}).front().sigma_m,
+                0.9625 / std::sqrt(3.0), 1e-4);
 }
 
 // A scale that is not known well makes every way uncertain in proportion.

@@ -95,7 +95,8 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     if (beside.inertial && !beside.inertial->epochs.empty() &&
         beside.inertial->consistency.tells_motion())
         witnesses.push_back({.kind = WitnessKind::imu,
-                             .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial)});
+                             .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial),
+                             .confirms = false});
     const bool related = !(beside.handed_in.series.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
     if constexpr (Axes == 2) {

@@ -17,10 +17,9 @@ constexpr double rounding_s = 1e-7;
 /// How far an antenna on a craft that pitches, and rolls with leeway, is ahead of the craft or
 /// behind it at most.
 double ahead_at_most_m(const AntennaMotion& motion) {
-    return motion.height_m *
-           (std::sin(motion.pitch_deg * radians_per_degree) +
-            std::sin(motion.roll_deg * radians_per_degree) *
-                std::sin(motion.leeway_deg * radians_per_degree));
+    return motion.height_m * (std::sin(motion.pitch_deg * radians_per_degree) +
+                              std::sin(motion.roll_deg * radians_per_degree) *
+                                  std::sin(motion.leeway_deg * radians_per_degree));
 }
 
 /// The step of the solution that holds an instant, as the index of its first epoch. Empty if
@@ -60,9 +59,9 @@ ArmMotion arm_motion_at(const InertialSolution& solution, std::size_t step, doub
     const double from_s = solution.epochs[step].time_s;
     const double step_s = solution.epochs[step + 1].time_s - from_s;
     const Eigen::Vector3d changed = swings(step + 1) - swings(step);
-    return {.velocity_m_s =
-                swings(step) + std::clamp((time_s - from_s) / step_s, 0.0, 1.0) * changed,
-            .acceleration_m_s2 = changed / step_s};
+    return {
+        .velocity_m_s = swings(step) + std::clamp((time_s - from_s) / step_s, 0.0, 1.0) * changed,
+        .acceleration_m_s2 = changed / step_s};
 }
 
 /// Length of a point's path from one instant to a later one, horizontally.
@@ -89,10 +88,9 @@ double swing_bound_m_s(const AntennaMotion& motion, double speed_m_s, double dur
     const double least_m_s = std::max(speed_m_s, 1e-3);
     const double roll = motion.roll_deg * radians_per_degree;
     const double across_m = motion.height_m * std::sin(roll);
-    const double ends_m =
-        motion.height_m * std::sin(motion.pitch_deg * radians_per_degree) +
-        across_m * std::sin(motion.leeway_deg * radians_per_degree) +
-        across_m * across_m / (least_m_s * duration_s);
+    const double ends_m = motion.height_m * std::sin(motion.pitch_deg * radians_per_degree) +
+                          across_m * std::sin(motion.leeway_deg * radians_per_degree) +
+                          across_m * across_m / (least_m_s * duration_s);
     const double chord_m_s = 2.0 * ends_m / duration_s;
     if (!by_path) return chord_m_s;
     const double swing_m_s = motion.height_m * roll * 2.0 * std::numbers::pi / motion.roll_period_s;
@@ -152,9 +150,9 @@ std::optional<WitnessedMotion<2>> WitnessOfCraft::between(double from_s, double 
     if (!swing_.solution) {
         const double duration_s = to_s - from_s;
         const double sigma_m =
-            duration_s * rectangular_uncertainty(
-                             swing_bound_m_s(*swing_.bound, motion->displacement_m.norm() / duration_s,
-                                             duration_s, true));
+            duration_s *
+            rectangular_uncertainty(swing_bound_m_s(
+                *swing_.bound, motion->displacement_m.norm() / duration_s, duration_s, true));
         motion->covariance_m2 += sigma_m * sigma_m * Eigen::Matrix2d::Identity();
         return motion;
     }

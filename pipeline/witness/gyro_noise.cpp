@@ -30,8 +30,8 @@ double expected_noise(const ImuTable& imu) {
 
 std::optional<double> least_gyro_noise(const ImuTable& imu) {
     constexpr std::size_t fewest = 10;
-    const auto length = static_cast<std::size_t>(
-        std::max<long long>(std::llround(1.0 / imu.clock.interval_s), 1));
+    const auto length =
+        static_cast<std::size_t>(std::max<long long>(std::llround(1.0 / imu.clock.interval_s), 1));
     if (length < fewest) return std::nullopt;
     std::optional<double> least;
     Eigen::Vector3d squares = Eigen::Vector3d::Zero();

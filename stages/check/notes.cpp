@@ -117,8 +117,8 @@ std::string names_of(const std::vector<const WitnessedSpeed*>& witnesses) {
 bool would_show(const WitnessedSpeed& one, const WitnessedSpeed& other) {
     constexpr double by_chance = 3.29;
     return std::abs(other.difference_m_s) >
-           by_chance * std::hypot(one.standard_uncertainty_m_s,
-                                  one.position_standard_uncertainty_m_s);
+           by_chance *
+               std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
 }
 
 /// What contradicts a window's positions, whether anything that agrees with them speaks against
@@ -128,9 +128,8 @@ std::string contradiction_of(const std::vector<WitnessedSpeed>& witnesses) {
     for (const WitnessedSpeed& one : witnesses)
         if (one.kind != WitnessKind::positions && contradicts(one)) against.push_back(&one);
     if (against.empty()) return {};
-    const auto least = std::ranges::min_element(against, {}, [](const WitnessedSpeed* one) {
-        return std::abs(one->difference_m_s);
-    });
+    const auto least = std::ranges::min_element(
+        against, {}, [](const WitnessedSpeed* one) { return std::abs(one->difference_m_s); });
     for (const WitnessedSpeed& one : witnesses)
         if (one.kind != WitnessKind::positions && !contradicts(one) && would_show(one, **least))
             beside.push_back(&one);

@@ -401,12 +401,12 @@ TEST(ThreeWitnesses, TheOneThatIsWrongIsNamed) {
     EXPECT_TRUE(says(wheel, "multiplied by 1.01997 (standard uncertainty"))
         << wheel.certified().output;
     EXPECT_EQ(wheel.attitude().consistency.standing, InertialStanding::consistent);
-    const std::string alone = "The speeds of a wheel contradict the positions there and stand alone";
+    const std::string alone =
+        "The speeds of a wheel contradict the positions there and stand alone";
     EXPECT_TRUE(says(wheel, alone)) << wheel.certified().output;
     EXPECT_TRUE(says(wheel, "and the displacements by the IMU agree with the positions"));
     EXPECT_TRUE(says(wheel, calibrate));
-    const std::string explained =
-        runcert({"explain", wheel.run().string(), "decision"}).output;
+    const std::string explained = runcert({"explain", wheel.run().string(), "decision"}).output;
     // Broken into lines.
     EXPECT_NE(explained.find("stand alone"), std::string::npos) << explained;
     // The positions, by a drift that makes them faster than required.

@@ -78,19 +78,21 @@ TEST(HeardWitness, ThatStandsAloneIsNamedWithTheOthers) {
         const ProfileVerdict verdict = scene.verdict();
         EXPECT_TRUE(notes_say(verdict, "The fastest window is not certified: 219.6"))
             << words_of(kind);
-        EXPECT_TRUE(notes_say(verdict, name + " contradict the positions there and stand alone. "
-                                              "The " + std::string(words_of(other)) +
-                                              " agree with the positions"))
+        EXPECT_TRUE(notes_say(verdict, name +
+                                           " contradict the positions there and stand alone. "
+                                           "The " +
+                                           std::string(words_of(other)) +
+                                           " agree with the positions"))
             << words_of(kind);
         EXPECT_FALSE(witness_entry(kind).remedy.empty());
         EXPECT_TRUE(notes_say(verdict, witness_entry(kind).remedy));
         EXPECT_FALSE(notes_say(verdict, "proves less"));
         // One that is too uncertain to have seen it speaks for nobody.
         scene.judged.windows.profiles[0].fastest->witnesses[0].standard_uncertainty_m_s = 1.0;
-        EXPECT_TRUE(
-            notes_say(scene.verdict(),
-                      name + " contradict the positions there, and nothing else says which of "
-                             "them errs."));
+        EXPECT_TRUE(notes_say(scene.verdict(),
+                              name +
+                                  " contradict the positions there, and nothing else says which of "
+                                  "them errs."));
     }
 }
 

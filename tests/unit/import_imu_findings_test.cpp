@@ -30,13 +30,12 @@ Receiver at_100_hz() {
 /// An IMU that turns slowly, with the white noise of a grade, times a factor, rounded to a step.
 std::string turning_slowly(double walk_deg_root_hour, double factor, double step = 1e-6) {
     RandomGenerator random(11);
-    const double sd_rad_s =
-        walk_deg_root_hour / 60.0 * std::numbers::pi / 180.0 * std::sqrt(100.0);
+    const double sd_rad_s = walk_deg_root_hour / 60.0 * std::numbers::pi / 180.0 * std::sqrt(100.0);
     return imu_table(3000, [&](std::size_t i, SampleText& sample) {
         const double turning_rad_s = 0.005 * std::sin(0.01 * static_cast<double>(i));
         for (std::size_t axis = 1; axis < 4; ++axis)
-            sample[axis] = step * std::round(factor *
-                                             (sd_rad_s * random.normal() + turning_rad_s) / step);
+            sample[axis] =
+                step * std::round(factor * (sd_rad_s * random.normal() + turning_rad_s) / step);
     });
 }
 
@@ -47,8 +46,8 @@ TEST(ImuGyros, ThatAreFarTooQuietForTheirGradeAreNoted) {
         const char* grade;
         double walk_deg_root_hour;
     };
-    for (const auto& [grade, walk] : {Case{"tactical", 0.125}, Case{"mems", 0.3},
-                                      Case{"consumer", 0.23}, Case{"", 0.23}}) {
+    for (const auto& [grade, walk] :
+         {Case{"tactical", 0.125}, Case{"mems", 0.3}, Case{"consumer", 0.23}, Case{"", 0.23}}) {
         SCOPED_TRACE(grade);
         Receiver receiver = imu_receiver();
         if (*grade) receiver.imu->grade = ImuGrade{.name = grade};

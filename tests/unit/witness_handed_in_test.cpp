@@ -139,9 +139,9 @@ TEST(WitnessOfCraft, IsLessCertainByWhatTheAntennaMaySwing) {
                 0.9625 / std::sqrt(3.0), 1e-4);
 }
 
-/// A craft at 30 m/s towards east, 10 epochs a second for 10 s, whose antenna swings by half a metre
-/// along it and by a metre across, every 2 s. Its attitude is known without error, its two arms to
-/// a centimetre each, and only the IMU carries across the eighth second.
+/// A craft at 30 m/s towards east, 10 epochs a second for 10 s, whose antenna swings by half a
+/// metre along it and by a metre across, every 2 s. Its attitude is known without error, its two
+/// arms to a centimetre each, and only the IMU carries across the eighth second.
 InertialSolution swinging() {
     InertialSolution solution;
     auto joint = std::make_shared<JointCovariance>();
@@ -194,10 +194,10 @@ TEST(WitnessOfCraft, MovesAsTheAntennaDoesByTheImu) {
     // Half a swing apart: 2 x 0.01 m of both arms turned by 0.2 rad, and 2 ms of 3.1 m/s along.
     const auto moved = of_craft.between(0.5, 1.5), alone = wheel->between(0.5, 1.5);
     const Eigen::Matrix2d more = moved->covariance_m2 - alone->covariance_m2;
-    EXPECT_NEAR(more(1, 1),
-                std::pow(0.002 * 2.0 * std::numbers::pi, 2) +
-                    2.0 * 1e-4 * std::pow(2.0 * std::sin(0.1), 2),
-                1e-6);
+    EXPECT_NEAR(
+        more(1, 1),
+        std::pow(0.002 * 2.0 * std::numbers::pi, 2) + 2.0 * 1e-4 * std::pow(2.0 * std::sin(0.1), 2),
+        1e-6);
     EXPECT_NEAR(more(0, 0), 0.0, 1e-6);
     EXPECT_FALSE(of_craft.between(6.5, 7.5));
     EXPECT_FALSE(of_craft.path_between(6.5, 7.5));

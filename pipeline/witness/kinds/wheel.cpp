@@ -294,7 +294,7 @@ constexpr std::string_view recalibrate =
 std::string wrong_scale_text(const WheelWitness& wheel, const WheelSpeeds& speeds) {
     const double apart = *speeds.calibrated_scale / wheel.scale - 1.0;
     if (std::abs(apart) <= normal_quantile(1.0 - 0.5 * by_chance) *
-                               std::hypot(wheel.sigma_scale, speeds.sigma_calibrated))
+                               std::hypot(wheel.sigma_scale, speeds.sigma_calibrated, least_sigma))
         return {};
     return fmt::format(
         " That is {:.1f} % {} than fits the positions of the whole recording, which chance does "

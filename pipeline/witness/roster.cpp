@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace runcert {
 
@@ -14,15 +15,26 @@ const WitnessEntry& witness_entry(WitnessKind kind) {
 std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,
-                                                 std::span<const WitnessSource> sources) {
+                                                 std::span<const WitnessSource> sources,
+                                                 const AntennaSwing& swing) {
     const auto series = given.series.find(std::string(to_text(entry.kind)));
     if (entry.make == nullptr || series == given.series.end()) return std::nullopt;
-    return entry.make({.series = series->second,
-                       .attempt = given.attempt,
-                       .positions = positions,
-                       .track = track,
-                       .jerk_density = jerk_density,
-                       .sources = sources});
+    const auto made = [&](std::span<const TimedPosition<2>> of_craft, const Track& track_of_it) {
+        return entry.make({.series = series->second,
+                           .attempt = given.attempt,
+                           .positions = positions,
+                           .of_craft = of_craft,
+                           .track = track_of_it,
+                           .jerk_density = jerk_density,
+                           .sources = sources});
+    };
+    if (!swing.is_known()) return made(positions, track);
+    auto heard = made(positions_of_craft(positions, swing), track_of_craft(track, swing));
+    if (!heard || heard->is_copy) return heard;
+    heard->motion = std::make_shared<const WitnessOfCraft>(std::move(heard->motion), swing);
+    if (!heard->note.empty()) heard->note += ' ';
+    heard->note += swing_text(words_of(entry.kind), swing);
+    return heard;
 }
 
 }  // namespace runcert

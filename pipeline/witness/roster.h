@@ -12,6 +12,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "store/measured_series.h"
+#include "witness/antenna_swing.h"
 #include "witness/copies.h"
 #include "witness/phase_motion.h"
 #include "witness/track.h"
@@ -51,8 +52,9 @@ struct HandedIn {
 struct HandedInSeries {
     const MeasuredSeries& series;
     const AttemptDocument& attempt;
-    std::span<const TimedPosition<2>> positions;
-    const Track& track;
+    std::span<const TimedPosition<2>> positions;  ///< of the antenna, as measured
+    std::span<const TimedPosition<2>> of_craft;   ///< the same of the craft, as far as it is known
+    const Track& track;                           ///< of the craft
     double jerk_density = 0.0;                    ///< of the craft's motion, m s^-2.5
     std::span<const WitnessSource> sources = {};  ///< other data that it may have been made from
 };
@@ -73,6 +75,7 @@ struct WitnessEntry {
     /// Probability and size of its undetected errors in a window, given those of the positions.
     FaultPrior (*fault)(const FaultPrior& positions);
     std::string_view silent;  ///< why an existing witness may say nothing; printed after a colon
+    std::string_view remedy;  ///< a sentence on what to check where it contradicts all else
     /// Why it may agree with a window and not confirm it; printed after a colon. Empty if it always
     /// does.
     std::string_view unconfirming = {};
@@ -91,10 +94,13 @@ const std::vector<WitnessEntry>& witness_roster();
 /// The entry of a kind of witness. `WitnessKind::positions` has none.
 const WitnessEntry& witness_entry(WitnessKind kind);
 
-/// The witness of an entry. Empty if its series was not handed in or determines no motion.
+/// The witness of an entry, of the antenna's motion. Empty if its series was not handed in or
+/// determines no motion. Such a series is about the craft: `positions` and `track` are the
+/// antenna's, and `swing` says what is known of its motion against the craft.
 std::optional<HeardWitness<2>> handed_in_witness(const WitnessEntry& entry, const HandedIn& given,
                                                  std::span<const TimedPosition<2>> positions,
                                                  const Track& track, double jerk_density,
-                                                 std::span<const WitnessSource> sources = {});
+                                                 std::span<const WitnessSource> sources = {},
+                                                 const AntennaSwing& swing = {});
 
 }  // namespace runcert

@@ -167,7 +167,8 @@ Noun decided_for(Hypothesis hypothesis) {
                     "positions that the other receiver contradicts"};
         case Hypothesis::surface:
             return {"height that the surface contradicts", "heights that the surface contradicts"};
-        default:
+        case Hypothesis::phase:
+        case Hypothesis::wheel:
             break;
     }
     const auto witness = witness_of(hypothesis);

@@ -327,11 +327,14 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
                            "measured speed exceeds the required speed beyond its uncertainty, but "
                            "an error that nothing found is too probable") +
                        fault_words(context);
+            if (!fastest_might_reach(context))
+                return sentence("required speed lies within the uncertainty of the measured speed");
             return sentence(
-                fastest_might_reach(context)
+                std::ranges::any_of(context.windows.fastest->witnesses, &contradicts)
                     ? "window of the best proof is below the required speed, but a faster one, "
-                      "which proves less, may reach it"
-                    : "required speed lies within the uncertainty of the measured speed");
+                      "which a witness contradicts, may reach it"
+                    : "window of the best proof is below the required speed, but a faster one, "
+                      "which proves less, may reach it");
         case Outcome::not_certifiable:
             break;
     }

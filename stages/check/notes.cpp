@@ -7,11 +7,13 @@
 #include <cmath>
 
 #include "core/angle.h"
+#include "core/prose.h"
 #include "core/rounding.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
+#include "witness/roster.h"
 
 namespace runcert {
 namespace {
@@ -102,11 +104,80 @@ void add_surface(const ClauseContext& context, Notes& notes) {
     }
 }
 
+/// The names of witnesses, as "the carrier phases and the displacements by the IMU".
+std::string names_of(const std::vector<const WitnessedSpeed*>& witnesses) {
+    Notes names;
+    for (const WitnessedSpeed* const one : witnesses)
+        names.push_back(witness_name(*one));
+    return listed(names);
+}
+
+/// Whether a witness would contradict positions that were off by as much as another one says, by
+/// what chance does once in a thousand.
+bool would_show(const WitnessedSpeed& one, const WitnessedSpeed& other) {
+    constexpr double by_chance = 3.29;
+    return std::abs(other.difference_m_s) >
+           by_chance *
+               std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+}
+
+/// What contradicts a window's positions, whether anything that agrees with them speaks against
+/// that, and what to check. Empty if nothing contradicts them.
+std::string contradiction_of(const std::vector<WitnessedSpeed>& witnesses) {
+    std::vector<const WitnessedSpeed*> against, beside;
+    for (const WitnessedSpeed& one : witnesses)
+        if (one.kind != WitnessKind::positions && contradicts(one)) against.push_back(&one);
+    if (against.empty()) return {};
+    const auto least = std::ranges::min_element(
+        against, {}, [](const WitnessedSpeed* one) { return std::abs(one->difference_m_s); });
+    for (const WitnessedSpeed& one : witnesses)
+        if (one.kind != WitnessKind::positions && !contradicts(one) && would_show(one, **least))
+            beside.push_back(&one);
+    std::string text;
+    if (beside.empty())
+        text = fmt::format(
+            "{} contradict the positions there, and nothing else says which of them errs.",
+            capitalised(names_of(against)));
+    else
+        text = fmt::format(
+            "{} contradict the positions there{}. {} agree with the positions, and would have "
+            "shown a difference of that size.",
+            capitalised(names_of(against)), against.size() == 1 ? " and stand alone" : "",
+            capitalised(names_of(beside)));
+    for (const WitnessedSpeed* const one : against)
+        text += fmt::format(" {}", witness_entry(one->kind).remedy);
+    return text;
+}
+
+/// Notes windows that a witness contradicts: the fastest, for which no speed is claimed then, and
+/// those of the speed itself.
+void add_contradictions(const ClauseContext& context, Notes& notes) {
+    const ProfileWindows& windows = context.windows;
+    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    if (windows.fastest)
+        if (const std::string found = contradiction_of(windows.fastest->witnesses); !found.empty())
+            say(notes,
+                "The fastest window is not certified: {}, {}. {} A window is certified only where "
+                "no witness contradicts it.",
+                speed_with_uncertainty_text(
+                    windows.fastest->speed_m_s,
+                    expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor), unit),
+                beginning_text(windows.fastest->span), found);
+    const auto judge = [&](const auto& window) {
+        if (const std::string found = contradiction_of(window.witnesses); !found.empty())
+            say(notes, "Of the window {}: {}", beginning_text(window.span), found);
+    };
+    if (windows.best) judge(*windows.best);
+    for (const FurtherWindow& further : windows.further)
+        judge(further);
+}
+
 void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
         notes.push_back("There is no window because " + windows.missing + ".");
-    if (windows.fastest)
+    add_contradictions(context, notes);
+    if (windows.fastest && std::ranges::none_of(windows.fastest->witnesses, &contradicts))
         say(notes,
             "Another window is faster and proves less: {}, {}. Certified is the window of the "
             "highest speed that can be claimed, its expanded uncertainty taken off.",

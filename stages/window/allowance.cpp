@@ -95,12 +95,13 @@ class Expectation {
     Expectation(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                 const std::vector<ArcRows>& arcs, const Profile& profile,
                 const Reference& reference, const HeardWitnesses<2>& level,
-                const HeardWitnesses<1>& upright)
+                const HeardWitnesses<1>& upright, AskedWitnesses asked)
         : trajectory_(trajectory),
           arcs_(arcs),
           profile_(profile),
           level_(level),
           upright_(upright),
+          asked_(asked),
           missed_(missed_of(screened, profile.dimension)) {
         for (const ScreenedEpoch& row : screened.rows) {
             stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
@@ -111,7 +112,7 @@ class Expectation {
                 std::max({bound->floor_m, bound->fitted_m, bound->standing_m.value_or(0.0)});
         set_reference(reference);
         for (const WitnessedSpeed& one : reference.window.witnesses)
-            if (contradicts(one)) contradicting_.push_back(one);
+            if (contradicts(one) && is_asked(one)) contradicting_.push_back(one);
     }
 
     double operator()(const FoundWindow& found) const {
@@ -143,6 +144,8 @@ class Expectation {
     }
 
   private:
+    bool is_asked(const auto& one) const { return asked_ == AskedWitnesses::all || one.confirms; }
+
     /// Whether a witness that contradicts the reference does not cover the window. Moving there
     /// must not avoid the contradiction.
     bool is_unheard(const std::vector<WitnessedSpeed>& witnessed) const {
@@ -224,8 +227,9 @@ class Expectation {
             figures.correlated_m_s = positions.slow_m_s;
             figures.fault = fault;
             for (const auto& witness : witnesses)
-                if (auto witnessed = witnessed_speed(witness, figures))
-                    all.push_back(*std::move(witnessed));
+                if (is_asked(witness))
+                    if (auto witnessed = witnessed_speed(witness, figures))
+                        all.push_back(*std::move(witnessed));
         };
         if (vertical)
             hear(upright_,
@@ -242,6 +246,7 @@ class Expectation {
     const Profile& profile_;
     const HeardWitnesses<2>& level_;
     const HeardWitnesses<1>& upright_;
+    AskedWitnesses asked_;
     RangeMaximum missed_;
     RunningSum stated_;
     RunningSum usable_;
@@ -256,9 +261,9 @@ class Expectation {
 Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<ArcRows>& arcs, const Profile& profile,
                              const Reference& reference, const HeardWitnesses<2>& level,
-                             const HeardWitnesses<1>& upright) {
+                             const HeardWitnesses<1>& upright, AskedWitnesses asked) {
     const auto expectation = std::make_shared<const Expectation>(
-        screened, trajectory, arcs, profile, reference, level, upright);
+        screened, trajectory, arcs, profile, reference, level, upright, asked);
     return [expectation](const FoundWindow& found) { return (*expectation)(found); };
 }
 

@@ -14,6 +14,10 @@ struct Reference {
     const FoundWindow& found;
 };
 
+/// The witnesses asked about a window. One that can only contradict makes an allowance infinite, or
+/// changes nothing: without it allowances are the same or too small.
+enum class AskedWitnesses { all, those_that_confirm };
+
 /// Predicts the expanded uncertainty of any window of the recording under the profile: that of the
 /// reference, scaled by source. The part from positions' errors is proportional to the stated
 /// standard deviation of the window's epochs, and inversely to its duration. The part from
@@ -26,6 +30,7 @@ struct Reference {
 Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<ArcRows>& arcs, const Profile& profile,
                              const Reference& reference, const HeardWitnesses<2>& level,
-                             const HeardWitnesses<1>& upright);
+                             const HeardWitnesses<1>& upright,
+                             AskedWitnesses asked = AskedWitnesses::all);
 
 }  // namespace runcert

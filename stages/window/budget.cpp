@@ -10,6 +10,7 @@
 #include "core/geodesy.h"
 #include "reports/words/screening.h"
 #include "stages/window/reliability.h"
+#include "witness/antenna_swing.h"
 
 namespace runcert {
 namespace {
@@ -227,26 +228,12 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
             .note = "as the attempt states it"};
 }
 
-/// What an antenna at a height on a craft that rolls and pitches may add to the craft's speed, m/s:
-/// first order in pitch, in roll only as far as the craft does not head where it goes. A path, or a
-/// mean of speeds, also has what the antenna swings across.
-double swinging_m_s(const AntennaMotion& motion, const BudgetInput& input) {
-    const double speed_m_s = std::max(std::abs(input.noise.speed.speed_m_s), 1e-3);
-    const double roll = motion.roll_deg * radians_per_degree;
-    const double across_m = motion.height_m * std::sin(roll);
-    const double ends_m = motion.height_m * std::sin(motion.pitch_deg * radians_per_degree) +
-                          across_m * std::sin(motion.leeway_deg * radians_per_degree) +
-                          across_m * across_m / (speed_m_s * input.duration_s);
-    const double chord_m_s = 2.0 * ends_m / input.duration_s;
-    if (!input.by_path) return chord_m_s;
-    const double swing_m_s = motion.height_m * roll * 2.0 * std::numbers::pi / motion.roll_period_s;
-    return chord_m_s + swing_m_s * swing_m_s / (4.0 * speed_m_s);
-}
-
 BudgetRow antenna_row(const BudgetInput& input) {
     if (const auto& motion = input.config.antenna_motion)
         return bounded_row("a", "motion of the antenna against the craft",
-                           swinging_m_s(*motion, input), "m / s", 1.0,
+                           swing_bound_m_s(*motion, std::abs(input.noise.speed.speed_m_s),
+                                           input.duration_s, input.by_path),
+                           "m / s", 1.0,
                            fmt::format("antenna {:g} m above the craft, roll of at most {:g} and "
                                        "pitch of at most {:g} degrees, as the attempt states",
                                        motion->height_m, motion->roll_deg, motion->pitch_deg));

@@ -184,8 +184,6 @@ std::optional<CraftCorrection> craft_correction(const InertialSolution& solution
     // Antenna and reference point were each measured from the IMU. The estimator's uncertainty is
     // that of the antenna alone.
     constexpr double of_both = std::numbers::sqrt2;
-    // A longer one is likelier and would have been estimated, where the motion shows it.
-    constexpr double unseen_lag_s = 0.002;
     return CraftCorrection{
         .speed_m_s =
             span.definition == SpeedDefinition::elapsed_time ? 0.0 : faster(span.definition),

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "core/prose.h"
@@ -12,6 +13,7 @@
 #include "stages/window/craft_speeds.h"
 #include "stages/window/window.h"
 #include "stages/window/window_courses.h"
+#include "witness/gyro_noise.h"
 #include "witness/inertial_input.h"
 #include "witness/screened_phases.h"
 
@@ -104,6 +106,7 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
     if (own == 0)
         all.handed_in = {run.attempt(),
                          all_handed_in_series(run, tables[own].trajectory.facts.first_epoch)};
+    all.antenna_motion = run.attempt().receivers[own].antenna_motion;
     const auto& baseline = tables[own].screened.basis.baseline;
     for (std::size_t i = 0; i < tables.size(); ++i)
         if (i != own && !(baseline && baseline->same_errors))
@@ -135,6 +138,10 @@ int main(int argc, char** argv) {
                 if (tables[i].imu) config.lever_arm = arm_beside(*tables[i].imu);
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                config, attempt.course, beside(run, tables, i));
+                if (tables[i].imu)
+                    if (std::string quiet = quiet_gyros_text(*tables[i].imu, *receiver.imu);
+                        !quiet.empty())
+                        windows.witness_notes.push_back(std::move(quiet));
                 if (tables[i].inertial) {
                     add_craft_speeds(*tables[i].inertial, profiles, windows);
                     add_headings(*tables[i].inertial, windows);

@@ -64,10 +64,18 @@ class Certifier {
     Allowance allowance(const Profile& profile, const Reference& reference) const {
         if (profile.speed_source == SpeedSource::velocity)
             return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
-        static const HeardWitnesses<1> none;
-        return expected_allowance(screened_, trajectory_, rows(), profile, reference,
-                                  horizontal_.witnesses, vertical_ ? vertical_->witnesses : none);
+        return by_positions(profile, reference, AskedWitnesses::all);
     }
+
+    /// The same without witnesses that can only contradict a window: the same or less. Empty if
+    /// there are none of them.
+    Allowance least_allowance(const Profile& profile, const Reference& reference) const {
+        if (profile.speed_source == SpeedSource::velocity ||
+            std::ranges::all_of(horizontal_.witnesses, &HeardWitness<2>::confirms))
+            return {};
+        return by_positions(profile, reference, AskedWitnesses::those_that_confirm);
+    }
+
     /// The trajectory in which a profile's windows are searched.
     const TrajectoryTable& trajectory_for(const Profile& profile) const {
         return counts_craft(profile) ? of_craft_ : trajectory_;
@@ -150,6 +158,14 @@ class Certifier {
     }
 
   private:
+    Allowance by_positions(const Profile& profile, const Reference& reference,
+                           AskedWitnesses asked) const {
+        static const HeardWitnesses<1> none;
+        return expected_allowance(screened_, trajectory_, rows(), profile, reference,
+                                  horizontal_.witnesses, vertical_ ? vertical_->witnesses : none,
+                                  asked);
+    }
+
     /// Whether windows are those of the reference point by the IMU.
     bool counts_craft(const Profile& profile) const {
         return inertial_ && profile.speed_of == SpeedOf::reference_point;
@@ -412,17 +428,27 @@ double mean_assured_m_s(const std::vector<FoundWindow>& windows, const Allowance
 /// The windows with the highest assured speeds, if a witness contradicts the fastest, or if they
 /// are expected to prove more than the fastest by over a tenth of the fastest's stated uncertainty,
 /// the accuracy of such predictions. Empty otherwise.
+///
+/// `least`, where it is given, is never more than `allowance` and costs less. What a single window
+/// gains by the former is the most that one may gain.
 Choice better_proof(const Candidates& among, const Choice& fastest,
-                    const std::vector<CertifiableWindow>& certified, const Allowance& allowance) {
+                    const std::vector<CertifiableWindow>& certified, const Allowance& allowance,
+                    const Allowance& least) {
     constexpr double worth_it = 0.1;
+    const double least_gain_m_s =
+        worth_it * (certified.front().speed_m_s - proven_m_s({certified.front()}, among.profile));
+    const double of_fastest_m_s = mean_assured_m_s(fastest.chosen, allowance);
+    const auto is_worth_it = [&](const Choice& proof, const Allowance& by) {
+        return mean_assured_m_s(proof.chosen, by) - of_fastest_m_s > least_gain_m_s;
+    };
+    const bool is_contradicted = contradicted(certified);
+    if (least && !is_contradicted && fastest.chosen.size() == 1 && among.profile.windows == 1) {
+        const Choice most = choose(among, least);
+        if (most.chosen.empty() || !is_worth_it(most, least)) return {};
+    }
     Choice proof = choose(among, allowance);
     if (proof.chosen.size() < fastest.chosen.size()) return {};
-    if (contradicted(certified)) return proof;
-    const double stated_m_s =
-        certified.front().speed_m_s - proven_m_s({certified.front()}, among.profile);
-    const double gained_m_s =
-        mean_assured_m_s(proof.chosen, allowance) - mean_assured_m_s(fastest.chosen, allowance);
-    return gained_m_s > worth_it * stated_m_s ? proof : Choice{};
+    return is_contradicted || is_worth_it(proof, allowance) ? proof : Choice{};
 }
 
 /// The fastest windows are not always the best proof. This also certifies those that promise the
@@ -433,8 +459,8 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     const Profile& profile = among.profile;
     std::vector<CertifiableWindow> windows =
         certified_windows(certifier, profile, fastest, among.gates);
-    const Allowance expected =
-        certifier.allowance(profile, {.window = windows.front(), .found = fastest.chosen.front()});
+    const Reference reference{.window = windows.front(), .found = fastest.chosen.front()};
+    const Allowance expected = certifier.allowance(profile, reference);
     // A window that overlaps one contradicted by a witness contains part of the fault, and no speed
     // is claimed for it.
     std::vector<FoundWindow> wrong;
@@ -447,7 +473,8 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     const Allowance allowance = [&](const FoundWindow& one) {
         return is_wrong(one) ? one.speed_m_s : expected(one);
     };
-    const Choice proof = better_proof(among, fastest, windows, allowance);
+    const Choice proof = better_proof(among, fastest, windows, allowance,
+                                      certifier.least_allowance(profile, reference));
     if (!proof.chosen.empty() && std::ranges::none_of(proof.chosen, is_wrong)) {
         std::vector<CertifiableWindow> proving =
             certified_windows(certifier, profile, proof, among.gates);

@@ -24,6 +24,26 @@ namespace {
 /// Displacements differ by this much by chance once in a thousand.
 constexpr double by_chance = 1e-3;
 
+AntennaSwing swing_beside(const WitnessRecords& beside) {
+    if (beside.inertial && !beside.inertial->epochs.empty() &&
+        beside.inertial->consistency.consistent())
+        return {.solution = beside.inertial};
+    return {.bound = beside.antenna_motion};
+}
+
+/// What screening, before any attitude is known, could see of the positions beside a witness of
+/// the craft. Empty if it did not compare them.
+std::string screened_beside_antenna_text(const ScreenedTable& screened, WitnessKind kind) {
+    const auto& all = screened.basis.displacements;
+    const auto found = std::ranges::find(all, kind, &DisplacementComparison::kind);
+    if (found == all.end() || found->spreads.empty()) return {};
+    const auto& spread = found->spreads.front();
+    return fmt::format(
+        " Screening knows no attitude, and compared them with the antenna. Over {:g} s the two "
+        "scatter by {:.2f} m (standard deviation, each axis): only larger differences are marked.",
+        spread.span_s, spread.sd_m);
+}
+
 }  // namespace
 
 Directions directions_of(const TrajectoryTable& trajectory) {
@@ -75,16 +95,21 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     if (beside.inertial && !beside.inertial->epochs.empty() &&
         beside.inertial->consistency.tells_motion())
         witnesses.push_back({.kind = WitnessKind::imu,
-                             .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial)});
+                             .motion = std::make_shared<const ImuWitness<Axes>>(beside.inertial),
+                             .confirms = false});
     const bool related = !(beside.handed_in.series.empty() && beside.receivers.empty());
     const Track track = related ? track_of(trajectory) : Track{};
     if constexpr (Axes == 2) {
         const auto positions =
             related ? timed_positions<2>(screened.rows) : std::vector<TimedPosition<2>>{};
+        const AntennaSwing swing = swing_beside(beside);
         for (const WitnessEntry& entry : witness_roster())
             if (auto made = handed_in_witness(entry, beside.handed_in, positions, track,
-                                              jerk_density, sources))
+                                              jerk_density, sources, swing)) {
+                if (swing.is_known() && !made->is_copy)
+                    made->note += screened_beside_antenna_text(screened, entry.kind);
                 witnesses.push_back(*std::move(made));
+            }
     }
     for (const OtherReceiver& other : beside.receivers)
         if (auto found = receiver_witness<Axes>(track_of(*other.trajectory), track))

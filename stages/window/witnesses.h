@@ -34,6 +34,8 @@ struct WitnessRecords {
     std::vector<StillSpan> still_by_imu = {};  ///< where that IMU felt that the craft stood
     std::vector<OtherReceiver> receivers = {};
     HandedIn handed_in = {};
+    /// Bounds of the antenna's motion against the craft, where there is no such IMU.
+    std::optional<AntennaMotion> antenna_motion = std::nullopt;
 };
 
 /// A sentence for each part of a series that was left out, and for each series that gave no

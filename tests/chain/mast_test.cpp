@@ -266,6 +266,96 @@ Changes three_witnesses(const std::string& stated_scale = "1.02") {
                          stated_scale + ", expanded_uncertainty_scale: 0.003}\nimu:"}};
 }
 
+/// A wheel of the craft that really has the scale 1.02.
+std::string wheel_stated_as(const std::string& scale) {
+    return "wheel: {noise_m_s: 0.05, scale: 1.02, stated_scale: " + scale +
+           ", expanded_uncertainty_scale: 0.003}\n";
+}
+
+/// What the attempt says of a mast without an IMU.
+const Changes nothing_of_the_mast{
+    {"    antenna_motion:\n      height_m: 10.0\n      roll_deg: 10.0\n      pitch_deg: 5.0\n"
+     "      roll_period_s: 2.0\n      leeway_deg: 3.0\n",
+     ""}};
+
+const WitnessedSpeed* wheel_of(const std::vector<WitnessedSpeed>& witnesses) {
+    const auto found = std::ranges::find(witnesses, WitnessKind::wheel, &WitnessedSpeed::kind);
+    return found == witnesses.end() ? nullptr : &*found;
+}
+
+bool says(const MastExample& example, std::string_view words) {
+    return example.certified().output.find(words) != std::string::npos;
+}
+
+constexpr std::string_view calibrate = "Calibrate the wheel again";
+
+// With an IMU the antenna's swing is known to millimetres.
+TEST(WheelUnderAMast, ByAnImuItIsComparedWithThePathOfTheCraft) {
+    const MastExample right({{imu, wheel_stated_as("1.02") + imu}});
+    const CertifiableWindow window = right.window();
+    const WitnessedSpeed* const wheel = wheel_of(window.witnesses);
+    ASSERT_NE(wheel, nullptr);
+    // Its scale alone makes 0.09 m/s.
+    EXPECT_LT(wheel->standard_uncertainty_m_s, 0.12);
+    EXPECT_NEAR(wheel->speed_m_s, right.true_speed_m_s(window.span, ""),
+                2.0 * wheel->standard_uncertainty_m_s);
+    EXPECT_LT(wheel->normalised_error, 0.5);
+    EXPECT_GT(wheel->share, 0.05);
+    EXPECT_FALSE(says(right, calibrate));
+    EXPECT_EQ(right.verdict()["outcome"].text(), "beaten");
+    for (const char* const scale : {"1.05", "0.99"}) {
+        SCOPED_TRACE(scale);
+        const MastExample wrong({{imu, wheel_stated_as(scale) + imu}});
+        EXPECT_TRUE(says(wrong, calibrate)) << wrong.certified().output;
+        const Windows found = read_windows(read_file(wrong.run() / "5-windows.yaml"), "f");
+        const auto& fastest = found.profiles.at(0).fastest;
+        ASSERT_TRUE(fastest);
+        const WitnessedSpeed* const said = wheel_of(fastest->witnesses);
+        ASSERT_NE(said, nullptr);
+        EXPECT_TRUE(contradicts(*said));
+        EXPECT_NEAR(said->speed_m_s / wrong.true_speed_m_s(fastest->span, ""),
+                    parse_double(scale).value() / 1.02, 0.004);
+    }
+}
+
+// Without one, only what the declared mast allows: more than 3 % of a speed over 3 s.
+TEST(WheelUnderAMast, ByItsBoundTheSwingIsAllowedFor) {
+    const std::string without = imu + "\n";
+    const MastExample right({{without, wheel_stated_as("1.02")}});
+    const CertifiableWindow window = right.window();
+    const WitnessedSpeed* const wheel = wheel_of(window.witnesses);
+    ASSERT_NE(wheel, nullptr);
+    EXPECT_FALSE(contradicts(*wheel));
+    EXPECT_LE(wheel->normalised_error, 1.0);
+    // The swing's bound, 0.78 m/s, as rectangular.
+    EXPECT_GT(wheel->standard_uncertainty_m_s, 0.45);
+    EXPECT_NEAR(wheel->speed_m_s, right.true_speed_m_s(window.span, "reference_"),
+                wheel->standard_uncertainty_m_s);
+    EXPECT_FALSE(says(right, calibrate));
+    // The whole recording says more than one window.
+    for (const char* const scale : {"1.05", "0.99"}) {
+        SCOPED_TRACE(scale);
+        const MastExample wrong({{without, wheel_stated_as(scale)}});
+        EXPECT_TRUE(says(wrong, calibrate)) << wrong.certified().output;
+        EXPECT_NE(wrong.verdict()["outcome"].text(), "beaten");
+    }
+}
+
+// With neither, the antenna is taken to be the craft: the differences make the wheel less certain.
+TEST(WheelUnderAMast, OfWhichNothingIsSaidItCannotJudgeTheAntenna) {
+    const std::string without = imu + "\n";
+    const MastExample right({{without, wheel_stated_as("1.02")}}, nothing_of_the_mast);
+    const CertifiableWindow window = right.window();
+    const WitnessedSpeed* const wheel = wheel_of(window.witnesses);
+    ASSERT_NE(wheel, nullptr);
+    EXPECT_FALSE(contradicts(*wheel));
+    EXPECT_GT(wheel->standard_uncertainty_m_s, 0.3);
+    EXPECT_LT(wheel->share, 0.02);
+    EXPECT_FALSE(says(right, calibrate));
+    const MastExample wrong({{without, wheel_stated_as("1.05")}}, nothing_of_the_mast);
+    EXPECT_TRUE(says(wrong, calibrate)) << wrong.certified().output;
+}
+
 /// The same craft, stiffer and with its antenna on the roof.
 Changes on_the_roof(Changes more) {
     more.insert(more.end(), {{roll, "roll: {amplitude_deg: 1"},
@@ -303,17 +393,22 @@ TEST(ThreeWitnesses, WheelPhasesAndImuOfOneRunAgree) {
 }
 
 TEST(ThreeWitnesses, TheOneThatIsWrongIsNamed) {
-    const auto says = [](const MastExample& example, std::string_view words) {
-        return example.certified().output.find(words) != std::string::npos;
-    };
     // The wheel, by a scale that is 3 % too large.
     const MastExample wheel(on_the_roof(three_witnesses("1.05")));
     const auto errors = witnesses_of(wheel.window());
     EXPECT_GT(errors.at("wheel"), 1.0);
     EXPECT_LE(errors.at("phases"), 1.0);
-    EXPECT_TRUE(says(wheel, "multiplied by 1.01998 (standard uncertainty"))
+    EXPECT_TRUE(says(wheel, "multiplied by 1.01997 (standard uncertainty"))
         << wheel.certified().output;
     EXPECT_EQ(wheel.attitude().consistency.standing, InertialStanding::consistent);
+    const std::string alone =
+        "The speeds of a wheel contradict the positions there and stand alone";
+    EXPECT_TRUE(says(wheel, alone)) << wheel.certified().output;
+    EXPECT_TRUE(says(wheel, "and the displacements by the IMU agree with the positions"));
+    EXPECT_TRUE(says(wheel, calibrate));
+    const std::string explained = runcert({"explain", wheel.run().string(), "decision"}).output;
+    // Broken into lines.
+    EXPECT_NE(explained.find("stand alone"), std::string::npos) << explained;
     // The positions, by a drift that makes them faster than required.
     Changes drift = on_the_roof(three_witnesses());
     drift.push_back({"raw:",

@@ -187,6 +187,12 @@ TEST(Check, NothingIsSaidNotToBeBeatenThatMayBe) {
     EXPECT_TRUE(std::ranges::any_of(verdict.notes, [](const std::string& note) {
         return note.starts_with("Another window is faster and proves less: 190 km/h");
     }));
+    scene.judged.windows.profiles[0].fastest->witnesses = {velocities_say(0.5, 1.43)};
+    const ProfileVerdict contradicted = scene.verdict();
+    EXPECT_EQ(contradicted.outcome, Outcome::not_proven);
+    EXPECT_NE(contradicted.reason.find("which a witness contradicts, may reach it"),
+              std::string::npos)
+        << contradicted.reason;
 }
 
 TEST(Check, ADecisionThatTookTooMuchIsTheReason) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "check_rules_support.h"
+#include "witness/roster.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -46,6 +47,66 @@ TEST(HeardWitness, OfPhasesIsSaidAsASecondComputation) {
     EXPECT_EQ(verdict.witnesses[0].find("independent"), std::string::npos);
     EXPECT_FALSE(verdict.unseen_drift_m_s);
     EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
+}
+
+/// Whether a note of the verdict has these words.
+bool notes_say(const ProfileVerdict& verdict, std::string_view words) {
+    return std::ranges::any_of(verdict.notes, [&](const std::string& note) {
+        return note.find(words) != std::string::npos;
+    });
+}
+
+// Whichever kind it is: it is named with what to check, and those that agree are named where they
+// would have shown as much.
+TEST(HeardWitness, ThatStandsAloneIsNamedWithTheOthers) {
+    for (const WitnessKind kind : {WitnessKind::wheel, WitnessKind::gates, WitnessKind::speed_trap,
+                                   WitnessKind::imu, WitnessKind::phases, WitnessKind::receiver}) {
+        const WitnessKind other =
+            kind == WitnessKind::phases ? WitnessKind::wheel : WitnessKind::phases;
+        WitnessedSpeed wrong = heard(kind, 1.7);
+        wrong.difference_m_s = -1.0;
+        wrong.receiver = kind == WitnessKind::receiver ? "second" : "";
+        const std::string name = kind == WitnessKind::receiver
+                                     ? "The positions of receiver \"second\""
+                                     : "The " + std::string(words_of(kind));
+        RuleScene scene(profile_text(clause_text("margin")));
+        FurtherWindow fastest;
+        fastest.speed_m_s = 61.0;
+        fastest.standard_uncertainty_m_s = 0.05;
+        fastest.witnesses = {heard(other), wrong};
+        scene.judged.windows.profiles[0].fastest = fastest;
+        const ProfileVerdict verdict = scene.verdict();
+        EXPECT_TRUE(notes_say(verdict, "The fastest window is not certified: 219.6"))
+            << words_of(kind);
+        EXPECT_TRUE(notes_say(verdict, name +
+                                           " contradict the positions there and stand alone. "
+                                           "The " +
+                                           std::string(words_of(other)) +
+                                           " agree with the positions"))
+            << words_of(kind);
+        EXPECT_FALSE(witness_entry(kind).remedy.empty());
+        EXPECT_TRUE(notes_say(verdict, witness_entry(kind).remedy));
+        EXPECT_FALSE(notes_say(verdict, "proves less"));
+        // One that is too uncertain to have seen it speaks for nobody.
+        scene.judged.windows.profiles[0].fastest->witnesses[0].standard_uncertainty_m_s = 1.0;
+        EXPECT_TRUE(notes_say(scene.verdict(),
+                              name +
+                                  " contradict the positions there, and nothing else says which of "
+                                  "them errs."));
+    }
+}
+
+TEST(HeardWitness, WindowsThatNoneContradictsAreNotedAsBefore) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    FurtherWindow fastest;
+    fastest.speed_m_s = 61.0;
+    fastest.standard_uncertainty_m_s = 0.05;
+    fastest.witnesses = {heard(WitnessKind::phases)};
+    scene.judged.windows.profiles[0].fastest = fastest;
+    EXPECT_TRUE(notes_say(scene.verdict(), "Another window is faster and proves less"));
+    EXPECT_FALSE(notes_say(scene.verdict(), "contradict"));
+    scene.best().witnesses = {heard(WitnessKind::phases), heard(WitnessKind::wheel, 1.7)};
+    EXPECT_TRUE(notes_say(scene.verdict(), "The speeds of a wheel contradict the positions"));
 }
 
 TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {

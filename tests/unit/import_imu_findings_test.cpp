@@ -27,6 +27,56 @@ Receiver at_100_hz() {
     return receiver;
 }
 
+/// An IMU that turns slowly, with the white noise of a grade, times a factor, rounded to a step.
+std::string turning_slowly(double walk_deg_root_hour, double factor, double step = 1e-6) {
+    RandomGenerator random(11);
+    const double sd_rad_s = walk_deg_root_hour / 60.0 * std::numbers::pi / 180.0 * std::sqrt(100.0);
+    return imu_table(3000, [&](std::size_t i, SampleText& sample) {
+        const double turning_rad_s = 0.005 * std::sin(0.01 * static_cast<double>(i));
+        for (std::size_t axis = 1; axis < 4; ++axis)
+            sample[axis] =
+                step * std::round(factor * (sd_rad_s * random.normal() + turning_rad_s) / step);
+    });
+}
+
+// Radians taken for degrees: on a craft that goes straight nothing else shows it. The figures are
+// those of the grades' data sheets.
+TEST(ImuGyros, ThatAreFarTooQuietForTheirGradeAreNoted) {
+    struct Case {
+        const char* grade;
+        double walk_deg_root_hour;
+    };
+    for (const auto& [grade, walk] :
+         {Case{"tactical", 0.125}, Case{"mems", 0.3}, Case{"consumer", 0.23}, Case{"", 0.23}}) {
+        SCOPED_TRACE(grade);
+        Receiver receiver = imu_receiver();
+        if (*grade) receiver.imu->grade = ImuGrade{.name = grade};
+        EXPECT_EQ(said_of_quiet_gyros(receiver, turning_slowly(walk, 1.0)), "");
+        // Filtered, or as quiet as any that was recorded.
+        EXPECT_EQ(said_of_quiet_gyros(receiver, turning_slowly(walk, 0.25)), "");
+        // Read so coarsely that it seldom changes: 0.06 deg/s.
+        EXPECT_EQ(said_of_quiet_gyros(receiver, turning_slowly(walk, 0.25, 1e-3)), "");
+        receiver.imu->gyro_unit = "deg/s";
+        const std::string said = said_of_quiet_gyros(receiver, turning_slowly(walk, 1.0));
+        EXPECT_TRUE(has(said, "imu.csv: in their quietest second the gyros scatter by")) << said;
+        EXPECT_TRUE(has(said, "Write gyro_unit: rad/s in imu")) << said;
+    }
+    // Increments have the noise of a rate times the interval.
+    Receiver increments = imu_receiver();
+    increments.imu->readings = ImuReadings::increments;
+    increments.imu->grade = ImuGrade{.name = "mems"};
+    const auto text = [](double factor) {
+        RandomGenerator random(12);
+        return imu_table(3000, [&](std::size_t, SampleText& sample) {
+            for (std::size_t axis = 1; axis < 4; ++axis)
+                sample[axis] = factor * 1e-2 * 8.7e-4 * random.normal();
+            for (std::size_t axis = 4; axis < 7; ++axis)
+                sample[axis] *= 0.01;
+        });
+    };
+    EXPECT_EQ(said_of_quiet_gyros(increments, text(1.0)), "");
+}
+
 TEST(ImuStamps, AreEvenedOutByTheNominalRate) {
     const ReadImu read = read_imu_text(at_100_hz(), jittering());
     ASSERT_EQ(read.rows.size(), 3000U);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <numbers>
 
 #include "import_imu_support.h"
 
@@ -60,6 +61,11 @@ TEST(ImuRecorded, ADriveAt100Hz) {
     // Its box is pitched by 6.79 degrees.
     EXPECT_NEAR(read.head.rest->down_deg, 6.8, 5.0);
     EXPECT_LT(read.head.rest->gyro_rad_s, 0.02);
+    for (const char* grade : {"tactical", "mems", "consumer"}) {
+        Receiver graded = receiver;
+        graded.imu->grade = ImuGrade{.name = grade};
+        EXPECT_EQ(said_of_quiet_gyros(graded, *text, span), "") << grade;
+    }
     Receiver upside_down = receiver;
     upside_down.imu->axes =
         ImuAxes{.x = CraftAxis::backward, .y = CraftAxis::left, .z = CraftAxis::down};
@@ -91,6 +97,14 @@ TEST(ImuRecorded, AWalkWhoseSensorIsReadMoreOftenThanItMeasures) {
     EXPECT_LT(read.head.clock.jitter_s, 0.005);
     EXPECT_EQ(read.head.found.saturated, 0);
     EXPECT_EQ(read.head.found.gaps, 0);
+    for (const char* grade : {"tactical", "mems", "consumer"}) {
+        Receiver graded = receiver("rate_hz: 100, ");
+        graded.imu->grade = ImuGrade{.name = grade};
+        EXPECT_EQ(said_of_quiet_gyros(graded, *text, span), "") << grade;
+        // As if the file had radians: it was held still for its first seconds.
+        graded.imu->gyro_scale = std::numbers::pi / 180.0;
+        EXPECT_NE(said_of_quiet_gyros(graded, *text, span), "") << grade;
+    }
     // The file begins and ends within a line.
     EXPECT_EQ(read.head.records.bad, 1);
     const ReadImu stamped = read_imu_text(receiver(""), *text, span);
@@ -109,6 +123,7 @@ TEST(ImuRecorded, APhoneOnTheFreeway) {
         "grade: consumer, antenna_m: {forward: 0, right: 0, down: 0}}");
     const imu::RecordingSpan span{.first_epoch = at(2018, 8, 2, 16, 15, 6, 299), .span_s = 57.8};
     const ReadImu read = read_imu_text(receiver, *text, span);
+    EXPECT_EQ(said_of_quiet_gyros(receiver, *text, span), "");
     ASSERT_EQ(read.rows.size(), 6256U);
     EXPECT_NEAR(read.head.clock.rate_hz, 104.26, 0.1);
     EXPECT_EQ(read.head.found.gaps, 0);

@@ -9,6 +9,7 @@
 
 #include "import_test_support.h"
 #include "stages/import/imu/imu.h"
+#include "witness/gyro_noise.h"
 
 namespace runcert::import_test {
 
@@ -78,6 +79,14 @@ inline ReadImu read_imu_text(const Receiver& receiver, std::string_view text,
     streamed.give([&](const ImuRow& row) { read.rows.push_back(row); });
     EXPECT_EQ(std::ssize(read.rows), streamed.rows);
     return read;
+}
+
+/// What the verdict says of an IMU's gyros that are quieter than its grade.
+inline std::string said_of_quiet_gyros(const Receiver& receiver, std::string_view text,
+                                       const imu::RecordingSpan& span = relative_span()) {
+    ReadImu read = read_imu_text(receiver, text, span);
+    read.head.rows = std::move(read.rows);
+    return quiet_gyros_text(read.head, *receiver.imu);
 }
 
 /// The failure of reading, as the user sees it; "read" where there is none.

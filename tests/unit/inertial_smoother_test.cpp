@@ -73,6 +73,38 @@ TEST(InertialSmoother, VarianceOfADifferenceIsThatOfTheDisplacement) {
     }
 }
 
+// The antenna against the reference point: the same by the general sum over epochs, with the arms
+// to both points measured apart, and a clock that may be off unseen.
+TEST(InertialSmoother, SwingIsTheDifferenceOfBothPoints) {
+    InertialRunSpec spec = lake(ImuClass::mems, 22);
+    spec.reference_point_m = {0.5, -0.3, 0.8};
+    const InertialRun run = simulate_inertial(spec);
+    InertialSetup setup = setup_of(spec);
+    setup.antenna_sigma_m = 0.05;
+    for (const bool estimate : {false, true}) {
+        setup.estimate_time_offset = estimate;
+        const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup);
+        const InertialEpoch &from = solution.epochs[300], &to = solution.epochs[330];
+        const PointDisplacement swing = solution.swing(300, 330);
+        const Eigen::Vector3d apart =
+            solution.displacement(300, 330, CraftPoint::antenna).enu_m -
+            solution.displacement(300, 330, CraftPoint::reference_point).enu_m;
+        EXPECT_LT((swing.enu_m - apart).norm(), 1e-9);
+        const Eigen::Vector3d u = Eigen::Vector3d(0.6, 0.7, -0.2).normalized();
+        std::vector<PointGradient> gradients(31);
+        gradients.front().position = -u;
+        gradients.back().position = u;
+        const PointVariance summed = solution.difference_variance(300, gradients, gradients);
+        const Eigen::Vector3d swung =
+            to.antenna.velocity_m_s - to.reference_point.velocity_m_s -
+            (from.antenna.velocity_m_s - from.reference_point.velocity_m_s);
+        const double lag_m = solution.time_offset_s.sigma > 0.0 ? 0.0 : 0.002 * u.dot(swung);
+        EXPECT_NEAR(u.dot(swing.covariance_m2 * u),
+                    summed.by_errors + 2.0 * summed.by_arm + lag_m * lag_m, 1e-12);
+        EXPECT_GT(swing.covariance_m2.trace(), 1e-6);
+    }
+}
+
 // Mean speeds and lengths of paths: errors by their stated sizes. 4 runs, 40 windows 1.5 s apart.
 TEST(InertialSmoother, MeanSpeedsErrAsStated) {
     double squares = 0.0, count = 0.0;

@@ -206,6 +206,11 @@ struct InertialSolution {
     /// that is not estimated adds `antenna_sigma_m` times the change of attitude.
     PointDisplacement displacement(std::size_t s, std::size_t e, CraftPoint point) const;
 
+    /// By how much farther than the reference point the antenna moved between two epochs. The
+    /// distances from the IMU to both points were measured apart. A time offset that is not
+    /// estimated may be `unseen_lag_s`.
+    PointDisplacement swing(std::size_t s, std::size_t e) const;
+
     /// The antenna's displacement between two epochs by the IMU alone: the positions from s to e,
     /// both included, are left out, and those after may all be displaced by one unknown vector. So
     /// only attitude, velocity and biases at both ends are known by positions. Their information is
@@ -234,6 +239,10 @@ struct InertialSolution {
 
     std::shared_ptr<const JointCovariance> joint;  ///< what `displacement` needs
 };
+
+/// Standard uncertainty of a time offset that is not estimated. A longer one is likelier and would
+/// have been, where the motion shows it.
+inline constexpr double unseen_lag_s = 0.002;
 
 /// Positions that a solution needs.
 inline constexpr std::size_t least_positions = 10;

@@ -62,6 +62,33 @@ PointDisplacement InertialSolution::displacement(std::size_t s, std::size_t e,
     return result;
 }
 
+PointDisplacement InertialSolution::swing(std::size_t s, std::size_t e) const {
+    assert(s < e && e < epochs.size());
+    const auto swings = [](const InertialEpoch& epoch) -> Eigen::Vector3d {
+        return epoch.antenna.velocity_m_s - epoch.reference_point.velocity_m_s;
+    };
+    const auto arm = [](const InertialEpoch& epoch) -> Eigen::Vector3d {
+        return epoch.antenna.position_m - epoch.reference_point.position_m;
+    };
+    PointDisplacement result{.enu_m = arm(epochs[e]) - arm(epochs[s])};
+    result.covariance_m2 = std::visit(
+        [&]<int N>(const JointErrors<N>& errors) {
+            const auto gradient = [&](std::size_t k) -> Eigen::Matrix<double, 3, N> {
+                return position_gradient<N>(epochs[k], *joint, CraftPoint::antenna) -
+                       position_gradient<N>(epochs[k], *joint, CraftPoint::reference_point);
+            };
+            return errors.difference(s, gradient(s), e, gradient(e));
+        },
+        joint->errors);
+    const Eigen::Matrix3d turned = epochs[e].enu_from_body - epochs[s].enu_from_body;
+    result.covariance_m2 +=
+        2.0 * joint->antenna_sigma_m * joint->antenna_sigma_m * turned * turned.transpose();
+    if (time_offset_s.sigma > 0.0) return result;
+    const Eigen::Vector3d later_m = unseen_lag_s * (swings(epochs[e]) - swings(epochs[s]));
+    result.covariance_m2 += later_m * later_m.transpose();
+    return result;
+}
+
 namespace {
 
 /// A measured position as the errors' function, its covariance, and what is left of it.

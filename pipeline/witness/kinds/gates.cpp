@@ -159,6 +159,7 @@ extern const WitnessEntry gates{
     .kind = WitnessKind::gates,
     .fault = fault_of_gates,
     .silent = "fewer than two were passed while the craft's motion was estimated",
+    .remedy = "Check the surveyed distances of the gates, and their clock.",
     .make = make_gates};
 
 }  // namespace witnesses

@@ -90,6 +90,7 @@ extern const WitnessEntry imu{
     .kind = WitnessKind::imu,
     .fault = fault_of_imu,
     .silent = "IMU and positions do not agree, or have no solution",
+    .remedy = "Check the IMU's axes, units and clock, and the distances on the craft.",
     .unconfirming =
         "the positions around it align the IMU, which takes an error of theirs that "
         "lasts longer than the window for motion"};

@@ -15,6 +15,8 @@ extern const WitnessEntry phases{
     .kind = WitnessKind::phases,
     .fault = fault_of_phases,
     .silent = "the positions have no times or no place on the Earth to compare them with",
+    .remedy =
+        "Check that raw signals, navigation data and positions are of one receiver and one run.",
     .screening = ScreeningTest{.reason = Reason::phase, .hypothesis = Hypothesis::phase}};
 
 }  // namespace runcert::witnesses

@@ -16,6 +16,7 @@ extern const WitnessEntry receiver{
     .kind = WitnessKind::receiver,
     .fault = fault_of_receiver,
     .silent = "the two recordings have no common time or frame, or it has no estimate",
+    .remedy = "Check that receiver's fixes, its antenna's place on the craft, and its clock.",
     .screening = ScreeningTest{
         .reason = Reason::baseline, .hypothesis = Hypothesis::baseline, .only_fast = true}};
 

@@ -85,6 +85,7 @@ extern const WitnessEntry speed_trap{
     .kind = WitnessKind::speed_trap,
     .fault = fault_of_speed_trap,
     .silent = "none of them was measured while the craft's motion was estimated",
+    .remedy = "Check the instrument's calibration, its angle to the course, and its clock.",
     .make = make_speed_trap};
 
 }  // namespace witnesses

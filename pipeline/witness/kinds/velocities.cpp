@@ -16,6 +16,7 @@ extern const WitnessEntry velocities{
     .kind = WitnessKind::velocities,
     .fault = fault_of_velocities,
     .silent = "nothing bounds their errors",
+    .remedy = "Check that they are the receiver's own Doppler velocities, in the unit stated.",
     .screening = ScreeningTest{.reason = Reason::velocity, .hypothesis = Hypothesis::velocity}};
 
 }  // namespace runcert::witnesses

@@ -19,6 +19,9 @@ namespace {
 constexpr double least_sigma = 1e-3;
 constexpr std::size_t fewest_runs = 2;
 
+/// Two scales of one wheel differ by this much by chance once in a thousand.
+constexpr double by_chance = 1e-3;
+
 double mean(const std::vector<double>& values) {
     double sum = 0.0;
     for (const double value : values)
@@ -283,6 +286,22 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
 
 namespace {
 
+constexpr std::string_view recalibrate =
+    "Calibrate the wheel again, with the tyre, pressure and load of the run, and state that scale.";
+
+/// A sentence on a calibrated scale that is not the one with which the wheel fits the positions of
+/// the whole recording. Empty if chance alone may part them.
+std::string wrong_scale_text(const WheelWitness& wheel, const WheelSpeeds& speeds) {
+    const double apart = *speeds.calibrated_scale / wheel.scale - 1.0;
+    if (std::abs(apart) <= normal_quantile(1.0 - 0.5 * by_chance) *
+                               std::hypot(wheel.sigma_scale, speeds.sigma_calibrated, least_sigma))
+        return {};
+    return fmt::format(
+        " That is {:.1f} % {} than fits the positions of the whole recording, which chance does "
+        "not explain. {}",
+        100.0 * std::abs(apart), apart > 0.0 ? "more" : "less", recalibrate);
+}
+
 /// A sentence on the parameters estimated for a wheel and the scale in use.
 std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
     if (wheel.made_from_positions)
@@ -294,10 +313,11 @@ std::string wheel_note(const WheelWitness& wheel, const WheelSpeeds& speeds) {
         std::abs(wheel.delay_s), wheel.delay_s < 0.0 ? "earlier" : "later", wheel.sigma_delay_s,
         wheel.scale, wheel.sigma_scale);
     if (speeds.calibrated_scale)
-        return note + fmt::format(
-                          "They were multiplied by the calibrated {:.5f} (standard "
-                          "uncertainty {:.5f}).",
-                          *speeds.calibrated_scale, speeds.sigma_calibrated);
+        return note +
+               fmt::format(
+                   "They were multiplied by the calibrated {:.5f} (standard uncertainty {:.5f}).",
+                   *speeds.calibrated_scale, speeds.sigma_calibrated) +
+               wrong_scale_text(wheel, speeds);
     return note +
            "For a window they count by the scale of the other runs. A wrong scale that "
            "lasts they cannot show.";
@@ -314,8 +334,11 @@ std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
         .m_s = timed_values(given.series),
         .calibrated_scale = said.scale,
         .sigma_calibrated = 0.5 * said.expanded_uncertainty_scale.value_or(0.0)};
-    auto wheel = wheel_witness(speeds, given.positions, given.track, given.jerk_density);
+    auto wheel = wheel_witness(speeds, given.of_craft, given.track, given.jerk_density);
     if (!wheel) return std::nullopt;
+    if (given.of_craft.data() != given.positions.data() &&
+        are_from_positions(speeds.m_s, given.positions, wheel->delay_s, wheel->scale))
+        wheel->made_from_positions = true;
     const auto original = source_of_speeds(speeds.m_s, given.sources, wheel->delay_s, wheel->scale);
     return HeardWitness<2>{
         .kind = WitnessKind::wheel,
@@ -336,6 +359,7 @@ extern const WitnessEntry wheel{
     .silent =
         "too few of them are at times at which the craft's motion was estimated, or nothing "
         "bounds their errors",
+    .remedy = recalibrate,
     .unconfirming =
         "their scale was fitted to the run that it lies in, and takes in whatever drifts there in "
         "proportion to the speed. Hand in two more runs, or state a calibrated scale",

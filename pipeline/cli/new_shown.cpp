@@ -25,6 +25,13 @@ std::string file_text(const Recognition& is) {
     if (is.kind == RecordingKind::series)
         return fmt::format("a series for the key {}", fmt::join(is.series, " or "));
     if (is.kind == RecordingKind::table) return "a table whose columns are not known";
+    if (is.kind == RecordingKind::surface && is.triangles > 0)
+        return fmt::format("the surface of a course ({}); {} vertices, {}", is.format,
+                           counted(is.vertices), counted(is.triangles, "triangle"));
+    if (is.kind == RecordingKind::surface)
+        return fmt::format("the vertices of a surface; {} of them", counted(is.vertices));
+    if (is.kind == RecordingKind::triangles)
+        return fmt::format("the triangles of a surface; {}", counted(is.triangles, "triangle"));
     if (is.kind == RecordingKind::imu)
         return fmt::format("samples of an IMU ({}); {}, {} s apart", is.format,
                            counted(is.epochs, "sample"), format_fixed(is.interval_s, 4));

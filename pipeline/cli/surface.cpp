@@ -99,7 +99,7 @@ void add_surface(CLI::App& app, Command& chosen) {
     command->add_option("--out", options->out, "file to write (ECSV)")->required();
     command->add_flag("--force", options->force, "replace the file if it exists");
     command->footer(
-        "The ground under the first receivers of the runs: heights on a grid of 10 m, by least\n"
+        "The ground under the first receivers of the runs: heights on a grid of 5 m, by least\n"
         "squares. What has no positions on both sides is left out; five runs that cover the width\n"
         "of the course suffice. Each attempt states antenna_height_m.\n\n"
         "Another attempt names the file as its surface:\n\n"

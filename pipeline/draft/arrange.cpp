@@ -67,29 +67,40 @@ class Arranging {
                 take_series(i);
             else if (files_[i].is.kind == RecordingKind::imu)
                 imus_.push_back(i);
+            else if (files_[i].is.kind == RecordingKind::surface)
+                surfaces_.push_back(i);
+            else if (files_[i].is.kind == RecordingKind::triangles)
+                triangles_.push_back(i);
             else
                 orbits_.push_back(i);
         }
         if (positions.empty() && signals.empty())
-            throw Failure(
-                files_.front().path,
-                fmt::format("the file holds {}, and no recording", !imus_.empty()
-                                                                       ? "the samples of an IMU"
-                                                                   : orbits_.empty() ? "a series"
-                                                                                     : "orbits"),
-                orbits_.empty() ? "Name the recording that it bears witness of, too"
-                                : "Name the rover's recording, too: runcert new ROVER.obs BASE.obs "
-                                  "ORBITS");
+            refuse_no_recording();
         if (positions.empty())
             arrange_signals(signals);
         else
             arrange_positions(positions, signals);
         take_imus();
+        take_surfaces();
         return std::move(result_);
     }
 
   private:
     void say(std::string sentence) { result_.said.push_back(std::move(sentence)); }
+
+    [[noreturn]] void refuse_no_recording() const {
+        const bool ground = !surfaces_.empty() || !triangles_.empty();
+        const char* const held = !imus_.empty()    ? "the samples of an IMU"
+                                 : ground          ? "the surface of a course"
+                                 : orbits_.empty() ? "a series"
+                                                   : "orbits";
+        throw Failure(files_.front().path, fmt::format("the file holds {}, and no recording", held),
+                      !orbits_.empty() ? "Name the rover's recording, too: runcert new ROVER.obs "
+                                         "BASE.obs ORBITS"
+                      : ground && imus_.empty()
+                          ? "Name the recording of a run over it, too"
+                          : "Name the recording that it bears witness of, too");
+    }
 
     /// Wind and current have the same columns, and are told by the file's name.
     void take_series(std::size_t file) {
@@ -122,6 +133,34 @@ class Arranging {
                             "the {} receiver.",
                             name, result_.receivers.front().id));
         }
+    }
+
+    /// A file without triangles is the table of the vertices.
+    void take_surfaces() {
+        for (std::size_t k = 1; k < surfaces_.size(); ++k)
+            say(fmt::format("{} is left out: one surface is used.",
+                            name_of_file(files_[surfaces_[k]])));
+        if (surfaces_.empty() && triangles_.empty()) return;
+        if (surfaces_.empty())
+            throw Failure(files_[triangles_.front()].path,
+                          "the triangles of a surface are named without its vertices",
+                          "Name the table of the vertices, too: vertex,x,y,z");
+        const HandedIn& file = files_[surfaces_.front()];
+        ArrangedReceiver& receiver = result_.receivers.front();
+        receiver.surface = surfaces_.front();
+        say(fmt::format("{} holds the surface of a course. It is taken for the one that the craft "
+                        "of the {} receiver ran on.",
+                        name_of_file(file), receiver.id));
+        const std::size_t used = file.is.triangles > 0 ? 0 : 1;
+        for (std::size_t k = used; k < triangles_.size(); ++k)
+            say(fmt::format("{} is left out: the surface has triangles already.",
+                            name_of_file(files_[triangles_[k]])));
+        if (used == 0) return;
+        if (triangles_.empty())
+            throw Failure(file.path, "the vertices of a surface are named without its triangles",
+                          "Name the table of the triangles, too: vertex_1,vertex_2,vertex_3");
+        receiver.triangles = triangles_.front();
+        say(fmt::format("{} holds its triangles.", name_of_file(files_[triangles_.front()])));
     }
 
     void take_orbits(ArrangedReceiver& receiver) {
@@ -286,7 +325,7 @@ class Arranging {
     }
 
     const std::vector<HandedIn>& files_;
-    std::vector<std::size_t> orbits_, imus_;
+    std::vector<std::size_t> orbits_, imus_, surfaces_, triangles_;
     std::vector<ArrangedReceiver> groups_;
     Arrangement result_;
 };

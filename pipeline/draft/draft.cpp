@@ -75,6 +75,8 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
         for (const std::size_t i : arranged.navigation)
             receiver["navigation"].push_back(path(i));
     if (arranged.imu) receiver["imu"] = imu_of(files[*arranged.imu]);
+    if (arranged.surface) receiver["surface"]["file"] = path(*arranged.surface);
+    if (arranged.triangles) receiver["surface"]["triangles"] = path(*arranged.triangles);
     return receiver;
 }
 
@@ -109,7 +111,7 @@ Json* Draft::find_receiver(const std::string& id) {
 Json Draft::receiver(const std::string& id) const {
     for (Json receiver : keys_["receivers"]) {
         if (receiver["id"] != id) continue;
-        for (const char* other : {"id", "recording", "base", "navigation", "phase", "imu"})
+        for (const char* other : {"id", "recording", "base", "navigation", "phase", "imu", "surface"})
             receiver.erase(other);
         return receiver;
     }

@@ -114,6 +114,22 @@ Json value_of(const FieldRule& rule, const std::string& text) {
     return json_from_yaml(YamlValue(node, answer));
 }
 
+/// Stand-ins for what a receiver's surface needs; whether it needs the attempt's origin, too.
+bool complete_surface(Json& receiver) {
+    if (!receiver.contains("antenna_height_m")) receiver["antenna_height_m"] = 1;
+    Json& surface = receiver["surface"];
+    const auto stand_in = [&](const char* key, Json value) {
+        if (!surface.contains(key)) surface[key] = std::move(value);
+    };
+    stand_in("source", "any");
+    if (surface.contains("undulation_m")) stand_in("heights", "geoid");
+    if (surface.contains("heights")) stand_in("frame", "geodetic");
+    const bool on_plane = surface.value("frame", Json()) == "local_plane";
+    if (surface.contains("frame") && !on_plane) stand_in("heights", "ellipsoid");
+    if (surface.value("heights", "") == "geoid") stand_in("undulation_m", 0);
+    return on_plane && receiver.value("frame", Json()) != "local_plane";
+}
+
 /// The attempt with stand-ins for what is not answered, so that what is answered is read as certify
 /// would.
 std::string completed_text(Json keys) {
@@ -131,10 +147,16 @@ std::string completed_text(Json keys) {
         Json& value = keys[map->path][rule.path.substr(point + 1)];
         if (value.is_null()) value = rule.minimum ? Json(*rule.minimum) : Json("any");
     }
+    bool needs_origin = false;
     if (keys.contains("receivers"))
-        for (Json& receiver : keys["receivers"])
+        for (Json& receiver : keys["receivers"]) {
             if (receiver.contains("imu") && !receiver["imu"].contains("antenna_m"))
                 receiver["imu"]["antenna_m"] = {{"forward", 0}, {"right", 0}, {"down", 0}};
+            if (receiver.contains("surface"))
+                needs_origin = complete_surface(receiver) || needs_origin;
+        }
+    if (needs_origin && !keys.contains("origin"))
+        keys["origin"] = {{"latitude_deg", 0}, {"longitude_deg", 0}, {"height_m", 0}};
     Json attempt{{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     attempt.update(keys);
     return to_yaml_text(attempt);
@@ -196,7 +218,8 @@ void Draft::set(const std::string& given, const std::string& text) {
                 throw Failure(
                     escape_for_message(given), "no receiver of the attempt has such a key",
                     "Write receivers.primary.KEY; `runcert certify --help` lists the keys");
-            put(*receiver, path, path == "frame" ? utm_of(text) : value_of(*rule, text));
+            const bool is_frame = path == "frame" || path == "surface.frame";
+            put(*receiver, path, is_frame ? utm_of(text) : value_of(*rule, text));
             if (path.starts_with("columns.")) (*receiver)["format"] = "csv";
         } else {
             const FieldRule* rule = attempt_schema().find(key);

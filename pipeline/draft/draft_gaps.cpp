@@ -169,13 +169,60 @@ class DraftGaps {
                  .example = "..."});
         add_fix_types(receiver, arranged);
         if (arranged.imu) add_imu(receiver["imu"], before + "imu.", arranged);
+        if (arranged.surface) add_surface(receiver, before, arranged);
         const std::string of_class = craft("class");
         const bool on_ground = of_class != "skydiver" && of_class != "board";
-        if (arranged.id == "primary" && on_ground && !receiver.contains("antenna_height_m"))
+        const bool over_surface = arranged.surface.has_value();
+        if (arranged.id == "primary" && (on_ground || over_surface) &&
+            !receiver.contains("antenna_height_m"))
             add({.key = before + "antenna_height_m",
                  .question = "Height of the antenna above the ground, in metres" + of,
-                 .why = "The report states it: an antenna up a mast moves when the craft heels.",
+                 .why = over_surface ? "Heights of positions are compared with the surface by it."
+                                     : "The report states it: an antenna up a mast moves when the "
+                                       "craft heels.",
+                 .required = over_surface,
                  .example = "..."});
+    }
+
+    /// What the file of a surface does not say.
+    void add_surface(const Json& receiver, const std::string& before,
+                     const ArrangedReceiver& arranged) {
+        const Json& surface = receiver["surface"];
+        const std::string name = draft_.files_[*arranged.surface].path;
+        const bool on_plane = surface.value("frame", Json()) == "local_plane";
+        bool heights_asked = false;
+        const auto ask = [&](const NeededKey& needed, const std::string& question) {
+            const std::string key = needed.key.substr(needed.key.find('.') + 1);
+            if (surface.contains(key)) return;
+            add({.key = before + needed.key,
+                 .question = fmt::format("{}: {}", name, question),
+                 .why = needed.reason,
+                 .required = needed.required,
+                 .values = needed.values,
+                 .example = example_of(needed)});
+        };
+        for (const NeededKey& needed : draft_.files_[*arranged.surface].is.needed) {
+            heights_asked = heights_asked || needed.key == "surface.heights";
+            if (needed.key != "surface.heights" || !on_plane) ask(needed, question_of(needed.key));
+        }
+        if (surface.contains("frame") && !on_plane && !heights_asked)
+            ask({.key = "surface.heights",
+                 .reason = "Receivers measure ellipsoidal heights.",
+                 .values = {"ellipsoid", "geoid"},
+                 .required = true},
+                question_of("surface.heights"));
+        if (surface.value("heights", "") == "geoid")
+            ask({.key = "surface.undulation_m",
+                 .reason = "It makes the surface's heights ellipsoidal, as a receiver's are.",
+                 .required = true},
+                "height of the geoid above the ellipsoid at the course, in metres");
+        if (on_plane && receiver.value("frame", Json()) != "local_plane" && !has("origin"))
+            add({.key = "origin",
+                 .question = "Place of the surface's origin ({latitude_deg: -31.6, "
+                             "longitude_deg: 136.0, height_m: 110.0})",
+                 .why = "A surface in an engineering CRS is counted from it.",
+                 .required = true,
+                 .example = "{latitude_deg: ..., longitude_deg: ..., height_m: ...}"});
     }
 
     /// What an IMU's times can be beside the recording's.
@@ -341,6 +388,12 @@ class DraftGaps {
             return "GPS time at which the times begin (2026-03-14T10:00:18.000)";
         if (key == "speed_unit") return "Unit of the speeds";
         if (key == "frame") return "UTM zone and hemisphere (55 south)";
+        if (key == "surface.frame")
+            return "its coordinates: geodetic, local_plane, or UTM zone and hemisphere (55 south)";
+        if (key == "surface.unit") return "unit of its lengths";
+        if (key == "surface.heights") return "what its heights are counted from";
+        if (key == "surface.vertical_sd_m") return "standard deviation of its heights, in metres";
+        if (key == "surface.source") return "who surveyed it, how and when";
         return key;
     }
 

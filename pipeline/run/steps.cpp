@@ -50,10 +50,18 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
     return names;
 }
 
+/// Whether a step hears an IMU, and of a surface only what it says of that.
+bool hears_imu(const Step& step) {
+    return std::ranges::any_of(step.products, &ProductFile::of_imu) && !step.made_from.empty();
+}
+
 /// What a step makes one of its products from: an IMU's are no part of the others.
 std::vector<ProductFile> made_from(const Step& step, const ProductFile& product) {
     std::vector<ProductFile> products = step.made_from;
-    if (!product.of_imu) std::erase_if(products, [](const ProductFile& one) { return one.of_imu; });
+    if (product.of_imu) return products;
+    std::erase_if(products, [&](const ProductFile& one) {
+        return one.of_imu || (one.of_surface && hears_imu(step));
+    });
     return products;
 }
 
@@ -91,7 +99,7 @@ const std::vector<Step>& steps() {
         {.name = "smooth",
          .program = "runcert-smooth",
          .products = {trajectory, attitude},
-         .made_from = {screened, imu}},
+         .made_from = {screened, imu, surface}},
         {.name = "window",
          .program = "runcert-window",
          .products = {windows},
@@ -165,8 +173,12 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
                 std::erase(names, file);
     }
     append(names, heard_files(step, attempt));
-    for (const Receiver& receiver : attempt.receivers)
-        append(names, files_of(step.made_from, attempt, receiver));
+    for (const Receiver& receiver : attempt.receivers) {
+        std::vector<ProductFile> products = step.made_from;
+        if (hears_imu(step) && !has_imu(receiver))
+            std::erase_if(products, &ProductFile::of_surface);
+        append(names, files_of(products, attempt, receiver));
+    }
     return names;
 }
 

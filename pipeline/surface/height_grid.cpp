@@ -28,8 +28,11 @@ Eigen::Vector2d halved(const Eigen::Vector2d& twice) {
     return {std::cos(angle), std::sin(angle)};
 }
 
-/// The places of a grid's vertices and which of them are in use: those of cells that hold a
-/// position, or touch one that does.
+/// How far a position tells of the ground: along the course and to either side of it.
+constexpr double reach_m = 10.0, reach_across_m = 15.0;
+
+/// The places of a grid's vertices and which of them are in use: those within `reach_m` of the cell
+/// of a position, along both axes.
 class GridPlan {
   public:
     GridPlan(std::span<const AntennaPosition> positions, double spacing_m) : spacing_m_(spacing_m) {
@@ -45,8 +48,9 @@ class GridPlan {
             least_ = least_.cwiseMin(place);
             most = most.cwiseMax(place);
         }
+        const auto reach = static_cast<Eigen::Index>(std::ceil(reach_m / spacing_m));
         // A margin holds the cells around, and positions that the antenna's height moves.
-        constexpr double margin = 3.0;
+        const double margin = static_cast<double>(reach) + 2.0;
         least_.array() -= margin * spacing_m;
         const Eigen::Vector2d size = (most - least_) / spacing_m;
         constexpr double most_vertices = 4e6;
@@ -61,8 +65,8 @@ class GridPlan {
         std::vector<Eigen::Vector2d> travel(number_.size(), Eigen::Vector2d::Zero());
         for (const AntennaPosition& position : positions) {
             const auto [column, row] = cell_of(position.enu_m.head<2>());
-            for (Eigen::Index r = row - 1; r <= row + 2; ++r)
-                for (Eigen::Index c = column - 1; c <= column + 2; ++c) {
+            for (Eigen::Index r = row - reach; r <= row + 1 + reach; ++r)
+                for (Eigen::Index c = column - reach; c <= column + 1 + reach; ++c) {
                     number_[at(c, r)] = 0;
                     travel[at(c, r)] += doubled(grid_from_plan_ * position.direction);
                 }
@@ -74,6 +78,7 @@ class GridPlan {
         }
     }
 
+    double spacing_m() const { return spacing_m_; }
     Eigen::Index columns() const { return columns_; }
     Eigen::Index rows() const { return rows_; }
     std::size_t count() const { return travel_.size(); }
@@ -166,6 +171,8 @@ void add_bends(const GridPlan& plan, const HeightGridSettings& settings,
                HeightEquations& equations) {
     // What no second difference reaches stays near the others.
     constexpr double bound_m = 1000.0;
+    constexpr double stated_at_m = 10.0;
+    const double scale = std::pow(settings.spacing_m / stated_at_m, 1.5);
     for (Eigen::Index row = 0; row < plan.rows(); ++row)
         for (Eigen::Index column = 0; column < plan.columns(); ++column) {
             const std::int64_t here = plan.number(column, row);
@@ -176,9 +183,9 @@ void add_bends(const GridPlan& plan, const HeightGridSettings& settings,
                 const std::int64_t before = plan.number(column - c, row - r);
                 const std::int64_t after = plan.number(column + c, row + r);
                 if (before < 0 || after < 0) return;
-                equations.add(
-                    {{before, here, after}, {1.0, -2.0, 1.0}}, 0.0,
-                    std::hypot(along * settings.bend_along_m, across * settings.bend_across_m));
+                equations.add({{before, here, after}, {1.0, -2.0, 1.0}}, 0.0,
+                              scale * std::hypot(along * settings.bend_along_m,
+                                                 across * settings.bend_across_m));
             };
             bend(1, 0, travel.x(), travel.y());
             bend(0, 1, travel.y(), travel.x());
@@ -249,14 +256,16 @@ class PlacesByCell {
 
     /// Whether there are places on both sides of one (in cells), across a direction.
     bool on_both_sides(const Eigen::Vector2d& of, const Eigen::Vector2d& travel) const {
-        constexpr double along_cells = 1.0, across_cells = 1.5;
+        const double along_cells = reach_m / plan_.spacing_m(),
+                     across_cells = reach_across_m / plan_.spacing_m();
+        const auto around = static_cast<Eigen::Index>(std::ceil(std::max(along_cells, across_cells)));
         bool left = false, right = false;
         const auto column = static_cast<Eigen::Index>(of.x()),
                    row = static_cast<Eigen::Index>(of.y());
-        for (Eigen::Index r = std::max<Eigen::Index>(0, row - 2);
-             r <= std::min(plan_.rows() - 1, row + 2); ++r)
-            for (Eigen::Index c = std::max<Eigen::Index>(0, column - 2);
-                 c <= std::min(plan_.columns() - 1, column + 2); ++c) {
+        for (Eigen::Index r = std::max<Eigen::Index>(0, row - around);
+             r <= std::min(plan_.rows() - 1, row + around); ++r)
+            for (Eigen::Index c = std::max<Eigen::Index>(0, column - around);
+                 c <= std::min(plan_.columns() - 1, column + around); ++c) {
                 const auto here = static_cast<std::size_t>(r * plan_.columns() + c);
                 for (std::size_t i = begin_[here]; i < begin_[here + 1]; ++i) {
                     const Eigen::Vector2d offset = places_[i] - of;

@@ -5,6 +5,7 @@
 
 #include "schemas/observations/stated_covariance.h"
 #include "witness/position_pairs.h"
+#include "witness/surface_input.h"
 
 namespace runcert {
 namespace {
@@ -65,6 +66,17 @@ ImuState state_of(const AttitudeEpoch& row, const Eigen::Vector3d& reference_poi
     return state;
 }
 
+StartAttitude start_of(const SurfaceStart& start) {
+    const Eigen::Matrix3d attitude =
+        rotation_of({.roll = start.roll_deg * radians_per_degree,
+                     .pitch = start.pitch_deg * radians_per_degree,
+                     .heading = start.heading_deg * radians_per_degree});
+    return {attitude, attitude_covariance(
+                          attitude, {.roll = start.sigma_roll_deg * radians_per_degree,
+                                     .pitch = start.sigma_pitch_deg * radians_per_degree,
+                                     .heading = start.sigma_heading_deg * radians_per_degree})};
+}
+
 std::vector<ImuSample> samples_of(const ImuTable& imu) {
     std::vector<ImuSample> samples;
     samples.reserve(imu.rows.size());
@@ -86,17 +98,22 @@ double scale_of(const AxesEstimation& axes) {
 }
 
 std::vector<PositionFix> fixes_of(const ScreenedTable& screened,
-                                  const EstimationSummary& estimation) {
+                                  const EstimationSummary& estimation,
+                                  const Triangulation* surface) {
     const Eigen::Vector3d scale(
         scale_of(estimation.horizontal), scale_of(estimation.horizontal),
         scale_of(estimation.vertical ? *estimation.vertical : estimation.horizontal));
     std::vector<PositionFix> fixes;
-    for (const ScreenedEpoch& row : screened.rows)
-        if (row.usable && row.east_m && row.north_m && row.up_m && row.sigma_up_m)
-            fixes.push_back({.time_s = row.time.seconds(),
-                             .enu_m = {*row.east_m, *row.north_m, *row.up_m},
-                             .covariance_m2 = scale.asDiagonal() * stated_covariance<3>(row) *
-                                              scale.asDiagonal()});
+    for (const ScreenedEpoch& row : screened.rows) {
+        if (!row.usable || !row.east_m || !row.north_m || !row.up_m || !row.sigma_up_m) continue;
+        PositionFix& fix = fixes.emplace_back(PositionFix{
+            .time_s = row.time.seconds(),
+            .enu_m = {*row.east_m, *row.north_m, *row.up_m},
+            .covariance_m2 = scale.asDiagonal() * stated_covariance<3>(row) * scale.asDiagonal()});
+        if (surface == nullptr) continue;
+        const Eigen::Vector3d place = in_frame_of_origin(screened.origin, row.time, fix.enu_m);
+        if (const auto below = surface->at(place.head<2>())) fix.ground_normal = below->normal;
+    }
     return fixes;
 }
 
@@ -148,10 +165,11 @@ const Receiver* second_on_craft(const Attempt& attempt) {
 
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory,
-                             const std::optional<SecondAntenna>& second) {
+                             const std::optional<SecondAntenna>& second,
+                             const Triangulation* surface) {
     assert(screened.origin);
     InertialInput input{.samples = samples_of(imu),
-                        .fixes = fixes_of(screened, trajectory.estimation),
+                        .fixes = fixes_of(screened, trajectory.estimation, surface),
                         .setup = {.origin = screened.origin->position,
                                   .noise = imu_noise(imu.grade),
                                   .antenna_m = vector_of(imu.antenna),
@@ -175,6 +193,8 @@ void take_solution(const AttitudeTable& attitude, InertialSetup& setup) {
     // The estimator says how late the samples still are.
     before.time_offset_s = attitude.time_offset.declared_s - attitude.time_offset.used_s;
     before.searched = attitude.consistency.start == InertialStart::headings;
+    if (const auto& start = attitude.consistency.start_on_surface)
+        setup.start = start_of(*start);
     for (const AttitudeEpoch& row : attitude.rows)
         if (row.roll_deg) before.states.push_back(state_of(row, setup.reference_point_m));
 }

@@ -10,6 +10,7 @@
 #include "schemas/imu/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
+#include "surface/triangulation.h"
 
 namespace runcert {
 
@@ -36,13 +37,15 @@ const Receiver* second_on_craft(const Attempt& attempt);
 /// Samples from the IMU's table; usable positions with their stated covariances, enlarged as the
 /// noise fit of the trajectory found; its correlated error, if it found one. The positions must
 /// have an origin on the Earth, by which gravity and the Earth's rotation are known. With a second
-/// antenna also the way from the first to it, of epochs that both have with heights.
+/// antenna also the way from the first to it, of epochs that both have with heights. With a surface
+/// (in the run's frame) its normals under the antenna.
 InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory,
-                             const std::optional<SecondAntenna>& second);
+                             const std::optional<SecondAntenna>& second,
+                             const Triangulation* surface = nullptr);
 
-/// Sets the solution of 4-attitude, about which one pass is enough: its noise, time offset and
-/// states.
+/// Sets the solution of 4-attitude, about which one pass is enough: its noise, time offset, states,
+/// and start where that came from a surface.
 void take_solution(const AttitudeTable& attitude, InertialSetup& setup);
 
 /// An IMU's noise as 4-attitude states it.

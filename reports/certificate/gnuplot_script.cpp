@@ -78,6 +78,13 @@ std::string curve_style(const Json& curve) {
 struct Plots {
     std::string blocks;
     std::vector<std::string> items;
+    std::size_t longest_title = 0;
+
+    /// A line in the legend.
+    std::string title(const std::string& text) {
+        longest_title = std::max(longest_title, text.size());
+        return "title " + quoted(text);
+    }
 };
 
 void add_curves(Plots& plots, const Json& curves) {
@@ -89,21 +96,36 @@ void add_curves(Plots& plots, const Json& curves) {
                 "${} using 1:3:4 with filledcurves fillstyle solid 0.28 noborder linecolor rgb {} "
                 "notitle",
                 name, curve["colour"].get<std::string>()));
-        plots.items.push_back(fmt::format("${} using 1:2 {} title {}", name, curve_style(curve),
-                                          quoted(curve["curve_name"])));
+        plots.items.push_back(
+            fmt::format("${} using 1:2 {} {}", name, curve_style(curve),
+                        plots.title(curve["curve_name"].get<std::string>())));
     }
 }
 
+/// "surface" of "surface, begin": a craft is drawn where the window begins and where it ends, and
+/// the legend has each of its lines once.
+std::string kind_of_segment(const std::string& name) {
+    for (const std::string_view at : {", begin", ", end"})
+        if (name.ends_with(at)) return name.substr(0, name.size() - at.size());
+    return name;
+}
+
 void add_segments(Plots& plots, const Json& segments) {
+    std::set<std::string> shown;
     for (const Json& segment : segments) {
         const std::string name = fmt::format("data{}", plots.items.size());
         plots.blocks += data_block(name, segment);
-        const std::string title = segment["segment_name"].get<std::string>();
+        const std::string kind = kind_of_segment(segment["segment_name"].get<std::string>());
         // The caption says what the arrow is: a legend is as wide as a narrow figure leaves it.
-        const bool is_arrow = title == "north" || title == "second axis of the plane";
+        const bool is_arrow = kind == "north" || kind == "second axis of the plane";
+        const char* const colour = kind == "surface"          ? "green"
+                                   : kind == "level"          ? "grey"
+                                   : kind == "to the antenna" ? "orange"
+                                                              : "black";
+        const bool has_line = !is_arrow && shown.insert(kind).second;
         plots.items.push_back(
-            fmt::format("${} using 1:2 with lines linewidth 2.2 linecolor rgb black {}", name,
-                        is_arrow ? "notitle" : "title " + quoted(title)));
+            fmt::format("${} using 1:2 with lines linewidth 2.2 linecolor rgb {} {}", name, colour,
+                        has_line ? plots.title(kind) : "notitle"));
     }
 }
 
@@ -111,8 +133,9 @@ void add_levels(Plots& plots, const Json& levels) {
     int dashes = 2;
     for (const Json& level : levels)
         plots.items.push_back(
-            fmt::format("{} with lines dashtype {} linewidth 1.4 linecolor rgb vermilion title {}",
-                        number(level["level"]), dashes++, quoted(level["level_name"])));
+            fmt::format("{} with lines dashtype {} linewidth 1.4 linecolor rgb vermilion {}",
+                        number(level["level"]), dashes++,
+                        plots.title(level["level_name"].get<std::string>())));
 }
 
 struct SpanStyle {
@@ -141,8 +164,8 @@ std::string span_objects(Plots& plots, const Json& spans) {
                 "noborder\n",
                 ++count, number(span["from"]), number(span["to"]), style.foot, style.fill);
             if (shown.insert(style.kind).second)
-                plots.items.push_back(fmt::format("NaN with boxes fillcolor {} noborder title {}",
-                                                  style.fill, quoted(std::string(style.title))));
+                plots.items.push_back(fmt::format("NaN with boxes fillcolor {} noborder {}",
+                                                  style.fill, plots.title(style.title)));
         }
     return objects;
 }
@@ -208,12 +231,18 @@ std::string gnuplot_script(const Json& figure, const std::string& svg_file) {
     add_levels(plots, figure["levels"]);
     add_curves(plots, figure["curves"]);
     add_segments(plots, figure["segments"]);
+    // Columns of the legend are narrow, so that long titles stand in one row: short ones would
+    // touch.
+    constexpr std::size_t short_title = 16;
+    const char* const key = is_small(figure)                     ? "set key off\n"
+                            : plots.longest_title <= short_title ? "set key width 1\n"
+                                                                 : "";
     return fmt::format(
         "reset\n@common\n{}{}{}{}"
         "set terminal svg size {},{} font 'DejaVu Sans,13' name 'figure' background 'white'\n"
         "set output {}\nset xlabel {} noenhanced offset 0, 0.5\nset ylabel {} noenhanced\n"
         "{}set xrange [{}:{}]\nset yrange [{}:{}]\nplot {}\nset output\n",
-        is_small(figure) ? "set key off\n" : "", plots.blocks, objects, marks(figure["marks"]),
+        key, plots.blocks, objects, marks(figure["marks"]),
         is_small(figure) ? small_width : figure_width, height_of(figure), quoted(svg_file),
         quoted(figure["x_label"]), quoted(figure["y_label"]), equal_scale(figure),
         number(figure["x_min"]), number(figure["x_max"]), number(figure["y_min"]),

@@ -445,11 +445,7 @@ Recognition recognised_positions(Receiver receiver, const RecordingBytes& record
         return recognition_of_table(readable, receiver.columns);
     if (receiver.columns.empty() && !is_read_by_itself(receiver, readable) &&
         !gpsbabel::recognises(head)) {
-        if (surface::describe(readable))
-            throw Failure(recording.name,
-                          "the file holds the surface of a course, which no attempt is begun with",
-                          "Leave it out here, and add to the attempt's receiver the lines that "
-                          "runcert inspect prints of it");
+        if (auto ground = surface::recognise(readable)) return *std::move(ground);
         if (const auto imu = imu::propose(readable)) return imu::recognition_of(*imu);
         refuse_not_read(readable, false);
         require_text(readable);

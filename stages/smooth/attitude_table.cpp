@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "inertial/mount.h"
 #include "reports/words/figures.h"
 #include "stages/smooth/antenna_heading.h"
+#include "stages/smooth/mount_judgement.h"
 
 namespace runcert {
 namespace {
@@ -71,8 +71,24 @@ InertialStart start_of(StartMethod method) {
             return InertialStart::headings;
         case StartMethod::baseline:
             return InertialStart::antennas;
+        case StartMethod::surface:
+            return InertialStart::surface;
     }
     return InertialStart::course;
+}
+
+SurfaceStart surface_start_of(const StartAttitude& start) {
+    const EulerAngles angles = euler_angles(start.enu_from_body);
+    const Eigen::Matrix3d jacobian = euler_jacobian(start.enu_from_body);
+    const Eigen::Vector3d sigma_deg =
+        degrees_per_radian *
+        (jacobian * start.covariance_rad2 * jacobian.transpose()).diagonal().cwiseSqrt();
+    return {.roll_deg = angles.roll * degrees_per_radian,
+            .pitch_deg = angles.pitch * degrees_per_radian,
+            .heading_deg = angles.heading * degrees_per_radian,
+            .sigma_roll_deg = sigma_deg.x(),
+            .sigma_pitch_deg = sigma_deg.y(),
+            .sigma_heading_deg = sigma_deg.z()};
 }
 
 InertialConsistency consistency_of(const InertialSolution& solution) {
@@ -85,6 +101,8 @@ InertialConsistency consistency_of(const InertialSolution& solution) {
         .normalised_innovations = solution.consistency.nis,
         .autocorrelation = solution.consistency.lag_one_correlation,
         .beyond_share = solution.consistency.beyond_share};
+    if (solution.start == StartMethod::surface)
+        consistency.start_on_surface = surface_start_of(solution.start_attitude);
     if (!solution.consistency.consistent()) {
         const Doubted doubted = doubted_for(solution.consistency.doubts.front());
         consistency.standing = doubted.standing;
@@ -95,42 +113,6 @@ InertialConsistency consistency_of(const InertialSolution& solution) {
 
 LeverArm arm_of(const Eigen::Vector3d& m) {
     return {m.x(), m.y(), m.z()};
-}
-
-MountAngles degrees_of(const EulerAngles& angles) {
-    const auto signed_deg = [](double radians) {
-        return std::remainder(radians * degrees_per_radian, 360.0);
-    };
-    return {signed_deg(angles.roll), signed_deg(angles.pitch), signed_deg(angles.heading)};
-}
-
-/// What the course says of the axes as stated.
-void judge_mount(const InertialSolution& solution, EstimatedMount& mount) {
-    const auto found = estimate_mount(solution, {});
-    if (!found) {
-        mount.judgement =
-            "The run has too few epochs of even motion at 5 m/s or more to judge the axes.";
-        return;
-    }
-    // A mean by course and level is good to a few tenths of a degree, whatever its scatter.
-    constexpr double least_sigma_deg = 0.2;
-    const auto sigma = [&](double scatter_rad) {
-        return std::hypot(least_sigma_deg, scatter_rad * degrees_per_radian /
-                                               std::sqrt(static_cast<double>(found->kept)));
-    };
-    mount.remaining = degrees_of(found->angles);
-    mount.sigma = MountAngles{sigma(found->scatter_rad.x()), sigma(found->scatter_rad.y()),
-                              sigma(found->scatter_rad.z())};
-    mount.judgement = fmt::format(
-        "Against course and level the axes as stated are turned by {:.1f} degrees in roll, {:.1f} "
-        "in pitch and {:.1f} in yaw. Slope of the ground, lean and leeway of the craft are in "
-        "these figures.",
-        mount.remaining->roll, mount.remaining->pitch, mount.remaining->yaw);
-    constexpr double noticed_deg = 3.0;
-    if (std::max(std::abs(mount.remaining->pitch), std::abs(mount.remaining->yaw)) > noticed_deg)
-        mount.judgement +=
-            " The distances to antenna and reference point are taken along these axes: if the IMU "
-            "is turned in the craft, mount_deg says so.";
 }
 
 /// A straight run determines a displacement whichever way the IMU points, but not where another
@@ -232,7 +214,8 @@ AttitudeTable unsolved(AttitudeTable attitude, std::string reason) {
     return attitude;
 }
 
-void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
+void set_estimates(const InertialSolution& solution, const Triangulation* surface,
+                   AttitudeTable& attitude) {
     const double stated_s = attitude.time_offset.declared_s;
     if (solution.time_offset_s.sigma > 0.0) {
         // The estimator says how late the samples still are.
@@ -242,7 +225,7 @@ void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
     }
     attitude.noise = likeliest_noise(solution.noise);
     attitude.antenna.used = arm_of(solution.antenna_m.value);
-    judge_mount(solution, attitude.mount);
+    judge_mount(solution, surface, attitude.mount);
     for (const BridgedStretch& bridged : solution.bridged)
         attitude.bridged.push_back({.from_s = bridged.from_s, .to_s = bridged.to_s});
     if (solution.time_offset_asked_by_innovations)
@@ -255,13 +238,14 @@ void set_estimates(const InertialSolution& solution, AttitudeTable& attitude) {
 
 AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
                              const TrajectoryTable& trajectory,
-                             const std::optional<SecondAntenna>& second) {
+                             const std::optional<SecondAntenna>& second,
+                             const Triangulation* surface) {
     AttitudeTable attitude = stated_table(imu, screened);
     if (!screened.origin)
         return unsolved(std::move(attitude),
                         "Positions in a plane have no place on the Earth, by which gravity and the "
                         "Earth's rotation would be known. The attempt's origin states it.");
-    const InertialInput input = inertial_input(imu, screened, trajectory, second);
+    const InertialInput input = inertial_input(imu, screened, trajectory, second, surface);
     if (const std::size_t within = positions_within(input.samples, input.fixes, input.setup);
         within < least_positions)
         return unsolved(std::move(attitude),
@@ -270,7 +254,7 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
                                     within, least_positions));
     const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
     attitude.consistency = consistency_of(solution);
-    set_estimates(solution, attitude);
+    set_estimates(solution, surface, attitude);
     refuse_wrong_axes(attitude);
     set_rows(solution, input.setup.origin, attitude);
     if (second) compare_headings(solution, input.setup, second->screened.facts.receiver, attitude);

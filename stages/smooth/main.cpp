@@ -3,6 +3,7 @@
 #include "run/stage_main.h"
 #include "stages/smooth/attitude_table.h"
 #include "stages/smooth/smooth.h"
+#include "witness/surface_input.h"
 
 using namespace runcert;
 
@@ -25,9 +26,13 @@ std::string write_attitude_of(StageRun run, const Receiver& receiver,
     std::optional<ScreenedTable> second;
     if (other && receiver.id != other->id)
         second = run.read(products::screened, *other, read_screened);
+    std::optional<Triangulation> surface;
+    if (has_surface(receiver) && screened.origin)
+        surface = surface_of(run.read(products::surface, receiver, read_surface), screened.origin);
     AttitudeTable attitude = attitude_table(
         imu, screened, trajectory,
-        second ? std::optional(SecondAntenna{*second, *other->lever_arm}) : std::nullopt);
+        second ? std::optional(SecondAntenna{*second, *other->lever_arm}) : std::nullopt,
+        surface ? &*surface : nullptr);
     attitude.header = run.header();
     run.write(products::attitude, receiver, write_attitude(attitude));
     return attitude.consistency.reason.empty() ? "IMU and positions agree"

@@ -146,7 +146,7 @@ inline constexpr const char* other_way_changes = R"yaml(
 - {key: secondary.unit, set: {/attempt/secondary/unit: mph}}
 - {key: secondary.expanded_uncertainty, set: {/attempt/secondary/expanded_uncertainty: 0.4}}
 - {key: "receivers[].imu.file", set: {/attempt/receivers/0/imu/file: other-imu.csv}, redoes: import smooth window}
-- {key: "receivers[].surface.file", set: {/attempt/receivers/0/surface/file: other-ground.csv}, redoes: import screen}
+- {key: "receivers[].surface.file", set: {/attempt/receivers/0/surface/file: other-ground.csv}, redoes: import screen smooth}
 - {key: "receivers[].surface.frame", set: {/attempt/receivers/0/surface/frame: geodetic}, redoes: import}
 - {key: "receivers[].surface.frame.utm.zone", set: {/attempt/receivers/0/surface/frame/utm/zone: 34}, redoes: import}
 - {key: "receivers[].surface.frame.utm.hemisphere", set: {/attempt/receivers/0/surface/frame/utm/hemisphere: north}, redoes: import}

@@ -35,6 +35,14 @@ Words with(const Words& more) {
     return all;
 }
 
+/// With its lines joined, so that a sentence is found wherever it was broken.
+std::string lines_as_one(const std::string& text) {
+    std::string joined;
+    for (const std::string& line : lines_of(text))
+        joined += (joined.empty() ? "" : " ") + std::string(trim(line));
+    return joined;
+}
+
 /// Types these lines at the terminal, as `script` makes one; without more it is closed.
 ProcessResult typed(const std::string& command, const std::string& lines) {
     return run_process({"sh", "-c",
@@ -299,6 +307,36 @@ TEST(New, ASeriesBesideARecordingIsNamedUnderItsKey) {
     const ProcessResult twice =
         make_new({recording, recording}, {"--out", folder.path() / "t.yaml"});
     EXPECT_TRUE(has(twice.errors, "named twice")) << twice.errors;
+}
+
+TEST(New, ASurfaceBesideARecordingIsArrangedWithWhatItsFileDoesNotSay) {
+    const TemporaryFolder folder;
+    Words files;
+    for (const char* name : {"recording.pos", "surface.xml", "imu.csv"})
+        files.push_back(folder.path() / bring(examples / "oval" / name, folder.path()));
+    const ProcessResult open = make_new(
+        files, {"--no-questions", "--out", (folder.path() / "open.yaml").string()});
+    ASSERT_EQ(open.exit_status, 0) << open.errors;
+    for (const char* part :
+         {"the surface of a course (landxml); 600 vertices, 894 triangles",
+          "receivers.primary.surface.frame", "may be local_plane",
+          "receivers.primary.surface.source", "receivers.primary.antenna_height_m"})
+        EXPECT_TRUE(has(lines_as_one(open.output), part)) << part << open.output;
+    EXPECT_TRUE(has(read_file(folder.path() / "open.yaml"), "# in surface: frame: ..."));
+    const ProcessResult made = make_new(
+        files,
+        with({"--set", "surface.frame=local_plane", "--set", "surface.source=a survey", "--set",
+              "surface.vertical_sd_m=0.02", "--set", "antenna_height_m=1.5", "--set",
+              "origin={latitude_deg: 34.0862, longitude_deg: -117.5008, height_m: 290.0}", "--set",
+              "imu.grade=tactical", "--set", "imu.antenna_m={forward: -0.5, right: 0.2, down: -1.2}"}));
+    ASSERT_EQ(made.exit_status, 0) << made.errors;
+    const fs::path attempt = folder.path() / "attempt.yaml";
+    const ProcessResult certified = certify(attempt, folder.path() / "run", {"--no-render"});
+    EXPECT_EQ(certified.exit_status, 0) << certified.errors << read_file(attempt);
+    EXPECT_TRUE(has(certified.output, "0 of 281 heights rejected")) << certified.output;
+    const ProcessResult inspected = runcert({"inspect", files[1]});
+    EXPECT_TRUE(has(inspected.output, "Triangles        894")) << inspected.output;
+    EXPECT_TRUE(has(inspected.output, "Northing ")) << inspected.output;
 }
 
 TEST(New, ADayHasAnAttemptForEachRecording) {

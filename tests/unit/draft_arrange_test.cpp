@@ -80,6 +80,35 @@ TEST(Arrange, AnImusFileIsThePrimaryReceivers) {
               "the file holds the samples of an IMU, and no recording");
 }
 
+TEST(Arrange, ASurfaceIsThePrimaryReceiversWithItsTriangles) {
+    const auto ground = [](const char* path, std::int64_t triangles) {
+        HandedIn file = raw(path, RecordingKind::surface);
+        file.is.triangles = triangles;
+        return file;
+    };
+    const HandedIn table = raw("t.csv", RecordingKind::triangles);
+    const Arrangement whole =
+        arrange({ground("course.xml", 9), recorded("a.nmea", 0), table, ground("other.obj", 9)});
+    ASSERT_EQ(whole.receivers.size(), 1U);
+    EXPECT_EQ(whole.receivers[0].surface, 0U);
+    EXPECT_FALSE(whole.receivers[0].triangles);
+    EXPECT_EQ(whole.said,
+              (std::vector<std::string>{
+                  "other.obj is left out: one surface is used.",
+                  "course.xml holds the surface of a course. It is taken for the one that the "
+                  "craft of the primary receiver ran on.",
+                  "t.csv is left out: the surface has triangles already."}));
+    const Arrangement pair = arrange({recorded("a.nmea", 0), table, ground("v.csv", 0)});
+    EXPECT_EQ(pair.receivers[0].surface, 2U);
+    EXPECT_EQ(pair.receivers[0].triangles, 1U);
+    EXPECT_NE(problem_of({recorded("a", 0), ground("v.csv", 0)}).find("without its triangles"),
+              std::string::npos);
+    EXPECT_NE(problem_of({recorded("a", 0), table}).find("without its vertices"),
+              std::string::npos);
+    EXPECT_EQ(problem_of({ground("course.xml", 9)}),
+              "the file holds the surface of a course, and no recording");
+}
+
 TEST(Arrange, RefusesFilesOfSeveralAttempts) {
     EXPECT_NE(problem_of({recorded("a", 0), recorded("b", 1, 12.0)}).find("12.0 km away"),
               std::string::npos);

@@ -120,6 +120,52 @@ TEST(Draft, AnImuIsWrittenAsItsFileSaysAndItsArmIsAskedFor) {
     EXPECT_EQ(imu.grade->name, "mems");
 }
 
+TEST(Draft, OfASurfaceFrameHeightsAndSourceAreAskedFor) {
+    HandedIn ground{.path = "course.obj"};
+    ground.is.kind = RecordingKind::surface;
+    ground.is.triangles = 2;
+    for (const char* key : {"frame", "unit", "source"})
+        ground.is.needed.push_back({.key = std::string("surface.") + key, .required = true});
+    std::vector<HandedIn> files{solution(), ground};
+    Arrangement one = arrange(files);
+    Draft draft(std::move(files), std::move(one));
+    const auto open = [&] {
+        std::vector<std::string> keys;
+        for (const std::string& key : open_keys(draft, true))
+            if (key.starts_with("receivers.primary.")) keys.push_back(key.substr(18));
+        return keys;
+    };
+    using Keys = std::vector<std::string>;
+    EXPECT_EQ(open(),
+              (Keys{"surface.frame", "surface.unit", "surface.source", "antenna_height_m"}));
+    // On the Earth heights have a reference; in a plane they count from its origin.
+    draft.set("surface.frame", "local_plane");
+    EXPECT_EQ(open(), (Keys{"surface.unit", "surface.source", "antenna_height_m"}));
+    EXPECT_TRUE(is_open(draft, "origin"));
+    draft.set("surface.frame", "53 south");
+    EXPECT_FALSE(is_open(draft, "origin"));
+    EXPECT_EQ(open(),
+              (Keys{"surface.unit", "surface.source", "surface.heights", "antenna_height_m"}));
+    EXPECT_NE(refused(draft, "surface.heights", "sea level"), "taken");
+    draft.set("surface.heights", "geoid");
+    EXPECT_EQ(open(),
+              (Keys{"surface.unit", "surface.source", "surface.undulation_m", "antenna_height_m"}));
+    draft.set("surface.undulation_m", "-3.2");
+    draft.set("surface.unit", "m");
+    draft.set("surface.source", "a survey, the day before");
+    draft.set("antenna_height_m", "1.2");
+    EXPECT_EQ(open(), Keys{});
+    draft.set("craft.name", "a");
+    draft.set("craft.class", "land-yacht");
+    draft.set("profiles", "nalsa");
+    const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
+    const Surface& surface = *attempt.receivers[0].surface;
+    EXPECT_EQ(surface.file, "course.obj");
+    EXPECT_EQ(surface.frame->utm_zone->zone, 53);
+    EXPECT_EQ(surface.undulation, -3.2);
+    EXPECT_EQ(surface.source, "a survey, the day before");
+}
+
 TEST(Draft, AsksForWhatARecordingNeeds) {
     HandedIn file = solution();
     file.is.needed = {

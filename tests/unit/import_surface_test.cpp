@@ -200,6 +200,83 @@ TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
         says(text_of("v 440000 7465000 27\n"), "frame: {utm: {zone: ..., hemisphere: ...}}"));
     EXPECT_TRUE(says(text_of("v 136.01 -31.6 27\n"), "frame: geodetic"));
     EXPECT_EQ(text_of("time,lat\n1,2\n"), "nothing");
+    const std::string table = text_of("# a survey\nvertex;east;north;up\n7;1;2;3\n9;4;2;5\n");
+    for (const char* part : {"a table (CSV)", "1.000 to 4.000", "3.000 to 5.000",
+                             "The table of the triangles", "triangles: ..."})
+        EXPECT_TRUE(says(table, part)) << table;
+    EXPECT_TRUE(says(text_of("vertex_1,vertex_2,vertex_3\n1,2,3\n1,3,4\n"),
+                     "beside the table of the vertices"));
+    EXPECT_TRUE(says(text_of("v 1 2 3\n"), "points and no triangles"));
+}
+
+// What runcert surface writes says frame, unit, heights and uncertainty itself.
+TEST(SurfaceFormats, OfRuncertSurfaceAreDescribedWithTheRunsThatMadeThem) {
+    SurfaceTable made{.header = {},
+                      .format = "runcert",
+                      .frame = "geodetic",
+                      .georeferenced = true,
+                      .vertical_sd_m = 0.017,
+                      .source = "runs",
+                      .made_from = {{.id = "monday", .recordings = {}, .positions = 12}},
+                      .found = {.vertices = 3, .triangles = 1, .area_m2 = 50.0},
+                      .rows = {}};
+    for (int i = 0; i < 3; ++i)
+        made.rows.push_back({.element = SurfaceElement::vertex,
+                             .number = i + 1,
+                             .latitude_deg = -31.6 + 1e-4 * (i == 2),
+                             .longitude_deg = 136.0 + 1e-4 * (i == 1),
+                             .height_m = 110.0 + i});
+    made.rows.push_back({.element = SurfaceElement::triangle,
+                         .number = 1,
+                         .corner_1 = 1,
+                         .corner_2 = 2,
+                         .corner_3 = 3});
+    const std::string bytes = write_surface(made);
+    const RecordingBytes file{.name = "course.ecsv", .bytes = bytes};
+    const std::string said = members_json(surface::describe(file).value()).dump();
+    for (const char* part : {"written by runcert surface", "-31.6000000 to -31.5999000",
+                             "110.000 to 112.000", "0.017 m", "monday, 12 positions", "50 m2"})
+        EXPECT_TRUE(says(said, part)) << said;
+    EXPECT_FALSE(says(said, "frame:")) << said;
+    const Recognition is = surface::recognise(file).value();
+    EXPECT_EQ(is.kind, RecordingKind::surface);
+    EXPECT_EQ(is.triangles, 1);
+    ASSERT_EQ(is.needed.size(), 1U);
+    EXPECT_EQ(is.needed[0].key, "surface.source");
+}
+
+TEST(SurfaceFormats, AreRecognisedWithWhatMustBeSaid) {
+    const auto keys_of = [](const std::string& text) {
+        std::string keys;
+        const auto is = surface::recognise({.name = "course", .bytes = text});
+        for (const NeededKey& one : is.value().needed)
+            keys += one.key.substr(8) + (one.required ? "! " : " ");
+        return keys;
+    };
+    EXPECT_EQ(keys_of(landxml), "frame! vertical_sd_m source! ");  // it says its unit
+    EXPECT_EQ(keys_of(obj), "frame! unit! vertical_sd_m source! ");
+    EXPECT_EQ(keys_of("v 440000 7465000 27\nv 440010 7465000 27\nv 440000 7465010 28\nf 1 2 3\n"),
+              "frame! unit! heights! vertical_sd_m source! ");
+    EXPECT_EQ(keys_of("vertex,longitude,latitude,height\n1,136,-31,27\n"),
+              "frame! unit! heights! vertical_sd_m source! ");
+    EXPECT_EQ(surface::recognise({.name = "t", .bytes = "vertex_1,vertex_2,vertex_3\n1,2,3\n"})
+                  .value()
+                  .kind,
+              RecordingKind::triangles);
+    EXPECT_FALSE(surface::recognise({.name = "log", .bytes = "time,vertex,x\n1,2,3\n"}));
+    const auto refusal = [](const std::string& text) {
+        try {
+            (void)surface::recognise({.name = "course", .bytes = text});
+        } catch (const Failure& failure) {
+            return failure.problem() + ". " + failure.remedy();
+        }
+        return std::string("recognised");
+    };
+    EXPECT_TRUE(says(refusal("v 1 2 3\n"), "points, and no triangles. Export it with its faces"));
+    EXPECT_TRUE(says(refusal("  0\nSECTION\n  2\nENTITIES\n  0\n3DFACE\n"), "a drawing (DXF)"));
+    EXPECT_TRUE(says(refusal(R"({"type": "FeatureCollection", "features": [{"geometry": )"
+                             R"({"type": "Polygon", "coordinates": [[[136, -31, 10]]]}}]})"),
+                     "this is GeoJSON"));
 }
 
 TEST(SurfaceRefusals, NamePlaceAndRemedy) {

@@ -128,6 +128,54 @@ TEST(StartMethod, ACourseThatIsNoHeadingIsCorrected) {
     EXPECT_LT(attitude_error_deg(found, run.truth[first + 500].imu.enu_from_body), 0.4);
 }
 
+// The surface of another place, one that is banked to the other side, one turned by 5 degrees, and
+// the right one: where they start the solution, it comes out as without them.
+TEST(StartMethod, ASurfaceStartsTheSolutionAndNeverMovesIt) {
+    InertialRunSpec spec = test::oval(ImuClass::mems, 21);
+    spec.duration_s = 40.0;
+    const InertialRun run = simulate_inertial(spec);
+    const InertialSetup setup = setup_of(spec);
+    const InertialSolution without = smooth_inertial(run.samples, run.fixes, setup);
+    EXPECT_EQ(without.start, StartMethod::course);
+    const Eigen::Matrix3d tilt =
+        rotation_about(5.0 * radians_per_degree * Eigen::Vector3d(0.6, 0.8, 0.0));
+    enum class Ground { right, turned_over, tilted, elsewhere };
+    for (const Ground ground :
+         {Ground::right, Ground::turned_over, Ground::tilted, Ground::elsewhere}) {
+        std::vector<PositionFix> fixes = run.fixes;
+        for (std::size_t k = 0; k < fixes.size(); ++k) {
+            const Eigen::Vector3d& normal = run.truth[k].ground_normal;
+            const std::size_t other = (k + fixes.size() / 2) % fixes.size();
+            fixes[k].ground_normal =
+                ground == Ground::right         ? normal
+                : ground == Ground::turned_over
+                    ? Eigen::Vector3d(-normal.x(), -normal.y(), normal.z())
+                : ground == Ground::tilted      ? Eigen::Vector3d(tilt * normal)
+                                                : run.truth[other].ground_normal;
+        }
+        const InertialSolution solution = smooth_inertial(run.samples, fixes, setup);
+        ASSERT_EQ(solution.epochs.size(), without.epochs.size());
+        if (ground == Ground::right) {
+            EXPECT_EQ(solution.start, StartMethod::surface);
+        } else if (ground == Ground::turned_over) {
+            EXPECT_EQ(solution.start, StartMethod::course);
+        }
+        double most = 0.0;
+        for (std::size_t s = 0; s + 30 < solution.epochs.size(); s += 10) {
+            const auto speed = [&](const InertialSolution& of) {
+                return of.displacement(s, s + 30, CraftPoint::reference_point).enu_m.norm();
+            };
+            const double sigma_m =
+                std::sqrt(without.displacement(s, s + 30, CraftPoint::reference_point)
+                              .covariance_m2.trace());
+            most = std::max(most, std::abs(speed(solution) - speed(without)) / sigma_m);
+        }
+        std::printf("ground %d: start %d, chords moved by %.1e of their sigma at most\n",
+                    static_cast<int>(ground), static_cast<int>(solution.start), most);
+        EXPECT_LT(most, 1e-3);
+    }
+}
+
 TEST(StartMethod, RefusesWhatCannotBeSmoothed) {
     const InertialRunSpec spec = lake(ImuClass::mems, 7);
     const InertialRun run = simulate_inertial(spec);

@@ -58,7 +58,7 @@ TEST(SurfaceKeys, AreReadAndHaveDefaults) {
     EXPECT_FALSE(has_surface(read("").receivers[0]));
 }
 
-TEST(SurfaceKeys, ScreeningReadsWhatItUsesAlone) {
+TEST(SurfaceKeys, StagesReadWhatTheyUseAlone) {
     const Attempt attempt =
         read(surface(", frame: geodetic, heights: ellipsoid, tilt_max_deg: 20"));
     const Attempt screened = part_read_by(attempt, "screen");
@@ -66,7 +66,10 @@ TEST(SurfaceKeys, ScreeningReadsWhatItUsesAlone) {
     EXPECT_EQ(screened.receivers[0].surface->tilt_max_deg, 20.0);
     EXPECT_EQ(screened.receivers[0].antenna_height_m, 1.25);
     EXPECT_FALSE(screened.receivers[0].surface->frame);
-    EXPECT_FALSE(part_read_by(attempt, "smooth").receivers[0].surface);
+    const Attempt smoothed = part_read_by(attempt, "smooth");
+    ASSERT_TRUE(has_surface(smoothed.receivers[0]));
+    EXPECT_EQ(smoothed.receivers[0].surface->tilt_max_deg, 10.0);  // the default
+    EXPECT_FALSE(part_read_by(attempt, "window").receivers[0].surface);
 }
 
 TEST(SurfaceKeys, WhatCannotBeComparedIsRefused) {

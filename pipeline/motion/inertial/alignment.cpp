@@ -9,6 +9,7 @@
 #include "core/angle.h"
 #include "core/failure.h"
 #include "inertial/antenna_baseline.h"
+#include "inertial/surface_attitude.h"
 
 namespace runcert {
 namespace {
@@ -17,6 +18,8 @@ constexpr double least_course_speed_m_s = 5.0;
 constexpr double least_stand_s = 5.0;
 /// Standard deviations of a craft that moves, against level and course.
 constexpr double course_roll_deg = 9.0, course_pitch_deg = 4.0, course_heading_deg = 5.0;
+/// The same against a surface and the course along it: a sailing craft heels.
+constexpr double surface_roll_deg = 10.0, surface_pitch_deg = 4.0, surface_heading_deg = 5.0;
 /// Of roll and pitch by gravity, with room: the filter uses the same samples again.
 constexpr double standing_tilt_deg = 2.0;
 constexpr double search_tilt_deg = 9.0, search_heading_deg = 20.0;
@@ -117,28 +120,34 @@ std::optional<StandingAlignment> standing_at_first(const InertialData& data,
     return align_standing(data.samples, stand.from_s, stand.to_s, data.earth, data.noise);
 }
 
-/// Level with the heading of the course at an epoch, carried back to the first by the gyros. Where
-/// the craft stands at first, its own level and its gyros' mean rate there.
-StartAttitude course_start(const InertialData& data, const InertialSetup& setup, std::size_t epoch,
+/// The attitude of a craft that moves at an epoch, with standard deviations of its Euler angles.
+struct MovingAttitude {
+    std::size_t epoch = 0;
+    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
+    EulerAngles sigma = {};
+};
+
+/// An attitude carried back to the first position by the gyros. Where the craft stands at first,
+/// its own level and its gyros' mean rate there.
+StartAttitude carried_back(const MovingAttitude& there, const InertialData& data,
+                           const InertialSetup& setup,
                            const std::optional<StandingAlignment>& standing) {
-    const Eigen::Vector3d v = velocity_of_positions(data.fixes, epoch);
-    const Eigen::Matrix3d there = rotation_of(
-        {.pitch = std::atan2(v.z(), v.head<2>().norm()), .heading = std::atan2(v.x(), v.y())});
     const double from_s = data.fixes[0].time_s + setup.time_offset_s;
-    const double to_s = data.fixes[epoch].time_s + setup.time_offset_s;
+    const double to_s = data.fixes[there.epoch].time_s + setup.time_offset_s;
     Eigen::Vector3d bias = Eigen::Vector3d::Zero();
     double bias_sigma = data.noise.gyro_bias_rad_s;
     if (standing) {
         bias = standing->rate_rad_s;
         bias_sigma = std::hypot(standing->rate_sigma_rad_s, data.earth.rotation_rad_s().norm());
     }
-    Eigen::Matrix3d first = there * body_rotation(data.samples, from_s, to_s, bias).transpose();
+    Eigen::Matrix3d first =
+        there.enu_from_body * body_rotation(data.samples, from_s, to_s, bias).transpose();
     const double carried = std::hypot(bias_sigma * (to_s - from_s),
                                       data.noise.angle_walk_rad_sqrt_s * std::sqrt(to_s - from_s));
     EulerAngles sigma{
-        .roll = std::hypot(rad(course_roll_deg), carried),
-        .pitch = std::hypot(rad(course_pitch_deg), carried),
-        .heading = std::min(std::hypot(rad(course_heading_deg), carried), no_heading_rad)};
+        .roll = std::hypot(there.sigma.roll, carried),
+        .pitch = std::hypot(there.sigma.pitch, carried),
+        .heading = std::min(std::hypot(there.sigma.heading, carried), no_heading_rad)};
     if (standing) {
         EulerAngles level = euler_angles(standing->enu_from_body);
         level.heading = euler_angles(first).heading;
@@ -146,6 +155,18 @@ StartAttitude course_start(const InertialData& data, const InertialSetup& setup,
         sigma.roll = sigma.pitch = std::hypot(rad(standing_tilt_deg), standing->tilt_sigma_rad);
     }
     return {first, attitude_covariance(first, sigma)};
+}
+
+/// Level with the heading of the course at an epoch, carried back.
+StartAttitude course_start(const InertialData& data, const InertialSetup& setup, std::size_t epoch,
+                           const std::optional<StandingAlignment>& standing) {
+    const Eigen::Vector3d v = velocity_of_positions(data.fixes, epoch);
+    return carried_back(
+        {.epoch = epoch,
+         .enu_from_body = rotation_of({.pitch = std::atan2(v.z(), v.head<2>().norm()),
+                                       .heading = std::atan2(v.x(), v.y())}),
+         .sigma = {rad(course_roll_deg), rad(course_pitch_deg), rad(course_heading_deg)}},
+        data, setup, standing);
 }
 
 /// The attitude of a craft that stands, by gravity and the Earth's rotation.
@@ -276,6 +297,24 @@ std::optional<FoundStart> find_start(const InertialData& data, const InertialSet
     if (course) return found(*course, StartMethod::course);
     if (standing && standing->heading_sigma_rad < useful_heading_rad)
         return found(earth_start(*standing), StartMethod::earth_rotation);
+    return std::nullopt;
+}
+
+std::optional<FoundStart> surface_start(const InertialData& data, const InertialSetup& setup) {
+    if (setup.start || standing_at_first(data, setup)) return std::nullopt;
+    for (std::size_t k = 0; k < data.fixes.size(); ++k) {
+        if (!data.fixes[k].ground_normal) continue;
+        const auto there =
+            attitude_on_surface({*data.fixes[k].ground_normal, velocity_of_positions(data.fixes, k)},
+                                {.least_speed_m_s = least_course_speed_m_s});
+        if (!there) continue;
+        const StartAttitude first = carried_back(
+            {.epoch = k,
+             .enu_from_body = *there,
+             .sigma = {rad(surface_roll_deg), rad(surface_pitch_deg), rad(surface_heading_deg)}},
+            data, setup, std::nullopt);
+        return FoundStart{prior_with(first, data, setup), StartMethod::surface};
+    }
     return std::nullopt;
 }
 

@@ -58,6 +58,13 @@ struct FoundStart {
 /// where only a search can find one.
 std::optional<FoundStart> find_start(const InertialData& data, const InertialSetup& setup);
 
+/// The start at the first position that is 5 m/s or faster and has a surface below: the attitude on
+/// that (`attitude_on_surface`), carried back by the gyros. The craft's own roll, pitch and leeway
+/// are not in it: standard deviations of 10, 4 and 5 degrees, which hold for a sailing craft that
+/// heels, where [FHB03] has 1, 1 and 1.5 for a car. None without such a position, and where the
+/// craft stands at first: gravity levels it better.
+std::optional<FoundStart> surface_start(const InertialData& data, const InertialSetup& setup);
+
 /// The likeliest of twelve headings, 30 degrees apart, over the first 60 s of motion, level by the
 /// mean specific force there.
 FoundStart search_start(const InertialData& data, const InertialSetup& setup);

@@ -8,7 +8,6 @@
 
 #include "core/failure.h"
 #include "core/statistics.h"
-#include "inertial/alignment.h"
 #include "inertial/inertial_filter.h"
 #include "inertial/inertial_passes.h"
 #include "inertial/joint_covariance.h"
@@ -87,6 +86,8 @@ InertialSolution solve(const InertialData& data, const FoundStart& start,
     InertialSolution solution = solution_of<N>(std::move(passes.last), data, setup, passes.turned);
     solution.passes = passes.count;
     solution.start = start.kind;
+    solution.start_attitude = {start.prior.nominal.state.enu_from_body,
+                               start.prior.covariance.topLeftCorner<3, 3>()};
     return solution;
 }
 
@@ -95,13 +96,6 @@ InertialSolution solve(const InertialData& data, const FoundStart& start,
     return setup.estimate_antenna || setup.estimate_time_offset
                ? solve<error_state::full>(data, start, setup)
                : solve<error_state::plain>(data, start, setup);
-}
-
-/// Solves from the start that the data give, or else a searched one.
-InertialSolution solve_from_start(const InertialData& data, const InertialSetup& setup,
-                                  bool search) {
-    const auto start = search ? std::nullopt : find_start(data, setup);
-    return solve(data, start ? *start : search_start(data, setup), setup);
 }
 
 InertialData data_of(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
@@ -126,10 +120,22 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup) {
     InertialData data = data_of(samples, fixes, setup);
-    if (setup.before) return solve_from_start(data, setup, setup.before->searched);
+    if (setup.before)
+        return solve(data,
+                     chosen_start(setup.before->searched ? StartChoice::search : StartChoice::found,
+                                  data, setup),
+                     setup);
     const Judged judged = judge(data, setup);
     data.noise = judged.setup.noise;
-    InertialSolution solution = solve_from_start(data, judged.setup, judged.search);
+    const auto solved_from = [&](StartChoice choice) {
+        return solve(data, chosen_start(choice, data, judged.setup), judged.setup);
+    };
+    InertialSolution solution = solved_from(judged.start);
+    // The surface may be wrong elsewhere than where it was judged.
+    if (solution.start == StartMethod::surface && !solution.consistency.consistent()) {
+        InertialSolution without = solved_from(StartChoice::found);
+        if (without.log_likelihood > solution.log_likelihood) solution = std::move(without);
+    }
     solution.time_offset_asked_by_innovations =
         judged.setup.estimate_time_offset && !setup.estimate_time_offset;
     if (judged.noise_at_limit)

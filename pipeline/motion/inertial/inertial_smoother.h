@@ -21,6 +21,8 @@ struct PositionFix {
     double time_s = 0.0;
     Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();  ///< of its white error
+    /// Upward unit normal of the surface under the antenna, where there is one: for a start alone.
+    std::optional<Eigen::Vector3d> ground_normal = {};
 };
 
 /// An attitude with the covariance (rad^2) of its error phi, truth = exp([phi]) estimate.
@@ -89,6 +91,7 @@ enum class StartMethod {
     earth_rotation,  ///< while standing: level by gravity, heading by the Earth's rotation
     search,          ///< the likeliest of twelve headings
     baseline,        ///< while standing: level by gravity, heading by two antennas
+    surface,         ///< roll and pitch of the surface below, heading from the course along it
 };
 
 /// A point of the craft with the covariance of its error.
@@ -193,6 +196,7 @@ struct InertialSolution {
     std::vector<InertialEpoch> epochs;  ///< one for each position that the samples reach
     InertialStatistics consistency;
     StartMethod start = StartMethod::given;
+    StartAttitude start_attitude = {};  ///< at the first of the epochs, before they were used
     int passes = 0;
     double log_likelihood = 0.0;
     std::vector<BridgedStretch> bridged;
@@ -260,7 +264,8 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 /// (standard deviations of 9 degrees in roll, 4 in pitch, 5 in heading), carried back by the gyros.
 /// A craft that stands at first is levelled by gravity and its gyros' bias measured; with a second
 /// antenna the direction to that is its heading, unless the course that follows says otherwise.
-/// Without motion the likeliest of twelve headings over 60 s is taken.
+/// Without motion the likeliest of twelve headings over 60 s is taken. A craft that moves over a
+/// surface (`ground_normal`) may start with the attitude of that [FHB03]: if it is likelier.
 ///
 /// Noise is that which is likeliest over two minutes about the highest speed, no less than the
 /// setup's (`fit_imu_noise`). Scale factors and axes that err by 0.2 to 1 %, as those of MEMS

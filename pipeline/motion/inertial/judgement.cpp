@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "inertial/alignment.h"
 #include "inertial/imu_noise_fit.h"
 #include "inertial/inertial_passes.h"
 
@@ -35,9 +34,8 @@ InertialData part_of(const InertialData& data, bool from_the_beginning) {
 /// The likeliest noise of a part about its own trajectory. That is found with the noise of a craft,
 /// from which a wrong start recovers soonest.
 template <int N>
-Judged judge_part(InertialData part, InertialSetup setup, bool search) {
-    const auto found = search ? std::nullopt : find_start(part, setup);
-    const FoundStart start = found ? *found : search_start(part, setup);
+Judged judge_part(InertialData part, InertialSetup setup, StartChoice choice) {
+    const FoundStart start = chosen_start(choice, part, setup);
     part.noise = setup.fit_noise ? on_a_craft(setup.noise) : setup.noise;
     const Passes<N> passes = run_passes<N>(part, start.prior);
     const std::vector<InertialNominal> about = passes.last.trajectory();
@@ -50,31 +48,44 @@ Judged judge_part(InertialData part, InertialSetup setup, bool search) {
                         : FittedImuNoise{setup.noise, passes.last.log_likelihood, false};
     setup.noise = fitted.noise;
     return {.setup = setup,
-            .search = start.kind == StartMethod::search,
+            .start = start.kind == StartMethod::search    ? StartChoice::search
+                     : start.kind == StartMethod::surface ? StartChoice::surface
+                                                          : StartChoice::found,
             .log_likelihood = fitted.log_likelihood,
             .nis = squares / (3.0 * static_cast<double>(about.size())),
             .noise_at_limit = fitted.at_limit};
 }
 
-Judged judge_part(const InertialData& part, const InertialSetup& setup, bool search) {
+Judged judge_part(const InertialData& part, const InertialSetup& setup, StartChoice choice) {
     return setup.estimate_antenna || setup.estimate_time_offset
-               ? judge_part<error_state::full>(part, setup, search)
-               : judge_part<error_state::plain>(part, setup, search);
+               ? judge_part<error_state::full>(part, setup, choice)
+               : judge_part<error_state::plain>(part, setup, choice);
 }
 
 }  // namespace
 
+FoundStart chosen_start(StartChoice choice, const InertialData& data, const InertialSetup& setup) {
+    if (choice == StartChoice::surface)
+        if (auto start = surface_start(data, setup)) return *start;
+    if (choice != StartChoice::search)
+        if (auto start = find_start(data, setup)) return *start;
+    return search_start(data, setup);
+}
+
 Judged judge(const InertialData& data, const InertialSetup& setup) {
     const InertialData part = part_of(data, setup.start.has_value());
-    Judged best = judge_part(part, setup, false);
-    if (best.nis > search_nis && !best.search && !setup.start) {
-        const Judged searched = judge_part(part, setup, true);
-        if (searched.log_likelihood > best.log_likelihood) best = searched;
-    }
+    Judged best = judge_part(part, setup, StartChoice::found);
+    const auto try_start = [&](StartChoice choice) {
+        const Judged other = judge_part(part, setup, choice);
+        if (other.log_likelihood > best.log_likelihood) best = other;
+    };
+    if (surface_start(part, setup)) try_start(StartChoice::surface);
+    if (best.nis > search_nis && best.start != StartChoice::search && !setup.start)
+        try_start(StartChoice::search);
     if (setup.estimate_time_offset) return best;
     InertialSetup with_offset = setup;
     with_offset.estimate_time_offset = true;
-    const Judged offset = judge_part(part, with_offset, best.search);
+    const Judged offset = judge_part(part, with_offset, best.start);
     return offset.log_likelihood > best.log_likelihood + asking_gain ? offset : best;
 }
 

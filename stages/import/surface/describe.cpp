@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/surface/raw.h"
 
@@ -10,10 +11,57 @@
 namespace runcert::surface {
 namespace {
 
-std::optional<RawSurface> read_recognised(const RecordingBytes& file) {
-    if (is_landxml(file.bytes)) return read_landxml(file);
-    if (is_ply(file.bytes)) return read_ply(file);
-    if (is_obj(file.bytes)) return read_obj(file);
+/// A file that belongs to a surface, as it is by itself.
+struct SeenSurface {
+    RawSurface raw;
+    std::optional<SurfaceTable> own = std::nullopt;  ///< what `runcert surface` wrote
+    std::optional<std::int64_t> triangles_beside = std::nullopt;  ///< of a table of triangles alone
+
+    bool says_all() const { return own.has_value(); }
+    /// Of a pair of tables that of the vertices.
+    bool is_vertex_table() const { return raw.format == "csv"; }
+    bool in_degrees() const { return own && own->georeferenced; }
+};
+
+SeenSurface read_own(const RecordingBytes& file) {
+    SeenSurface seen{.raw = {.format = "runcert", .unit_m = 1.0, .unit_name = "m"},
+                     .own = read_surface(file.bytes, file.name)};
+    for (const SurfaceRow& row : seen.own->rows)
+        if (row.element == SurfaceElement::triangle)
+            seen.raw.mesh.triangles.emplace_back();
+        else if (seen.own->georeferenced)
+            seen.raw.mesh.vertices.emplace_back(row.longitude_deg.value_or(0.0),
+                                                row.latitude_deg.value_or(0.0),
+                                                row.height_m.value_or(0.0));
+        else
+            seen.raw.mesh.vertices.emplace_back(row.east_m.value_or(0.0),
+                                                row.north_m.value_or(0.0), row.up_m.value_or(0.0));
+    return seen;
+}
+
+/// Kinds of files in which surveyors deliver surfaces, too, and which are not read.
+void refuse_other_kinds(const RecordingBytes& file) {
+    const std::string_view head = file.bytes.substr(0, recognised_by);
+    const std::string_view first = trim(head.substr(0, head.find('\n')));
+    const bool dxf = (first == "0" || first == "999") && head.find("SECTION") != head.npos;
+    const bool geojson = first.starts_with('{') && head.find("\"Polygon\"") != head.npos &&
+                         head.find("\"coordinates\"") != head.npos;
+    if (!dxf && !geojson) return;
+    throw Failure(file.name,
+                  fmt::format("this is {}, and surfaces are not read from it",
+                              dxf ? "a drawing (DXF)" : "GeoJSON"),
+                  "Export LandXML 1.2, OBJ or PLY (ascii)");
+}
+
+std::optional<SeenSurface> read_seen(const RecordingBytes& file) {
+    refuse_other_kinds(file);
+    if (is_landxml(file.bytes)) return SeenSurface{.raw = read_landxml(file)};
+    if (is_ply(file.bytes)) return SeenSurface{.raw = read_ply(file)};
+    if (is_obj(file.bytes)) return SeenSurface{.raw = read_obj(file)};
+    if (is_own(file.bytes)) return read_own(file);
+    if (is_vertex_table(file.bytes)) return SeenSurface{.raw = read_vertex_table(file)};
+    if (is_triangle_table(file.bytes))
+        return SeenSurface{.raw = {.format = "csv"}, .triangles_beside = count_triangles(file)};
     return std::nullopt;
 }
 
@@ -31,13 +79,13 @@ Extent extent_of(const SurfaceMesh& mesh) {
     return extent;
 }
 
-std::string range_text(const Extent& extent, Eigen::Index axis) {
-    return fmt::format("{} to {}", format_fixed(extent.least[axis], 3),
-                       format_fixed(extent.most[axis], 3));
+std::string range_text(const Extent& extent, Eigen::Index axis, int decimals) {
+    return fmt::format("{} to {}", format_fixed(extent.least[axis], decimals),
+                       format_fixed(extent.most[axis], decimals));
 }
 
 /// What coordinates of that size may be: a guess, which the surveyor confirms.
-std::string frame_text(const Extent& extent, bool north_first) {
+std::string likely_frame(const Extent& extent, bool north_first) {
     const Eigen::Index east = north_first ? 1 : 0, north = 1 - east;
     const auto within = [&](Eigen::Index axis, double least, double most) {
         return extent.least[axis] >= least && extent.most[axis] <= most;
@@ -46,41 +94,154 @@ std::string frame_text(const Extent& extent, bool north_first) {
         (extent.most - extent.least).head<2>().maxCoeff() < 1.0)
         return "geodetic";
     if (within(east, 1e5, 9e5) && within(north, 0.0, 1e7) && extent.least[north] > 1e4)
-        return "{utm: {zone: ..., hemisphere: ...}}";
+        return "utm";
     return "local_plane";
 }
 
-std::string yaml_of(const RawSurface& raw, const std::string& name) {
-    const std::string frame = frame_text(extent_of(raw.mesh), raw.north_first);
-    std::string text =
-        fmt::format("antenna_height_m: ...\nsurface:\n  file: {}\n  frame: {}\n", name, frame);
-    if (!raw.unit_m) text += "  unit: ...  # m, mm, ft or us-ft\n";
-    if (frame != "local_plane")
-        text += "  heights: ...  # ellipsoid; or geoid, with undulation_m\n";
-    return text + "  vertical_sd_m: ...\n  source: ...  # who surveyed it, how and when";
+/// What an attempt must say of the file, in the order in which it says it.
+std::vector<NeededKey> needed_keys(const SeenSurface& seen) {
+    std::vector<NeededKey> needed;
+    if (!seen.says_all()) {
+        const std::string frame = likely_frame(extent_of(seen.raw.mesh), seen.raw.north_first);
+        needed.push_back({.key = "surface.frame",
+                          .reason = fmt::format(
+                              "No file of a surface says in what coordinates it is. Numbers of "
+                              "that size may be {}.",
+                              frame == "local_plane" ? "local_plane, counted from origin" : frame),
+                          .required = true});
+        if (!seen.raw.unit_m)
+            needed.push_back({.key = "surface.unit",
+                              .reason = "The file does not say the unit of its lengths.",
+                              .values = {"m", "mm", "ft", "us-ft"},
+                              .required = true});
+        if (frame != "local_plane")
+            needed.push_back({.key = "surface.heights",
+                              .reason = "Receivers measure ellipsoidal heights; surveyors mostly state "
+                                        "them above the geoid.",
+                              .values = {"ellipsoid", "geoid"},
+                              .required = true});
+        needed.push_back({.key = "surface.vertical_sd_m",
+                          .reason = "Without it 0.10 m is taken for every vertex."});
+    }
+    needed.push_back({.key = "surface.source",
+                      .reason = "Who reads the certificate must know who vouches for the ground.",
+                      .required = true});
+    return needed;
+}
+
+std::string yaml_of(const SeenSurface& seen, const std::string& name) {
+    std::string text = fmt::format("antenna_height_m: ...\nsurface:\n  file: {}\n", name);
+    if (seen.is_vertex_table())
+        text += "  triangles: ...  # the table vertex_1,vertex_2,vertex_3\n";
+    if (!seen.says_all()) {
+        const std::string frame = likely_frame(extent_of(seen.raw.mesh), seen.raw.north_first);
+        text += fmt::format("  frame: {}\n",
+                            frame == "utm" ? "{utm: {zone: ..., hemisphere: ...}}" : frame);
+        if (!seen.raw.unit_m) text += "  unit: ...  # m, mm, ft or us-ft\n";
+        if (frame != "local_plane")
+            text += "  heights: ...  # ellipsoid; or geoid, with undulation_m\n";
+        text += "  vertical_sd_m: ...\n";
+    }
+    return text + "  source: ...  # who surveyed it, how and when";
+}
+
+std::string format_words(const std::string& format) {
+    if (format == "landxml") return "LandXML 1.2, a TIN";
+    if (format == "runcert") return "written by runcert surface";
+    if (format == "csv") return "a table (CSV)";
+    return format;
+}
+
+void add_coordinates(const SeenSurface& seen, Block& found) {
+    const RawSurface& raw = seen.raw;
+    const Extent extent = extent_of(raw.mesh);
+    const bool degrees = seen.in_degrees();
+    constexpr int of_degrees = 7, of_metres = 3;
+    const int decimals = degrees ? of_degrees : of_metres;
+    const char* const first = degrees           ? "Longitude"
+                              : seen.says_all() ? "East"
+                              : raw.north_first ? "Northing"
+                                                : "First coordinate";
+    const char* const second = degrees           ? "Latitude"
+                               : seen.says_all() ? "North"
+                               : raw.north_first ? "Easting"
+                                                 : "Second coordinate";
+    add_fact(found, first, range_text(extent, 0, decimals));
+    add_fact(found, second, range_text(extent, 1, decimals));
+    add_fact(found, "Height", range_text(extent, 2, of_metres));
+    add_fact(found, "Unit", raw.unit_m ? raw.unit_name : "not stated");
+}
+
+void add_own(const SurfaceTable& own, Block& found) {
+    add_fact(found, "Area in plan", fmt::format("{} m2", format_fixed(own.found.area_m2, 0)));
+    add_fact(found, "Standard deviation of its heights",
+             fmt::format("{} m", format_fixed(own.vertical_sd_m, 3)));
+    for (const SurfaceRun& run : own.made_from)
+        add_fact(found, "Made from", fmt::format("{}, {} positions", run.id, run.positions));
+}
+
+Section section_of_triangles(std::int64_t count) {
+    Section section{.anchor = "surface", .title = "Surface"};
+    Block found = facts({});
+    add_fact(found, "Format", format_words("csv"));
+    add_fact(found, "Triangles", std::to_string(count));
+    add(section, found);
+    add(section, paragraph("These are the triangles of a surface, by the numbers of their "
+                           "vertices. An attempt names them beside the table of the vertices, "
+                           "as surface: triangles."));
+    return section;
 }
 
 }  // namespace
 
 std::optional<Section> describe(const RecordingBytes& file) {
-    const std::optional<RawSurface> raw = read_recognised(file);
-    if (!raw || raw->mesh.vertices.empty()) return std::nullopt;
-    const Extent extent = extent_of(raw->mesh);
+    const std::optional<SeenSurface> seen = read_seen(file);
+    if (seen && seen->triangles_beside) return section_of_triangles(*seen->triangles_beside);
+    if (!seen || seen->raw.mesh.vertices.empty()) return std::nullopt;
+    const RawSurface& raw = seen->raw;
     Section section{.anchor = "surface", .title = "Surface"};
     Block found = facts({});
-    add_fact(found, "Format", raw->format == "landxml" ? "LandXML 1.2, a TIN" : raw->format);
-    add_fact(found, "Vertices", std::to_string(raw->mesh.vertices.size()));
-    add_fact(found, "Triangles", std::to_string(raw->mesh.triangles.size()));
-    add_fact(found, "Invisible faces", std::to_string(raw->invisible));
-    add_fact(found, raw->north_first ? "Northing" : "First coordinate", range_text(extent, 0));
-    add_fact(found, raw->north_first ? "Easting" : "Second coordinate", range_text(extent, 1));
-    add_fact(found, "Height", range_text(extent, 2));
-    add_fact(found, "Unit", raw->unit_m ? raw->unit_name : "not stated");
+    add_fact(found, "Format", format_words(raw.format));
+    add_fact(found, "Vertices", std::to_string(raw.mesh.vertices.size()));
+    if (!seen->is_vertex_table()) {
+        add_fact(found, "Triangles", std::to_string(raw.mesh.triangles.size()));
+        add_fact(found, "Invisible faces", std::to_string(raw.invisible));
+    }
+    add_coordinates(*seen, found);
+    if (seen->own) add_own(*seen->own, found);
     add(section, found);
+    if (seen->is_vertex_table())
+        add(section, paragraph("These are vertices alone. The table of the triangles between them "
+                               "belongs beside it."));
+    else if (raw.mesh.triangles.empty())
+        add(section, paragraph("It has points and no triangles: nothing says what lies between "
+                               "them. Export the surface with its faces.",
+                               "warning"));
     add(section, paragraph("An attempt describes it so, beside its receiver's recording:"));
-    add(section, code(yaml_of(*raw, escape_for_message(
-                                        file.name.substr(file.name.find_last_of('/') + 1), 200))));
+    add(section, code(yaml_of(*seen, escape_for_message(
+                                         file.name.substr(file.name.find_last_of('/') + 1), 200))));
     return section;
+}
+
+std::optional<Recognition> recognise(const RecordingBytes& file) {
+    const std::optional<SeenSurface> seen = read_seen(file);
+    if (!seen) return std::nullopt;
+    const RawSurface& raw = seen->raw;
+    Recognition is{.kind = RecordingKind::surface, .format = raw.format};
+    if (seen->triangles_beside) {
+        is.kind = RecordingKind::triangles;
+        is.triangles = *seen->triangles_beside;
+        return is;
+    }
+    if (raw.mesh.vertices.empty()) return std::nullopt;
+    if (raw.mesh.triangles.empty() && !seen->is_vertex_table())
+        throw Failure(file.name, "the surface has points, and no triangles",
+                      "Export it with its faces; points alone do not say what lies between them");
+    is.vertices = std::ssize(raw.mesh.vertices);
+    is.triangles = std::ssize(raw.mesh.triangles);
+    is.georeferenced = !seen->own || seen->own->georeferenced;
+    is.needed = needed_keys(*seen);
+    return is;
 }
 
 }  // namespace runcert::surface

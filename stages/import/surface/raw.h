@@ -67,4 +67,12 @@ RawSurface read_ply(const RecordingBytes& file);
 /// vertex_2, vertex_3.
 RawSurface read_tables(const RecordingBytes& vertices, const RecordingBytes& triangles);
 
+/// Whether the first line names the columns of one of these tables.
+bool is_vertex_table(std::string_view bytes);
+bool is_triangle_table(std::string_view bytes);
+
+/// The vertices alone, and the triangles alone: how many.
+RawSurface read_vertex_table(const RecordingBytes& file);
+std::int64_t count_triangles(const RecordingBytes& file);
+
 }  // namespace runcert::surface

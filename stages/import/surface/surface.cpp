@@ -16,10 +16,6 @@ namespace {
 
 constexpr double usual_vertical_sd_m = 0.10;  // [FHB03]
 
-bool is_own(std::string_view bytes) {
-    return bytes.starts_with("# %ECSV");
-}
-
 RawSurface read_raw(const SurfaceFiles& files, const Receiver& receiver) {
     const std::string_view bytes = files.file.bytes;
     if (files.triangles) return read_tables(files.file, *files.triangles);
@@ -292,6 +288,10 @@ HeldSurface read_surveyed(const Receiver& receiver, const SurfaceFiles& files, S
 }
 
 }  // namespace
+
+bool is_own(std::string_view bytes) {
+    return bytes.starts_with("# %ECSV");
+}
 
 StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& files) {
     const Surface& stated = *receiver.surface;

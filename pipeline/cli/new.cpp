@@ -390,6 +390,7 @@ void add_new(CLI::App& app, Command& chosen) {
         "begin\nwith #, and in one list on standard output. Nothing is ever written over, and "
         "nothing is\nwritten before the last answer.\n\n"
         "  runcert new run.ubx\n"
+        "  runcert new run.ubx imu.csv course.xml    with an IMU and the surface of the course\n"
         "  runcert new log.csv --class land-yacht --craft Greenbird --rule nalsa \\\n"
         "      --record \"202.9 km/h\" --source \"NALSA, 2009\" --set solution=fixed \\\n"
         "      --set accuracy.horizontal_m=0.02\n"

@@ -74,8 +74,7 @@ class Arranging {
             else
                 orbits_.push_back(i);
         }
-        if (positions.empty() && signals.empty())
-            refuse_no_recording();
+        if (positions.empty() && signals.empty()) refuse_no_recording();
         if (positions.empty())
             arrange_signals(signals);
         else
@@ -148,7 +147,8 @@ class Arranging {
         const HandedIn& file = files_[surfaces_.front()];
         ArrangedReceiver& receiver = result_.receivers.front();
         receiver.surface = surfaces_.front();
-        say(fmt::format("{} holds the surface of a course. It is taken for the one that the craft "
+        say(
+            fmt::format("{} holds the surface of a course. It is taken for the one that the craft "
                         "of the {} receiver ran on.",
                         name_of_file(file), receiver.id));
         const std::size_t used = file.is.triangles > 0 ? 0 : 1;

@@ -36,10 +36,10 @@ struct Arrangement {
 /// Decides by times and places what the files are to each other. Files of one format that follow
 /// each other within a day are one recording; what was recorded at the same time and place is a
 /// second receiver. An IMU's file is the primary receiver's, and so is that of a surface: of a
-/// table of vertices with the table of its triangles. A log with raw signals beside a solution holds the signals behind it. RINEX
-/// observations alone are a rover, and a base by its name. Series are what their columns say.
-/// Failure where that cannot be told, and
-/// where the files are of several attempts.
+/// table of vertices with the table of its triangles. A log with raw signals beside a solution
+/// holds the signals behind it. RINEX observations alone are a rover, and a base by its name.
+/// Series are what their columns say. Failure where that cannot be told, and where the files are of
+/// several attempts.
 Arrangement arrange(const std::vector<HandedIn>& files);
 
 }  // namespace runcert

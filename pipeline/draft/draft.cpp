@@ -111,7 +111,8 @@ Json* Draft::find_receiver(const std::string& id) {
 Json Draft::receiver(const std::string& id) const {
     for (Json receiver : keys_["receivers"]) {
         if (receiver["id"] != id) continue;
-        for (const char* other : {"id", "recording", "base", "navigation", "phase", "imu", "surface"})
+        for (const char* other :
+             {"id", "recording", "base", "navigation", "phase", "imu", "surface"})
             receiver.erase(other);
         return receiver;
     }

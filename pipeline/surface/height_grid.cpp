@@ -258,7 +258,8 @@ class PlacesByCell {
     bool on_both_sides(const Eigen::Vector2d& of, const Eigen::Vector2d& travel) const {
         const double along_cells = reach_m / plan_.spacing_m(),
                      across_cells = reach_across_m / plan_.spacing_m();
-        const auto around = static_cast<Eigen::Index>(std::ceil(std::max(along_cells, across_cells)));
+        const auto around =
+            static_cast<Eigen::Index>(std::ceil(std::max(along_cells, across_cells)));
         bool left = false, right = false;
         const auto column = static_cast<Eigen::Index>(of.x()),
                    row = static_cast<Eigen::Index>(of.y());

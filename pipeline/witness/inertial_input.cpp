@@ -193,8 +193,7 @@ void take_solution(const AttitudeTable& attitude, InertialSetup& setup) {
     // The estimator says how late the samples still are.
     before.time_offset_s = attitude.time_offset.declared_s - attitude.time_offset.used_s;
     before.searched = attitude.consistency.start == InertialStart::headings;
-    if (const auto& start = attitude.consistency.start_on_surface)
-        setup.start = start_of(*start);
+    if (const auto& start = attitude.consistency.start_on_surface) setup.start = start_of(*start);
     for (const AttitudeEpoch& row : attitude.rows)
         if (row.roll_deg) before.states.push_back(state_of(row, setup.reference_point_m));
 }

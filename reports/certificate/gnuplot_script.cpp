@@ -96,9 +96,8 @@ void add_curves(Plots& plots, const Json& curves) {
                 "${} using 1:3:4 with filledcurves fillstyle solid 0.28 noborder linecolor rgb {} "
                 "notitle",
                 name, curve["colour"].get<std::string>()));
-        plots.items.push_back(
-            fmt::format("${} using 1:2 {} {}", name, curve_style(curve),
-                        plots.title(curve["curve_name"].get<std::string>())));
+        plots.items.push_back(fmt::format("${} using 1:2 {} {}", name, curve_style(curve),
+                                          plots.title(curve["curve_name"].get<std::string>())));
     }
 }
 
@@ -132,10 +131,9 @@ void add_segments(Plots& plots, const Json& segments) {
 void add_levels(Plots& plots, const Json& levels) {
     int dashes = 2;
     for (const Json& level : levels)
-        plots.items.push_back(
-            fmt::format("{} with lines dashtype {} linewidth 1.4 linecolor rgb vermilion {}",
-                        number(level["level"]), dashes++,
-                        plots.title(level["level_name"].get<std::string>())));
+        plots.items.push_back(fmt::format(
+            "{} with lines dashtype {} linewidth 1.4 linecolor rgb vermilion {}",
+            number(level["level"]), dashes++, plots.title(level["level_name"].get<std::string>())));
 }
 
 struct SpanStyle {

@@ -17,6 +17,14 @@ std::string summary_line(const EstimationSummary& estimation) {
                        noise.measurement_scale.value, estimation.largest_position_difference_m);
 }
 
+/// The surface that the receiver's craft runs on; an IMU's attitude is on the Earth, or nowhere.
+std::optional<Triangulation> read_surface_of(StageRun& run, const Receiver& receiver,
+                                             const std::optional<FrameOrigin>& origin) {
+    if (!has_surface(receiver)) return std::nullopt;
+    const SurfaceTable table = run.read(products::surface, receiver, read_surface);
+    return origin ? std::optional(surface_of(table, origin)) : std::nullopt;
+}
+
 /// Writes what the IMU says, and returns whether it agrees with the positions.
 std::string write_attitude_of(StageRun run, const Receiver& receiver,
                               const TrajectoryTable& trajectory) {
@@ -26,9 +34,7 @@ std::string write_attitude_of(StageRun run, const Receiver& receiver,
     std::optional<ScreenedTable> second;
     if (other && receiver.id != other->id)
         second = run.read(products::screened, *other, read_screened);
-    std::optional<Triangulation> surface;
-    if (has_surface(receiver) && screened.origin)
-        surface = surface_of(run.read(products::surface, receiver, read_surface), screened.origin);
+    const std::optional<Triangulation> surface = read_surface_of(run, receiver, screened.origin);
     AttitudeTable attitude = attitude_table(
         imu, screened, trajectory,
         second ? std::optional(SecondAntenna{*second, *other->lever_arm}) : std::nullopt,

@@ -72,8 +72,7 @@ void judge_on_surface(const InertialSolution& solution, const Triangulation& sur
     mount.judgement += fmt::format(
         " Against course and surface they are turned by {:.1f} ± {:.1f} degrees in roll, {:.1f} ± "
         "{:.1f} in pitch and {:.1f} ± {:.1f} in yaw (k = 2). {}",
-        angles.roll, 2.0 * sigma.roll, angles.pitch, 2.0 * sigma.pitch, angles.yaw,
-        2.0 * sigma.yaw,
+        angles.roll, 2.0 * sigma.roll, angles.pitch, 2.0 * sigma.pitch, angles.yaw, 2.0 * sigma.yaw,
         agrees ? "The axes are as stated."
                : "The axes are not as stated, or the craft leaned or made leeway.");
 }

@@ -314,8 +314,8 @@ TEST(New, ASurfaceBesideARecordingIsArrangedWithWhatItsFileDoesNotSay) {
     Words files;
     for (const char* name : {"recording.pos", "surface.xml", "imu.csv"})
         files.push_back(folder.path() / bring(examples / "oval" / name, folder.path()));
-    const ProcessResult open = make_new(
-        files, {"--no-questions", "--out", (folder.path() / "open.yaml").string()});
+    const ProcessResult open =
+        make_new(files, {"--no-questions", "--out", (folder.path() / "open.yaml").string()});
     ASSERT_EQ(open.exit_status, 0) << open.errors;
     for (const char* part :
          {"the surface of a course (landxml); 600 vertices, 894 triangles",
@@ -328,7 +328,8 @@ TEST(New, ASurfaceBesideARecordingIsArrangedWithWhatItsFileDoesNotSay) {
         with({"--set", "surface.frame=local_plane", "--set", "surface.source=a survey", "--set",
               "surface.vertical_sd_m=0.02", "--set", "antenna_height_m=1.5", "--set",
               "origin={latitude_deg: 34.0862, longitude_deg: -117.5008, height_m: 290.0}", "--set",
-              "imu.grade=tactical", "--set", "imu.antenna_m={forward: -0.5, right: 0.2, down: -1.2}"}));
+              "imu.grade=tactical", "--set",
+              "imu.antenna_m={forward: -0.5, right: 0.2, down: -1.2}"}));
     ASSERT_EQ(made.exit_status, 0) << made.errors;
     const fs::path attempt = folder.path() / "attempt.yaml";
     const ProcessResult certified = certify(attempt, folder.path() / "run", {"--no-render"});

@@ -82,9 +82,9 @@ std::string turned_across(const std::string& survey, double angle_rad) {
         places.push_back(numbers_of(line.substr(from, close - from), ' '));
         if (row.size() < 4) continue;
         for (std::size_t i = 0; i < 4; ++i) {
-            const double across_m = (i < 2 ? -1.0 : 1.0) *
-                                    std::hypot(places[i][0] - (places[0][0] + places[3][0]) / 2,
-                                               places[i][1] - (places[0][1] + places[3][1]) / 2);
+            const double across_m =
+                (i < 2 ? -1.0 : 1.0) * std::hypot(places[i][0] - (places[0][0] + places[3][0]) / 2,
+                                                  places[i][1] - (places[0][1] + places[3][1]) / 2);
             text += fmt::format("{}{:.4f} {:.4f} {:.4f}{}\n", row[i][0], places[i][0], places[i][1],
                                 places[i][2] + across_m * std::tan(angle_rad), row[i][1]);
         }

@@ -146,12 +146,11 @@ TEST(StartMethod, ASurfaceStartsTheSolutionAndNeverMovesIt) {
         for (std::size_t k = 0; k < fixes.size(); ++k) {
             const Eigen::Vector3d& normal = run.truth[k].ground_normal;
             const std::size_t other = (k + fixes.size() / 2) % fixes.size();
-            fixes[k].ground_normal =
-                ground == Ground::right         ? normal
-                : ground == Ground::turned_over
-                    ? Eigen::Vector3d(-normal.x(), -normal.y(), normal.z())
-                : ground == Ground::tilted      ? Eigen::Vector3d(tilt * normal)
-                                                : run.truth[other].ground_normal;
+            fixes[k].ground_normal = ground == Ground::right ? normal
+                                     : ground == Ground::turned_over
+                                         ? Eigen::Vector3d(-normal.x(), -normal.y(), normal.z())
+                                     : ground == Ground::tilted ? Eigen::Vector3d(tilt * normal)
+                                                                : run.truth[other].ground_normal;
         }
         const InertialSolution solution = smooth_inertial(run.samples, fixes, setup);
         ASSERT_EQ(solution.epochs.size(), without.epochs.size());
@@ -165,9 +164,8 @@ TEST(StartMethod, ASurfaceStartsTheSolutionAndNeverMovesIt) {
             const auto speed = [&](const InertialSolution& of) {
                 return of.displacement(s, s + 30, CraftPoint::reference_point).enu_m.norm();
             };
-            const double sigma_m =
-                std::sqrt(without.displacement(s, s + 30, CraftPoint::reference_point)
-                              .covariance_m2.trace());
+            const double sigma_m = std::sqrt(
+                without.displacement(s, s + 30, CraftPoint::reference_point).covariance_m2.trace());
             most = std::max(most, std::abs(speed(solution) - speed(without)) / sigma_m);
         }
         std::printf("ground %d: start %d, chords moved by %.1e of their sigma at most\n",

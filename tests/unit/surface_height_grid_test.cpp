@@ -97,8 +97,7 @@ std::vector<AntennaPosition> passes(int count, const PassErrors& errors, Course 
     RandomGenerator random(seed);
     std::vector<AntennaPosition> positions;
     for (int pass = 0; pass < count; ++pass) {
-        const double line_m =
-            count < 3 ? 2.5 * (pass - 0.5) : -13.0 + 26.0 * pass / (count - 1.0);
+        const double line_m = count < 3 ? 2.5 * (pass - 0.5) : -13.0 + 26.0 * pass / (count - 1.0);
         const double weave_m = 300.0 + 200.0 * random.uniform();
         const double phase = 6.28 * random.uniform();
         const double kept = std::exp(-step_s / errors.slow_s);
@@ -195,7 +194,8 @@ TEST(SurfaceOfPasses, AreWorthWhatTheirNumberAndNoiseSay) {
                            Row{20, small, 0.03, 0.10, 0.008}, Row{5, large, 0.04, 0.33, 0.051},
                            Row{20, large, 0.03, 0.12, 0.022}}) {
         SCOPED_TRACE(fmt::format("{} passes, {} m", row.count, row.errors.white_m));
-        const GroundErrors found = mean_errors(row.count, row.errors, false, Course::rolled_out, 10.0);
+        const GroundErrors found =
+            mean_errors(row.count, row.errors, false, Course::rolled_out, 10.0);
         EXPECT_GT(found.height_m, row.height_m / 2.0);
         EXPECT_LT(found.height_m, row.height_m * 1.6);
         EXPECT_GT(found.across_deg, row.across_deg / 2.0);

@@ -163,8 +163,8 @@ StartAttitude course_start(const InertialData& data, const InertialSetup& setup,
     const Eigen::Vector3d v = velocity_of_positions(data.fixes, epoch);
     return carried_back(
         {.epoch = epoch,
-         .enu_from_body = rotation_of({.pitch = std::atan2(v.z(), v.head<2>().norm()),
-                                       .heading = std::atan2(v.x(), v.y())}),
+         .enu_from_body = rotation_of(
+             {.pitch = std::atan2(v.z(), v.head<2>().norm()), .heading = std::atan2(v.x(), v.y())}),
          .sigma = {rad(course_roll_deg), rad(course_pitch_deg), rad(course_heading_deg)}},
         data, setup, standing);
 }
@@ -304,9 +304,9 @@ std::optional<FoundStart> surface_start(const InertialData& data, const Inertial
     if (setup.start || standing_at_first(data, setup)) return std::nullopt;
     for (std::size_t k = 0; k < data.fixes.size(); ++k) {
         if (!data.fixes[k].ground_normal) continue;
-        const auto there =
-            attitude_on_surface({*data.fixes[k].ground_normal, velocity_of_positions(data.fixes, k)},
-                                {.least_speed_m_s = least_course_speed_m_s});
+        const auto there = attitude_on_surface(
+            {*data.fixes[k].ground_normal, velocity_of_positions(data.fixes, k)},
+            {.least_speed_m_s = least_course_speed_m_s});
         if (!there) continue;
         const StartAttitude first = carried_back(
             {.epoch = k,

@@ -14,7 +14,7 @@ namespace {
 /// A file that belongs to a surface, as it is by itself.
 struct SeenSurface {
     RawSurface raw;
-    std::optional<SurfaceTable> own = std::nullopt;  ///< what `runcert surface` wrote
+    std::optional<SurfaceTable> own = std::nullopt;               ///< what `runcert surface` wrote
     std::optional<std::int64_t> triangles_beside = std::nullopt;  ///< of a table of triangles alone
 
     bool says_all() const { return own.has_value(); }
@@ -34,8 +34,8 @@ SeenSurface read_own(const RecordingBytes& file) {
                                                 row.latitude_deg.value_or(0.0),
                                                 row.height_m.value_or(0.0));
         else
-            seen.raw.mesh.vertices.emplace_back(row.east_m.value_or(0.0),
-                                                row.north_m.value_or(0.0), row.up_m.value_or(0.0));
+            seen.raw.mesh.vertices.emplace_back(row.east_m.value_or(0.0), row.north_m.value_or(0.0),
+                                                row.up_m.value_or(0.0));
     return seen;
 }
 
@@ -116,8 +116,9 @@ std::vector<NeededKey> needed_keys(const SeenSurface& seen) {
                               .required = true});
         if (frame != "local_plane")
             needed.push_back({.key = "surface.heights",
-                              .reason = "Receivers measure ellipsoidal heights; surveyors mostly state "
-                                        "them above the geoid.",
+                              .reason =
+                                  "Receivers measure ellipsoidal heights; surveyors mostly state "
+                                  "them above the geoid.",
                               .values = {"ellipsoid", "geoid"},
                               .required = true});
         needed.push_back({.key = "surface.vertical_sd_m",

@@ -39,8 +39,8 @@ struct StreamedSurface {
 /// there is not; and where two triangles lie over the same ground.
 StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& files);
 
-/// What a file of a surface is, for a person, with the lines of an attempt that describe it; nothing
-/// for any other file, or one without vertices. Failure where it cannot be read.
+/// What a file of a surface is, for a person, with the lines of an attempt that describe it;
+/// nothing for any other file, or one without vertices. Failure where it cannot be read.
 std::optional<Section> describe(const RecordingBytes& file);
 
 /// The same for the program that writes an attempt: what its file says, and what the attempt still

@@ -189,6 +189,11 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
 void take_solution(const AttitudeTable& attitude, InertialSetup& setup) {
     setup.noise = with_likeliest(setup.noise, attitude.noise);
     setup.estimate_time_offset = attitude.time_offset.estimated_s.has_value();
+    const EstimatedArm& arm = attitude.antenna;
+    if (arm.sigma && arm.used != arm.declared) {
+        setup.antenna_m = vector_of(arm.used);
+        setup.antenna_sigma_m = std::ranges::max(*arm.sigma);
+    }
     SolvedBefore& before = setup.before.emplace();
     // The estimator says how late the samples still are.
     before.time_offset_s = attitude.time_offset.declared_s - attitude.time_offset.used_s;

@@ -132,6 +132,22 @@ std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& v
 }
 
 /// What the IMU and the positions say together.
+/// Where the craft stood, and what its positions moved there.
+Block stand_table(const std::vector<Stand>& stands) {
+    Block table_of_stands = table({">From, s", ">To, s", "Shown by", ">Moved in 3 s, mm",
+                                   ">By what is stated, mm"},
+                                  "Where the craft stood");
+    const auto millimetres = [](const std::optional<double>& length_m) {
+        return length_m ? format_fixed(1e3 * *length_m, 1) : std::string();
+    };
+    for (const Stand& stand : stands)
+        add_row(table_of_stands,
+                {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
+                 std::string(to_text(stand.shown_by)), millimetres(stand.moved_m),
+                 millimetres(stand.stated_m)});
+    return table_of_stands;
+}
+
 std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     if (!one.attitude) return {};
     const AttitudeTable& attitude = *one.attitude;
@@ -158,22 +174,6 @@ std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& 
     add(blocks, estimation_blocks(table.estimation));
     add(blocks, attitude_blocks(record, one, all));
     return blocks;
-}
-
-/// Where the craft stood, and what its positions moved there.
-Block stand_table(const std::vector<Stand>& stands) {
-    Block table_of_stands = table({">From, s", ">To, s", "Shown by", ">Moved in 3 s, mm",
-                                   ">By what is stated, mm"},
-                                  "Where the craft stood");
-    const auto millimetres = [](const std::optional<double>& length_m) {
-        return length_m ? format_fixed(1e3 * *length_m, 1) : std::string();
-    };
-    for (const Stand& stand : stands)
-        add_row(table_of_stands,
-                {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
-                 std::string(to_text(stand.shown_by)), millimetres(stand.moved_m),
-                 millimetres(stand.stated_m)});
-    return table_of_stands;
 }
 
 std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRecord& one,

@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/smooth/antenna_heading.h"
+#include "stages/smooth/arm_estimate.h"
 #include "stages/smooth/mount_judgement.h"
 
 namespace runcert {
@@ -109,10 +110,6 @@ InertialConsistency consistency_of(const InertialSolution& solution) {
         consistency.reason = doubted.reason;
     }
     return consistency;
-}
-
-LeverArm arm_of(const Eigen::Vector3d& m) {
-    return {m.x(), m.y(), m.z()};
 }
 
 /// A straight run determines a displacement whichever way the IMU points, but not where another
@@ -224,7 +221,6 @@ void set_estimates(const InertialSolution& solution, const Triangulation* surfac
         attitude.time_offset.used_s = *attitude.time_offset.estimated_s;
     }
     attitude.noise = likeliest_noise(solution.noise);
-    attitude.antenna.used = arm_of(solution.antenna_m.value);
     judge_mount(solution, surface, attitude.mount);
     for (const BridgedStretch& bridged : solution.bridged)
         attitude.bridged.push_back({.from_s = bridged.from_s, .to_s = bridged.to_s});
@@ -252,7 +248,10 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
                         fmt::format("{} usable positions with heights lie within the IMU's "
                                     "samples, {} are needed.",
                                     within, least_positions));
-    const InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
+    InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
+    if (auto again =
+            solution_with_arm_shown(input, solution, attitude.antenna, attitude.notes))
+        solution = *std::move(again);
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, surface, attitude);
     refuse_wrong_axes(attitude);

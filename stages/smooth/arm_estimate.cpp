@@ -1,0 +1,66 @@
+#include "stages/smooth/arm_estimate.h"
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr double freedom_m = 0.5;
+constexpr double least_known_m = 0.15;
+constexpr double as_recorded = 2.0;
+constexpr double beyond_chance = 3.29;
+
+LeverArm lever_arm_of(const Eigen::Vector3d& m) {
+    return {m.x(), m.y(), m.z()};
+}
+
+std::string arm_text(const Eigen::Vector3d& m) {
+    return fmt::format("forward {}, right {}, down {} m", format_fixed(m.x(), 2),
+                       format_fixed(m.y(), 2), format_fixed(m.z(), 2));
+}
+
+}  // namespace
+
+std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& input,
+                                                        const InertialSolution& as_stated,
+                                                        EstimatedArm& arm,
+                                                        std::vector<std::string>& notes) {
+    const bool with_offset = as_stated.time_offset_s.sigma > 0.0;
+    InertialSetup setup = input.setup;
+    setup.estimate_antenna = true;
+    setup.antenna_sigma_m = freedom_m;
+    setup.estimate_time_offset = with_offset;
+    if (as_stated.consistency.consistent()) {
+        setup.noise = as_stated.noise;
+        setup.fit_noise = false;
+    }
+    const InertialSolution free = smooth_inertial(input.samples, input.fixes, setup);
+    const Eigen::Vector3d shown = free.antenna_m.value;
+    const Eigen::Vector3d sigma = as_recorded * free.antenna_m.sigma;
+    if (!free.consistency.consistent() || sigma.maxCoeff() > least_known_m) return std::nullopt;
+    arm.estimated = lever_arm_of(shown);
+    arm.sigma = lever_arm_of(sigma);
+
+    const Eigen::Vector3d stated = input.setup.antenna_m;
+    const Eigen::Array3d combined =
+        (sigma.array().square() + input.setup.antenna_sigma_m * input.setup.antenna_sigma_m)
+            .sqrt();
+    if (((shown - stated).array().abs() <= beyond_chance * combined).all()) return std::nullopt;
+    InertialSetup second = input.setup;
+    second.antenna_m = shown;
+    second.antenna_sigma_m = sigma.maxCoeff();
+    second.estimate_time_offset = with_offset;
+    InertialSolution solution = smooth_inertial(input.samples, input.fixes, second);
+    if (!solution.consistency.consistent()) return std::nullopt;
+    arm.used = lever_arm_of(shown);
+    notes.push_back(
+        fmt::format("The motion shows the antenna elsewhere than stated, seen from the IMU: {}, "
+                    "standard uncertainties {}. Stated is {}. The solution rests on what the "
+                    "motion shows; measure the distances again.",
+                    arm_text(shown), arm_text(sigma), arm_text(stated)));
+    return solution;
+}
+
+}  // namespace runcert

@@ -66,15 +66,16 @@ std::string quiet_gyros_text(const ImuTable& imu, const Imu& stated) {
     const auto noise_rad_s = least_gyro_noise(imu);
     const double expected_rad_s = expected_noise(imu);
     if (!noise_rad_s || *noise_rad_s >= too_quiet * expected_rad_s) return {};
+    constexpr double dead = 1e-3;
     return fmt::format(
         "{}: in their quietest second the gyros scatter by {:.2g} deg/s from sample to sample, "
-        "where the IMU's grade makes {:.2g} deg/s. {} If they are {:.0f} times as good as their "
-        "grade, state their figures as grade.",
+        "where the IMU's grade makes {:.2g} deg/s. {}",
         std::filesystem::path(stated.file).filename().string(),
         Angle::from_radians(*noise_rad_s).degrees(), Angle::from_radians(expected_rad_s).degrees(),
-        stated.gyro_unit == "deg/s" ? "Write gyro_unit: rad/s in imu, if the file has radians."
-                                    : "Correct gyro_unit, gyro_scale or the columns of the gyros.",
-        expected_rad_s / std::max(*noise_rad_s, 1e-9 * expected_rad_s));
+        *noise_rad_s < dead * expected_rad_s
+            ? "They do not measure, or hold one value. Check the columns of the gyros."
+            : "Check gyro_unit (rad/s or deg/s), gyro_scale and the columns of the gyros. If they "
+              "were filtered or are better than their grade, state their figures as grade.");
 }
 
 }  // namespace runcert

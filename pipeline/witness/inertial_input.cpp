@@ -186,13 +186,21 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
     return input;
 }
 
+double arm_shown_sigma_m(const EstimatedArm& arm) {
+    double sigma_m = 0.0;
+    for (std::size_t k = 0; k < arm.declared.size(); ++k)
+        sigma_m = std::max(
+            {sigma_m, (*arm.sigma)[k], std::abs((*arm.estimated)[k] - arm.declared[k])});
+    return sigma_m;
+}
+
 void take_solution(const AttitudeTable& attitude, InertialSetup& setup) {
     setup.noise = with_likeliest(setup.noise, attitude.noise);
     setup.estimate_time_offset = attitude.time_offset.estimated_s.has_value();
     const EstimatedArm& arm = attitude.antenna;
-    if (arm.sigma && arm.used != arm.declared) {
+    if (arm.used != arm.declared) {
         setup.antenna_m = vector_of(arm.used);
-        setup.antenna_sigma_m = std::ranges::max(*arm.sigma);
+        setup.antenna_sigma_m = arm_shown_sigma_m(arm);
     }
     SolvedBefore& before = setup.before.emplace();
     // The estimator says how late the samples still are.

@@ -44,6 +44,10 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                              const std::optional<SecondAntenna>& second,
                              const Triangulation* surface = nullptr);
 
+/// Standard uncertainty of each component of an arm taken from the motion: what it differs from the
+/// one stated, and no less than it is known to.
+double arm_shown_sigma_m(const EstimatedArm& arm);
+
 /// Sets the solution of 4-attitude, about which one pass is enough: its noise, time offset, states,
 /// and start where that came from a surface.
 void take_solution(const AttitudeTable& attitude, InertialSetup& setup);

@@ -143,7 +143,7 @@ Block stand_table(const std::vector<Stand>& stands) {
     for (const Stand& stand : stands)
         add_row(table_of_stands,
                 {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
-                 std::string(to_text(stand.shown_by)), millimetres(stand.moved_m),
+                 std::string(words_of(stand.shown_by)), millimetres(stand.moved_m),
                  millimetres(stand.stated_m)});
     return table_of_stands;
 }

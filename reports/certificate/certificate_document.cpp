@@ -30,6 +30,7 @@ std::string clause_name(const std::string& clause) {
     // Ids never change; what they are called in the field's terms may.
     if (clause == "kind-of-solution") return "Fix type";
     if (clause == "positions-on-the-earth") return "Geodetic coordinates";
+    if (clause == "imu-as-measured") return "IMU as measured";
     std::string name = clause;
     std::ranges::replace(name, '-', ' ');
     return capitalised(name);

@@ -95,10 +95,12 @@ std::string point_words(const RuleView& rule) {
     if (counted_point == SpeedOf::reference_point)
         return fmt::format("{}; the antenna made {}", point,
                            speed_beside(rule.verdict, *points.antenna_speed_m_s, rule.unit().name));
-    return fmt::format(
-        "{}; the craft's reference point made {}", point,
-        speed_with_uncertainty_text(*points.reference_point_speed_m_s,
-                                    *points.reference_point_expanded_uncertainty_m_s, rule.unit()));
+    const auto beside = [&](double speed_m_s, SafeSide side) {
+        return speed_beside(rule.verdict, speed_m_s, rule.unit().name, side);
+    };
+    return fmt::format("{}; the craft's reference point made {} ± {}", point,
+                       beside(*points.reference_point_speed_m_s, SafeSide::down),
+                       beside(*points.reference_point_expanded_uncertainty_m_s, SafeSide::up));
 }
 
 void add_result(Section& page, const RuleView& rule) {

@@ -310,8 +310,11 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));
     const bool alone = !context.observed && context.profile.speed_source == SpeedSource::position;
+    const char* const by = context.profile.speed_of == SpeedOf::reference_point
+                               ? "By positions and the motion of the antenna on the craft, the"
+                               : "By positions alone, the";
     const auto sentence = [&](const char* finding) {
-        return fmt::format("{} {}: {}", alone ? "By positions alone, the" : "The", finding,
+        return fmt::format("{} {}: {}", alone ? by : "The", finding,
                            figures);
     };
     switch (outcome) {

@@ -66,8 +66,10 @@ HeightsAbove heights_above(ScreenedTable& screened, const GroundBelow& ground) {
         nearest_m = std::min(nearest_m, (vertex.head<2>() - found.beside.front()).norm());
     throw Failure(ground.place,
                   fmt::format("none of the {} usable positions lies over the surface: its nearest "
-                              "vertex is {} km from the first of them",
-                              found.beside.size(), format_fixed(nearest_m * 1e-3, 1)),
+                              "vertex is {} from the first of them",
+                              found.beside.size(),
+                              nearest_m < 1000.0 ? format_fixed(nearest_m, 0) + " m"
+                                                 : format_fixed(nearest_m * 1e-3, 1) + " km"),
                   "Correct surface: frame, axes, unit or file; or the attempt's origin, where the "
                   "surface is counted from it");
 }
@@ -108,6 +110,22 @@ void refuse_other_datum(const SurfaceComparison& found, double up_m, const Groun
                               format_fixed(ground.undulation_m + up_m, 2)));
 }
 
+/// A surface that most heights contradict says nothing of single ones.
+void refuse_misfit(const HeightsAbove& heights, const SurfaceComparison& found, double removed_m,
+                   const GroundBelow& ground) {
+    const auto contradicted =
+        std::ranges::count_if(heights.over, [&](const HeightAbove& one) {
+            return std::abs(one.distance_m - removed_m) > threshold * one.sigma_m;
+        });
+    if (2 * contradicted <= found.compared) return;
+    throw Failure(ground.place,
+                  fmt::format("{} of {} heights contradict the surface, by a scatter of {} m: it "
+                              "is not the one that the craft ran on",
+                              contradicted, found.compared, format_fixed(found.scatter_m, 2)),
+                  "Correct surface: file, frame, axes, unit or vertical_sd_m; or the recording's "
+                  "stated standard deviations");
+}
+
 void mark(const HeightAbove& one, double rest_m) {
     ScreenedEpoch& row = *one.row;
     row.usable = false;
@@ -140,6 +158,7 @@ std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const Gr
                        ground);
     found.offset_removed = std::abs(found.offset_m) > threshold * found.sigma_offset_m;
     const double removed_m = found.offset_removed ? found.offset_m : 0.0;
+    refuse_misfit(heights, found, removed_m, ground);
     for (const HeightAbove& one : heights.over) {
         const double rest_m = one.distance_m - removed_m;
         if (std::abs(rest_m) <= threshold * one.sigma_m) continue;

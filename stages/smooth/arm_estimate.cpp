@@ -11,6 +11,7 @@ constexpr double freedom_m = 0.5;
 constexpr double least_known_m = 0.15;
 constexpr double as_recorded = 2.0;
 constexpr double beyond_chance = 3.29;
+constexpr double most_m = 1.05;  ///< a metre and what the motion shows it to
 
 LeverArm lever_arm_of(const Eigen::Vector3d& m) {
     return {m.x(), m.y(), m.z()};
@@ -48,18 +49,19 @@ std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& inp
         (sigma.array().square() + input.setup.antenna_sigma_m * input.setup.antenna_sigma_m)
             .sqrt();
     if (((shown - stated).array().abs() <= beyond_chance * combined).all()) return std::nullopt;
+    if ((shown - stated).cwiseAbs().maxCoeff() > most_m) return std::nullopt;
     InertialSetup second = input.setup;
     second.antenna_m = shown;
-    second.antenna_sigma_m = sigma.maxCoeff();
+    second.antenna_sigma_m = arm_shown_sigma_m(arm);
     second.estimate_time_offset = with_offset;
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, second);
     if (!solution.consistency.consistent()) return std::nullopt;
     arm.used = lever_arm_of(shown);
-    notes.push_back(
-        fmt::format("The motion shows the antenna elsewhere than stated, seen from the IMU: {}, "
-                    "standard uncertainties {}. Stated is {}. The solution rests on what the "
-                    "motion shows; measure the distances again.",
-                    arm_text(shown), arm_text(sigma), arm_text(stated)));
+    notes.push_back(fmt::format(
+        "The motion shows the antenna elsewhere than stated. From the IMU it is {} ({} stated), "
+        "with standard uncertainties {}. The attitude rests on what the motion shows, and the "
+        "difference is part of the uncertainty. Measure the distances on the craft again.",
+        arm_text(shown), arm_text(stated), arm_text(sigma)));
     return solution;
 }
 

@@ -17,9 +17,13 @@ namespace runcert {
 /// was too small by two and more.)
 ///
 /// Where a component differs from that stated by more than both uncertainties explain (3.29 of
-/// their combined standard uncertainty), a second run rests on the arm shown. Its solution is
-/// returned if it is consistent, with a sentence for the report in `notes`; otherwise the arm
-/// stated stays, and nothing is returned.
+/// their combined standard uncertainty) and by a metre at most, a second run rests on the arm
+/// shown. Its solution is returned if it is consistent, with a sentence for the report in `notes`;
+/// otherwise the arm stated stays, and nothing is returned.
+///
+/// Motion shows where the antenna is, not what was measured wrong: the antenna's place or the
+/// IMU's, from which the reference point was measured, too. The whole difference is therefore part
+/// of the uncertainty of the arm used (`arm_shown_sigma_m`). Beyond a metre somebody must measure.
 std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& input,
                                                         const InertialSolution& as_stated,
                                                         EstimatedArm& arm,

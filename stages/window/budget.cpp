@@ -257,7 +257,7 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
     rows.push_back(speed_row(
         "a", "lever arm between antenna and reference point", "B", craft.arm_m_s,
         independent_of_other_rows,
-        fmt::format("each of its components measured to {:.3f} m; the reference point is {:+.4f} "
+        fmt::format("each of its components known to {:.3f} m; the reference point is {:+.4f} "
                     "m/s faster than the antenna",
                     craft.arm_sigma_m, craft.speed_m_s)));
     rows.push_back(speed_row("y", "attitude of the craft", "A", craft.attitude_m_s,

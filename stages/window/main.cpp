@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -30,6 +33,7 @@ struct ReceiverTables {
     std::optional<ImuTable> imu = {};
     /// By IMU and positions; empty if there is no solution. Null without an IMU.
     std::shared_ptr<const InertialSolution> inertial = nullptr;
+    std::vector<std::string> attitude_notes = {};
     std::vector<StillSpan> still = {};  ///< where the IMU felt that the craft stood
 };
 
@@ -92,8 +96,10 @@ void solve_imus(StageRun& run, std::vector<ReceiverTables>& tables) {
         InertialInput input =
             inertial_input(*tables[i].imu, tables[i].screened, tables[i].trajectory, second);
         tables[i].still = still_by_imu(input, tables[i].trajectory);
-        tables[i].inertial = inertial_solution(
-            std::move(input), run.read(products::attitude, attempt.receivers[i], read_attitude));
+        const AttitudeTable attitude =
+            run.read(products::attitude, attempt.receivers[i], read_attitude);
+        tables[i].attitude_notes = attitude.notes;
+        tables[i].inertial = inertial_solution(std::move(input), attitude);
     }
 }
 
@@ -146,6 +152,8 @@ int main(int argc, char** argv) {
                     add_craft_speeds(*tables[i].inertial, profiles, windows);
                     add_headings(*tables[i].inertial, windows);
                 }
+                std::ranges::copy(tables[i].attitude_notes,
+                                  std::back_inserter(windows.witness_notes));
                 // Each file depends on the data of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));

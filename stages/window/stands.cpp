@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
+#include "motion/motion_model.h"
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
@@ -16,6 +17,7 @@ constexpr double wheel_turns_m_s = 0.01;
 constexpr double longest_step_s = 1.0;
 constexpr double least_by_wheel_s = 10.0;
 constexpr double left_out_by_wheel_s = 1.0;
+constexpr double standing_below_m_s = 0.2;
 constexpr double within_m = 1.0;
 constexpr double least_by_positions_s = 30.0;
 constexpr double left_out_by_positions_s = 5.0;
@@ -74,43 +76,90 @@ std::vector<Stand> stands_by_positions(const TrajectoryTable& trajectory) {
     return stands;
 }
 
-/// What the measured positions of one fix type moved over a lag while the craft stood, of an axis.
+/// What the measured positions moved over a lag while the craft stood, of an axis.
 struct Movement {
     std::int64_t pairs = 0;
     double squares_m2 = 0.0;  ///< sum over the pairs, mean of the axes
     double stated_m2 = 0.0;   ///< the same of their stated variances
+    double drift_m_s = 0.0;   ///< steady movement, horizontally or up: it is not in the squares
+};
+
+/// Position of an epoch that counts, with its stated variance.
+template <int Axes>
+struct StandingPosition {
+    const ScreenedEpoch* row = nullptr;
+    double time_s = 0.0;
+    PositionVector<Axes> position = PositionVector<Axes>::Zero();
 };
 
 template <int Axes>
-Movement movement_in(const ScreenedTable& screened, const Stand& stand,
-                     std::optional<FixType> fix, double lag_s) {
-    const auto& rows = screened.rows;
-    const double half_step_s = 0.5 * screened.facts.nominal_interval_s;
+std::vector<StandingPosition<Axes>> positions_in(const ScreenedTable& screened, const Stand& stand,
+                                                 std::optional<FixType> fix) {
+    std::vector<StandingPosition<Axes>> positions;
     const auto seconds = [](const ScreenedEpoch& row) { return row.time.seconds(); };
-    const auto counts = [&](const ScreenedEpoch& row) {
-        return row.usable && (!fix || row.fix == *fix) && (Axes == 2 || row.up_m.has_value());
-    };
-    Movement movement;
-    auto later = std::ranges::lower_bound(rows, stand.from_s, {}, seconds);
-    for (auto earlier = later; earlier != rows.end(); ++earlier) {
-        const double to_s = seconds(*earlier) + lag_s;
-        while (later != rows.end() && seconds(*later) < to_s - half_step_s)
-            ++later;
-        if (later == rows.end() || seconds(*later) > stand.to_s) break;
-        if (!counts(*earlier) || !counts(*later) || earlier->fix != later->fix ||
-            earlier->arc != later->arc || seconds(*later) > to_s + half_step_s)
-            continue;
+    for (auto row = std::ranges::lower_bound(screened.rows, stand.from_s, {}, seconds);
+         row != screened.rows.end() && seconds(*row) <= stand.to_s; ++row) {
+        if (!row->usable || (fix && row->fix != *fix) || (Axes == 1 && !row->up_m)) continue;
+        auto& one = positions.emplace_back();
+        one.row = &*row;
+        one.time_s = seconds(*row);
         if constexpr (Axes == 2)
-            movement.squares_m2 += 0.5 * (std::pow(*later->east_m - *earlier->east_m, 2) +
-                                          std::pow(*later->north_m - *earlier->north_m, 2));
+            one.position = {*row->east_m, *row->north_m};
         else
-            movement.squares_m2 += std::pow(*later->up_m - *earlier->up_m, 2);
-        movement.stated_m2 += (stated_covariance<Axes>(*earlier).trace() +
-                               stated_covariance<Axes>(*later).trace()) /
+            one.position(0) = *row->up_m;
+    }
+    return positions;
+}
+
+/// Velocity by a straight line through the positions.
+template <int Axes>
+PositionVector<Axes> steady_movement(const std::vector<StandingPosition<Axes>>& positions) {
+    double mean_s = 0.0, square_s2 = 0.0;
+    for (const auto& one : positions)
+        mean_s += one.time_s / static_cast<double>(positions.size());
+    PositionVector<Axes> sum = PositionVector<Axes>::Zero();
+    for (const auto& one : positions) {
+        sum += (one.time_s - mean_s) * (one.position - positions.front().position);
+        square_s2 += (one.time_s - mean_s) * (one.time_s - mean_s);
+    }
+    if (!(square_s2 > 0.0)) return PositionVector<Axes>::Zero();
+    return sum / square_s2;
+}
+
+template <int Axes>
+Movement movement_in(const ScreenedTable& screened, const Stand& stand, std::optional<FixType> fix,
+                     double lag_s) {
+    const double half_step_s = 0.5 * screened.facts.nominal_interval_s;
+    const auto positions = positions_in<Axes>(screened, stand, fix);
+    const PositionVector<Axes> steady = steady_movement<Axes>(positions);
+    Movement movement;
+    movement.drift_m_s = steady.norm();
+    std::size_t k = 0;
+    for (const auto& earlier : positions) {
+        while (k < positions.size() && positions[k].time_s < earlier.time_s + lag_s - half_step_s)
+            ++k;
+        if (k == positions.size()) break;
+        const auto& later = positions[k];
+        const double apart_s = later.time_s - earlier.time_s;
+        if (apart_s > lag_s + half_step_s || earlier.row->fix != later.row->fix ||
+            earlier.row->arc != later.row->arc)
+            continue;
+        movement.squares_m2 +=
+            (later.position - earlier.position - apart_s * steady).squaredNorm() / Axes;
+        movement.stated_m2 += (stated_covariance<Axes>(*earlier.row).trace() +
+                               stated_covariance<Axes>(*later.row).trace()) /
                               Axes;
         ++movement.pairs;
     }
     return movement;
+}
+
+/// Whether the smoothed positions are slow all through a stand.
+bool is_slow(const TrajectoryTable& trajectory, const Stand& stand) {
+    return std::ranges::none_of(trajectory.rows, [&](const TrajectoryEpoch& row) {
+        return row.time.seconds() >= stand.from_s && row.time.seconds() <= stand.to_s &&
+               row.speed_m_s && *row.speed_m_s >= standing_below_m_s;
+    });
 }
 
 }  // namespace
@@ -118,12 +167,16 @@ Movement movement_in(const ScreenedTable& screened, const Stand& stand,
 std::vector<Stand> stands_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<StillSpan>& by_imu, const MeasuredSeries* wheel) {
     std::vector<Stand> stands = stands_by_imu(by_imu);
-    if (stands.empty() && wheel) stands = stands_by_wheel(*wheel);
+    if (stands.empty() && wheel) {
+        stands = stands_by_wheel(*wheel);
+        std::erase_if(stands, [&](const Stand& stand) { return !is_slow(trajectory, stand); });
+    }
     if (stands.empty()) stands = stands_by_positions(trajectory);
     for (Stand& stand : stands) {
         const Movement moved = movement_in<2>(screened, stand, std::nullopt, stated_lag_s);
         stand.pairs = moved.pairs;
         if (moved.pairs == 0) continue;
+        stand.drift_m_s = moved.drift_m_s;
         stand.moved_m = std::sqrt(moved.squares_m2 / static_cast<double>(moved.pairs));
         stand.stated_m = std::sqrt(moved.stated_m2 / static_cast<double>(moved.pairs));
     }
@@ -150,8 +203,7 @@ std::optional<double> standing_error_m(const ScreenedTable& screened,
 }
 
 std::string standing_text(const std::vector<Stand>& stands) {
-    double lasted_s = 0.0, moved_m2 = 0.0, stated_m2 = 0.0;
-    double pairs = 0.0;
+    double lasted_s = 0.0, moved_m2 = 0.0, stated_m2 = 0.0, pairs = 0.0, drift_m_s = 0.0;
     for (const Stand& stand : stands) {
         if (!stand.moved_m) continue;
         const auto weight = static_cast<double>(stand.pairs);
@@ -159,33 +211,38 @@ std::string standing_text(const std::vector<Stand>& stands) {
         moved_m2 += weight * *stand.moved_m * *stand.moved_m;
         stated_m2 += weight * *stand.stated_m * *stand.stated_m;
         pairs += weight;
+        drift_m_s = std::max(drift_m_s, *stand.drift_m_s);
     }
-    if (pairs == 0.0) return {};
+    if (lasted_s < fewest_spans * stated_lag_s) return {};
     // Two axes, and pairs that overlap count once.
     const int independent = std::max(1, static_cast<int>(2.0 * lasted_s / stated_lag_s));
-    const bool more = moved_m2 > stated_m2 * chi_squared_upper_quantile(by_chance_standing,
-                                                                       independent) /
-                                     independent;
+    const bool more =
+        moved_m2 >
+        stated_m2 * chi_squared_upper_quantile(by_chance_standing, independent) / independent;
     const bool alone = stands.front().shown_by == StandSource::positions;
+    const bool drifts = drift_m_s * stated_lag_s > std::sqrt(stated_m2 / pairs);
     if (alone && !more) return {};
-    const std::string figures = fmt::format(
-        "Over {:g} s they moved by {:.1f} mm in each horizontal axis (root mean square); their "
-        "stated standard deviations make {:.1f} mm.",
-        stated_lag_s, 1e3 * std::sqrt(moved_m2 / pairs), 1e3 * std::sqrt(stated_m2 / pairs));
-    const std::string stood =
+    std::string text =
         alone ? fmt::format("For {:.0f} s the positions stayed within a metre.", lasted_s)
-              : fmt::format("By its {} the craft stood for {:.0f} s, and its positions show their "
-                            "errors alone there.",
+              : fmt::format("By its {} the craft stood for {:.0f} s.",
                             stands.front().shown_by == StandSource::imu ? "IMU" : "wheel",
                             lasted_s);
-    const std::string_view said =
-        more ? (alone ? " Either the craft moved, or they err by more than they state."
-                      : " They err by more than they state. The bound on their time-correlated "
-                        "error is at least what they show there.")
-        : moved_m2 < held_share * held_share * stated_m2
-            ? " Receivers hold positions at rest, so this tells little of their errors at speed."
-            : "";
-    return fmt::format("{} {}{}", stood, figures, said);
+    if (drifts)
+        text += fmt::format(
+            " Its positions moved steadily there, by up to {:.3f} m/s: the craft crept, or they "
+            "drift.",
+            drift_m_s);
+    text += fmt::format(
+        " Over {:g} s they moved {}by {:.1f} mm in each horizontal axis (root mean square). Their "
+        "stated standard deviations make {:.1f} mm.",
+        stated_lag_s, drifts ? "beyond that " : "", 1e3 * std::sqrt(moved_m2 / pairs),
+        1e3 * std::sqrt(stated_m2 / pairs));
+    if (more)
+        text += alone ? " Either the craft moved, or they err by more than they state."
+                      : " They err by more than they state.";
+    else if (moved_m2 < held_share * held_share * stated_m2)
+        text += " Receivers hold positions at rest, so this tells little of errors at speed.";
+    return text;
 }
 
 template std::optional<double> standing_error_m<1>(const ScreenedTable&, const std::vector<Stand>&,

@@ -107,7 +107,7 @@ class MastExample {
         ASSERT_TRUE(best.points.reference_point_speed_m_s);
         const double found_m_s = *best.points.reference_point_speed_m_s;
         const double expanded_m_s = *best.points.reference_point_expanded_uncertainty_m_s;
-        EXPECT_LT(expanded_m_s, 0.016);
+        EXPECT_LT(expanded_m_s, 0.012);
         EXPECT_NEAR(found_m_s, craft_m_s, expanded_m_s);
         EXPECT_LT(found_m_s + expanded_m_s, required_m_s - 0.1);
         EXPECT_GT(best.speed_m_s - 2.0 * best.standard_uncertainty_m_s, required_m_s + 0.1);
@@ -119,6 +119,7 @@ class MastExample {
     std::vector<std::map<std::string, double>> truth_;
 };
 
+const Changes of_the_craft{{"  - nalsa\n", "  - nalsa-of-the-craft.yaml\n"}};
 const std::string roll = "roll: {amplitude_deg: 10";
 const std::string imu = "imu: {grade: mems, rate_hz: 50}";
 
@@ -183,7 +184,26 @@ TEST(MastExample, AnArmThatIsStatedWrongIsTakenFromTheMotion) {
         ASSERT_EQ(attitude.notes.size(), 1U);
         EXPECT_NE(attitude.notes[0].find("The motion shows the antenna elsewhere than stated"),
                   std::string::npos);
-        example.expect_both_speeds();
+        // The tape may have been wrong to the antenna or to the IMU: the interval has both.
+        const CertifiableWindow best = example.window();
+        ASSERT_TRUE(best.points.reference_point_speed_m_s);
+        EXPECT_NEAR(*best.points.reference_point_speed_m_s,
+                    example.true_speed_m_s(best.span, "reference_"),
+                    *best.points.reference_point_expanded_uncertainty_m_s);
+        EXPECT_GT(*best.points.reference_point_expanded_uncertainty_m_s, 0.03);
+    }
+}
+
+// Who says that the IMU is up the mast makes the hull's motion that of a point higher up.
+TEST(MastExample, AnImuThatIsNotWhereItIsStatedBeatsNothing) {
+    for (const auto& [antenna, point] : {std::pair("-9", "1"), std::pair("-5", "5"),
+                                         std::pair("0", "10")}) {
+        SCOPED_TRACE(antenna);
+        const MastExample example(
+            {}, {of_the_craft[0],
+                 {"down: -10.0", std::string("down: ") + antenna},
+                 {"down: 0.0\norigin", std::string("down: ") + point + "\norigin"}});
+        EXPECT_NE(example.verdict()["outcome"].text(), "beaten");
     }
 }
 
@@ -215,7 +235,6 @@ TEST(MastExample, WithoutAnImuNothingIsBeaten) {
               window.speed_m_s - example.true_speed_m_s(window.span, "reference_"));
 }
 
-const Changes of_the_craft{{"  - nalsa\n", "  - nalsa-of-the-craft.yaml\n"}};
 
 // A rule that counts the craft, with a wrong tape, a late clock and no IMU.
 TEST(MastExample, UnderARuleOfTheCraftNothingIsBeaten) {

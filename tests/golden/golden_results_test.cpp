@@ -31,6 +31,7 @@ TEST(GoldenWindows, SayWhereTheCraftStood) {
     EXPECT_EQ(stand.to_s, 41.5);
     EXPECT_EQ(stand.shown_by, StandSource::imu);
     EXPECT_EQ(stand.pairs, 352);
+    EXPECT_EQ(stand.drift_m_s, 0.0015);
     EXPECT_EQ(stand.moved_m, 0.0075);
     EXPECT_EQ(stand.stated_m, 0.014142);
     EXPECT_EQ(windows.profiles[0].best->bound->standing_m, 0.0065);

@@ -62,10 +62,17 @@ TEST(Stands, ShowTheSizeOfACorrelatedError) {
     EXPECT_LT(*error_of({}), 0.003);
 }
 
-TEST(Stands, ShowADriftByWhatItAddsInTheWindowsTime) {
-    // 20 mm/s over 3 s are 60 mm.
-    EXPECT_NEAR(*error_of({.drift_m_s = 0.020}), 0.060 / std::sqrt(2.0), 0.002);
-    EXPECT_NEAR(*error_of({.drift_m_s = 0.020}, 10.0), 0.200 / std::sqrt(2.0), 0.002);
+// A craft that creeps looks as positions that drift do.
+TEST(Stands, ASteadyMovementIsSaidAndTakenOff) {
+    const ScreenedTable table = table_of({.drift_m_s = 0.020});
+    const auto stands = stands_in(table);
+    EXPECT_NEAR(*stands[0].drift_m_s, 0.020 * std::sqrt(2.0), 0.0005);
+    EXPECT_NEAR(*stands[0].moved_m, std::sqrt(2.0) * stated_m, 0.002);
+    EXPECT_LT(*standing_error_m<2>(table, stands, FixType::fixed, 3.0, 1.0), 0.003);
+    EXPECT_NE(standing_text(stands).find("by up to 0.028 m/s: the craft crept, or they drift"),
+              std::string::npos)
+        << standing_text(stands);
+    EXPECT_EQ(standing_text(stands_in(table_of({}))).find("crept"), std::string::npos);
 }
 
 TEST(Stands, TheScaleOfTheWhiteNoiseIsTakenOff) {
@@ -97,7 +104,7 @@ TEST(Stands, OnlyUsableEpochsOfTheWindowsFixTypeCount) {
 }
 
 TEST(Stands, StandsByPositionsAloneDecideNothing) {
-    const ScreenedTable table = table_of({.drift_m_s = 0.005});
+    const ScreenedTable table = table_of({.correlated_m = 0.050});
     TrajectoryTable trajectory;
     for (const ScreenedEpoch& epoch : table.rows) {
         TrajectoryEpoch& row = trajectory.rows.emplace_back();
@@ -130,6 +137,14 @@ TEST(Stands, AWheelThatDoesNotTurnShowsAStand) {
     EXPECT_NEAR(stands[0].to_s, 49.0, 1e-9);
     EXPECT_NEAR(*stands[0].moved_m, *stands[0].stated_m, 0.002);
     EXPECT_NEAR(*stands[0].stated_m, std::sqrt(2.0) * stated_m, 1e-12);
+    // One that is dead, or counts from some speed on, is found out by the positions.
+    TrajectoryTable trajectory;
+    for (const ScreenedEpoch& epoch : table.rows) {
+        TrajectoryEpoch& row = trajectory.rows.emplace_back();
+        row.time = epoch.time;
+        row.speed_m_s = epoch.time.seconds() > 30.0 ? 1.5 : 0.0;
+    }
+    EXPECT_TRUE(stands_of(table, trajectory, {}, &wheel).empty());
 }
 
 TEST(Stands, TheSentenceSaysWhetherTheStatedAccuracyHolds) {
@@ -138,7 +153,7 @@ TEST(Stands, TheSentenceSaysWhetherTheStatedAccuracyHolds) {
     };
     EXPECT_EQ(text({}).find("err by more"), std::string::npos) << text({});
     EXPECT_NE(text({}).find("By its IMU the craft stood for 99 s"), std::string::npos);
-    EXPECT_NE(text({.drift_m_s = 0.01}).find("err by more than they state"), std::string::npos);
+    EXPECT_NE(text({.correlated_m = 0.05}).find("err by more than they state"), std::string::npos);
     EXPECT_NE(text({.white_m = 0.001}).find("hold positions at rest"), std::string::npos);
     int wrong = 0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed)
@@ -146,6 +161,7 @@ TEST(Stands, TheSentenceSaysWhetherTheStatedAccuracyHolds) {
                  std::string::npos;
     EXPECT_LE(wrong, 2);  // one in a thousand each; three by chance once in 900 such tests
     EXPECT_EQ(standing_text({}), "");
+    EXPECT_EQ(standing_text(stands_in(table_of({}), {{0.0, 14.0}})), "");
 }
 
 TEST(Stands, WhatTheyShowIsTheBoundWhereItIsTheLargest) {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double second_s = 1.0;
 constexpr double moving_m_s = 1.0;
-constexpr double standing_m_s = 0.5;
+constexpr double standing_m_s = 0.2;
 constexpr double of_moving = 0.5;
 constexpr double of_quietest = 4.0;
 constexpr std::size_t quietest = 10;  ///< one in so many

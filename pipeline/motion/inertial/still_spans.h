@@ -20,7 +20,8 @@ struct StillSpan {
 /// while the craft moves (by more than 1 m/s), and by less than four times that of the quietest
 /// tenth of the recording. An IMU that feels the same at speed shows nothing. Three seconds at
 /// both ends are left out, and what remains lasts 10 s or more. `speed_m_s` gives the craft's speed
-/// at a time, NaN where it is unknown; at 0.5 m/s and more it does not stand.
+/// at a time, NaN where it is unknown; at 0.2 m/s and more it does not stand. No IMU feels a craft
+/// that creeps steadily on smooth ground.
 std::vector<StillSpan> still_spans(std::span<const ImuSample> samples,
                                    const std::function<double(double)>& speed_m_s);
 

@@ -226,6 +226,22 @@ TEST(Heights, OfTheGroundAreThoseOfTheSurfaceWhereThereIsOne) {
     EXPECT_FALSE(contains(slope.evidence, "by the surface"));
 }
 
+TEST(Heights, ASurfaceThatSomeContradictDecidesNothing) {
+    RuleScene scene(with_limit("slope", 3.0, "%"));
+    scene.judged.ground = ground_under_the_scene(0.02);
+    ASSERT_EQ(scene.clause("slope").status, RequirementStatus::met);
+    scene.judged.tests.surface = SurfaceComparison{.compared = 400, .rejected = 12};
+    const Requirement slope = scene.clause("slope");
+    EXPECT_EQ(slope.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(slope.evidence, "12 of 400 heights of the recording contradict the"))
+        << slope.evidence;
+    scene.use(with_limit("flatness", 100.0, "m"));
+    EXPECT_EQ(scene.clause("flatness").status, RequirementStatus::attest);
+    // What is not met is not met.
+    scene.use(with_limit("slope", 1.0, "%"));
+    EXPECT_EQ(scene.clause("slope").status, RequirementStatus::not_met);
+}
+
 TEST(Heights, HaveTheSlowErrorThatTheirNoiseOrItsBoundTells) {
     RuleScene scene(with_limit("flatness", 1.0, "m"));
     scene.best().bound.emplace().sigma_m = 0.1;
@@ -267,6 +283,14 @@ TEST(StandingStart, IsMetNotMetOrNotSeen) {
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = 0.4;
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
+}
+
+TEST(StandingStart, OfTheCraftIsForAPersonWhereTheAntennaSwings) {
+    RuleScene scene(profile_text(clause_text("standing_start"), "speed_of: reference_point\n"));
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "of the antenna, which may swing"));
 }
 
 TEST(StandingStart, ThatTheRecordingDoesNotHoldIsForAPerson) {

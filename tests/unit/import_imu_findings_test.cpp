@@ -59,7 +59,9 @@ TEST(ImuGyros, ThatAreFarTooQuietForTheirGradeAreNoted) {
         receiver.imu->gyro_unit = "deg/s";
         const std::string said = said_of_quiet_gyros(receiver, turning_slowly(walk, 1.0));
         EXPECT_TRUE(has(said, "imu.csv: in their quietest second the gyros scatter by")) << said;
-        EXPECT_TRUE(has(said, "Write gyro_unit: rad/s in imu")) << said;
+        EXPECT_TRUE(has(said, "Check gyro_unit (rad/s or deg/s)")) << said;
+        const std::string dead = said_of_quiet_gyros(receiver, turning_slowly(walk, 0.0));
+        EXPECT_TRUE(has(dead, "They do not measure, or hold one value")) << dead;
     }
     // Increments have the noise of a rate times the interval.
     Receiver increments = imu_receiver();

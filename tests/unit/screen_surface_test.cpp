@@ -193,6 +193,14 @@ TEST(SurfaceCheck, AnotherSurfaceIsRefused) {
     for (std::size_t k = 0; k < 100; ++k)
         *table.rows[k].up_m += 0.1 * static_cast<double>(k);
     EXPECT_TRUE(says(refused(table, strip()), "not the surface that the craft ran on"));
+    // One whose median fits, and most of it not.
+    table = run_over_it(100);
+    for (std::size_t k = 0; k < 100; ++k)
+        *table.rows[k].up_m += 0.02 * (static_cast<double>(k) - 50.0);
+    const std::string misfit = refused(table, strip());
+    EXPECT_TRUE(says(misfit, "of 100 heights contradict the surface, by a scatter of 0.7"))
+        << misfit;
+    EXPECT_TRUE(says(misfit, "it is not the one that the craft ran on")) << misfit;
 }
 
 TEST(SurfaceCheck, OutsideOfTheSurfaceNothingIsSaid) {

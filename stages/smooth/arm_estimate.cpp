@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "core/text.h"
 
 namespace runcert {
@@ -12,6 +15,24 @@ constexpr double least_known_m = 0.15;
 constexpr double as_recorded = 2.0;
 constexpr double beyond_chance = 3.29;
 constexpr double most_m = 1.05;  ///< a metre and what the motion shows it to
+
+/// Positions that show the arm as well as all do, at a tenth of the time.
+constexpr std::size_t enough = 3000;
+
+/// The positions around the fastest one.
+std::span<const PositionFix> fast_part(const InertialInput& input,
+                                       const InertialSolution& solution) {
+    const std::span<const PositionFix> all(input.fixes);
+    if (all.size() <= enough || solution.epochs.empty()) return all;
+    const auto fastest =
+        std::ranges::max_element(solution.epochs, {}, [](const InertialEpoch& epoch) {
+            return epoch.antenna.velocity_m_s.head<2>().squaredNorm();
+        });
+    const auto at = std::ranges::lower_bound(all, fastest->time_s, {}, &PositionFix::time_s);
+    const auto middle = static_cast<std::size_t>(at - all.begin());
+    const std::size_t first = std::min(middle - std::min(middle, enough / 2), all.size() - enough);
+    return all.subspan(first, enough);
+}
 
 LeverArm lever_arm_of(const Eigen::Vector3d& m) {
     return {m.x(), m.y(), m.z()};
@@ -37,7 +58,8 @@ std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& inp
         setup.noise = as_stated.noise;
         setup.fit_noise = false;
     }
-    const InertialSolution free = smooth_inertial(input.samples, input.fixes, setup);
+    const InertialSolution free =
+        smooth_inertial(input.samples, fast_part(input, as_stated), setup);
     const Eigen::Vector3d shown = free.antenna_m.value;
     const Eigen::Vector3d sigma = as_recorded * free.antenna_m.sigma;
     if (!free.consistency.consistent() || sigma.maxCoeff() > least_known_m) return std::nullopt;

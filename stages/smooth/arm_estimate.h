@@ -11,10 +11,10 @@
 namespace runcert {
 
 /// Estimates the arm from the IMU to the antenna beside its attitude, about the arm stated and with
-/// half a metre of freedom in each component, and states it in `arm` where the motion shows it: the
-/// solution is consistent, the craft rolls or pitches, and each component is known to 0.15 m. Its
-/// standard uncertainty is twice the formal one. (On recorded drives with a MEMS IMU the formal one
-/// was too small by two and more.)
+/// half a metre of freedom in each component, by up to 3,000 positions around the fastest, and
+/// states it in `arm` where the motion shows it: the solution is consistent, the craft rolls or
+/// pitches, and each component is known to 0.15 m. Its standard uncertainty is twice the formal
+/// one. (On recorded drives with a MEMS IMU the formal one was too small by two and more.)
 ///
 /// Where a component differs from that stated by more than both uncertainties explain (3.29 of
 /// their combined standard uncertainty) and by a metre at most, a second run rests on the arm

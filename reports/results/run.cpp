@@ -15,12 +15,15 @@ std::string witness_text(const WitnessedSpeed& one, const RuleView& rule) {
     const auto uncertainty = [&](double uncertainty_m_s) {
         return fmt::format("{} {}", uncertainty_text(uncertainty_m_s * unit.per_m_s), unit.name);
     };
+    const SpeedsToShow other{
+        .speed_m_s = one.speed_m_s,
+        .expanded_uncertainty_m_s = rule.verdict.coverage_factor * one.standard_uncertainty_m_s};
+    const ComparedSpeeds shown =
+        compared_in(unit, other, one.speed_m_s + one.difference_m_s, rule.shown());
     return fmt::format(
-        "{}, {} {} than by positions; the two {} (normalised error {:.2f}, at most 1). Beside it "
+        "{}, {} against the positions; the two {} (normalised error {:.2f}, at most 1). Beside it "
         "errors of the positions of any kind change the speed by {} at most (k = 2)",
-        speed_with_uncertainty_text(
-            one.speed_m_s, rule.verdict.coverage_factor * one.standard_uncertainty_m_s, unit),
-        uncertainty(std::abs(one.difference_m_s)), one.difference_m_s < 0.0 ? "more" : "less",
+        shown.other, shown.difference,
         contradicts(one) ? "contradict one another" : "agree", one.normalised_error,
         uncertainty(largest_error_beside(one)));
 }

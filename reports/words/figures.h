@@ -123,6 +123,20 @@ std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
                          SafeSide side = SafeSide::down);
 
+/// What one shown figure is more than another, with its sign: "+0.02", "0.00".
+std::string signed_difference(std::string_view figure, std::string_view less);
+
+/// A speed that another measurement gives, and the one that it is compared with, as they are shown:
+/// with the decimals that the uncertainties of both justify. The difference is that of what is
+/// shown.
+struct ComparedSpeeds {
+    std::string other;       ///< "216.07 km/h ± 0.15 km/h"
+    std::string judged;      ///< "216.00 km/h"
+    std::string difference;  ///< "+0.07 km/h": of the other, less the judged one
+};
+ComparedSpeeds compared_in(const SpeedUnit& unit, const SpeedsToShow& other, double judged_m_s,
+                           const ShownFigures& page);
+
 /// "232.17 km/h ± 0.17 km/h".
 std::string measured_speed_text(const ShownFigures& shown);
 /// The same with the coverage factor: "232.17 km/h ± 0.17 km/h (k = 2)".

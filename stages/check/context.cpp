@@ -177,12 +177,6 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-/// What one shown figure is more than another, with its sign: "+0.02", "0.00".
-std::string signed_difference(std::string_view figure, std::string_view less) {
-    const std::string text = shown_difference(figure, less);
-    const bool more = text.find_first_of("123456789") != std::string::npos && text[0] != '-';
-    return (more ? "+" : "") + text;
-}
 
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
 /// nothing.
@@ -225,18 +219,9 @@ ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
                       : shown_in({.speed_m_s = judged_m_s,
                                   .expanded_uncertainty_m_s = other_expanded_uncertainty_m_s},
                                  unit);
-    const int decimals = decimals_of(shown_in(
-        {.speed_m_s = other_m_s, .expanded_uncertainty_m_s = other_expanded_uncertainty_m_s}, unit,
-        decimals_of(page)));
-    const auto shown = [&](SpeedKind kind, double speed_m_s) {
-        return shown_speed(kind, speed_m_s, decimals, unit);
-    };
-    const std::string other = shown(SpeedKind::measured, other_m_s);
-    const std::string judged = shown(SpeedKind::measured, judged_m_s);
-    const std::string uncertainty = shown(SpeedKind::uncertainty, other_expanded_uncertainty_m_s);
-    return {.other = fmt::format("{0} {2} ± {1} {2}", other, uncertainty, unit.name),
-            .judged = fmt::format("{} {}", judged, unit.name),
-            .difference = fmt::format("{} {}", signed_difference(other, judged), unit.name)};
+    return compared_in(
+        unit, {.speed_m_s = other_m_s, .expanded_uncertainty_m_s = other_expanded_uncertainty_m_s},
+        judged_m_s, page);
 }
 
 std::optional<SubtractedCurrent> subtracted_current(const ClauseContext& context) {

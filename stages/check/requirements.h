@@ -87,14 +87,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s,
                           SpeedKind kind = SpeedKind::measured);
 
-/// A speed that another measurement gives, and the one that it is compared with, as they are shown:
-/// in the rule's unit, with the decimals that the uncertainties of both justify. The difference is
-/// that of what is shown.
-struct ComparedSpeeds {
-    std::string other;       ///< "216.07 km/h ± 0.15 km/h"
-    std::string judged;      ///< "216.00 km/h"
-    std::string difference;  ///< "+0.07 km/h": of the other, less the judged one
-};
+/// The same in the rule's unit, beside the verdict's figures (`compared_in`).
 ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
                                double other_expanded_uncertainty_m_s, double judged_m_s);
 

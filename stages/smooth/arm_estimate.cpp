@@ -31,7 +31,10 @@ std::span<const PositionFix> fast_part(const InertialInput& input,
     const auto at = std::ranges::lower_bound(all, fastest->time_s, {}, &PositionFix::time_s);
     const auto middle = static_cast<std::size_t>(at - all.begin());
     const std::size_t first = std::min(middle - std::min(middle, enough / 2), all.size() - enough);
-    return all.subspan(first, enough);
+    const auto part = all.subspan(first, enough);
+    const bool is_reached =
+        positions_within(input.samples, part, input.setup) >= least_positions;
+    return is_reached ? part : all;
 }
 
 LeverArm lever_arm_of(const Eigen::Vector3d& m) {

@@ -27,14 +27,13 @@ struct ImuNoise {
 /// The figures of a class, as data sheets state them. None has noise that grows with motion.
 ImuNoise imu_noise(ImuClass grade);
 
-/// Standard deviation of the scale factors of such a sensor and of the directions of its axes (rad):
-/// 0.0005, 0.005 and 0.01. They are constant, so that for the attitude they hardly differ from a
-/// box that is turned by as much: what they add is an arm to the antenna that errs by this share of
-/// its length.
+/// Standard deviation of the scale factors of such a sensor, and of the directions of its axes
+/// (rad). They are constant, and so hardly differ from a box that is turned by as much: the arm to
+/// the antenna errs by this share of its length.
 double axes_error(ImuClass grade);
 
-/// The figures of a class with random walks and noise that grows with motion as real MEMS sensors on a craft
-/// need them: velocity random walk ten times, angular random walk twice, 0.006 of the motion. On a
+/// Noise with the random walks, and the noise that grows with motion, that real MEMS sensors on a
+/// craft need: velocity random walk ten times, angular random walk twice, 0.006 of the motion. On a
 /// car drive with a MEMS IMU data sheet figures gave innovations whose mean square was 20 times
 /// that stated; these gave 0.6 to 1.1 times.
 ImuNoise on_a_craft(ImuNoise noise);

@@ -20,12 +20,12 @@ constexpr double least_still_s = 10.0;
 constexpr std::size_t fewest_moving = 10;
 constexpr int fewest_samples = 5;
 
-/// Mean and scatter of rate and force over a second.
+/// Scatter of rate and force over a second.
 struct Second {
     double from_s = 0.0;
     double to_s = 0.0;
-    double rate_rad_s = 0.0;   ///< root of the summed variances
-    double force_m_s2 = 0.0;   ///< the same
+    double rate_rad_s = 0.0;  ///< root of the summed variances
+    double force_m_s2 = 0.0;  ///< the same
     double speed_m_s = 0.0;
 };
 

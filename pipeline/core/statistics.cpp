@@ -153,4 +153,8 @@ double median(std::vector<double> values) {
     return 0.5 * *std::max_element(values.begin(), middle) + 0.5 * *middle;
 }
 
+double robust_sd(std::vector<double> absolute, double gain) {
+    return median(std::move(absolute)) / (normal_quantile(0.75) * std::sqrt(gain));
+}
+
 }  // namespace runcert

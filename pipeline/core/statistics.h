@@ -50,4 +50,9 @@ double root_mean_square(std::span<const double> values);
 /// is NaN.
 double median(std::vector<double> values);
 
+/// The standard deviation of a white noise from the lengths of its differences, which have `gain`
+/// times its variance (2 of first differences, 20 of third ones), by their median: robust. Failure
+/// as of `median`.
+double robust_sd(std::vector<double> absolute, double gain);
+
 }  // namespace runcert

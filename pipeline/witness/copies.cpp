@@ -73,7 +73,7 @@ std::optional<WitnessSource> source_by_velocities(const ScreenedTable& screened,
     double before_s = 0.0;
     for (const TimedVelocity<2>& one :
          timed_velocities<2>(screened.rows, directions, screened.facts.nominal_interval_s,
-                             velocities_of_other_moments(screened.rows, screened.basis.velocity))) {
+                             velocities_left_out(screened.rows, screened.basis.velocity, false))) {
         if (!source.positions.empty()) position += (one.time_s - before_s) * one.velocity;
         source.positions.push_back({.time_s = one.time_s, .position = position});
         source.speeds_m_s.push_back({.time_s = one.time_s, .value = one.velocity.norm()});

@@ -42,6 +42,37 @@ std::optional<PositionVector<Axes>> recorded_velocity(
     }
 }
 
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, bool level,
+                                            bool upright) {
+    const bool components =
+        velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s;
+    if (level && !components && !velocity.recorded_speed_m_s) return std::nullopt;
+    if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+    Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+    bool stated = true;
+    const auto take = [&](int axis, const OptionalReal& value, const OptionalReal& sigma) {
+        v(axis) = *value;
+        stated = stated && sigma.has_value();
+        if (sigma) variance(axis) = *sigma * *sigma;
+    };
+    if (level && !components) {
+        // Only the magnitude of the velocity counts here.
+        take(0, velocity.recorded_speed_m_s, velocity.sigma_recorded_speed_m_s);
+    } else if (level) {
+        take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);
+        take(1, velocity.recorded_velocity_north_m_s, velocity.sigma_recorded_velocity_north_m_s);
+    }
+    if (upright)
+        take(2, velocity.recorded_velocity_up_m_s, velocity.sigma_recorded_velocity_up_m_s);
+    RecordedSpeed speed{.speed_m_s = v.norm(), .standard_uncertainty_m_s = std::nullopt};
+    if (stated)
+        speed.standard_uncertainty_m_s =
+            std::sqrt(speed.speed_m_s > 0.0 ? v.cwiseAbs2().dot(variance) / v.squaredNorm()
+                                            : variance.maxCoeff());
+    return speed;
+}
+
 bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows) {
     const auto change = [&](const auto& value_of) {
         OptionalReal first;
@@ -68,6 +99,17 @@ std::vector<bool> velocities_of_other_moments(const std::vector<ScreenedEpoch>& 
             if (rows[i].epoch >= one.first_epoch && rows[i].epoch <= one.last_epoch)
                 others[i] = true;
     return others;
+}
+
+std::vector<bool> velocities_left_out(const std::vector<ScreenedEpoch>& rows,
+                                      const std::optional<VelocityComparison>& velocity,
+                                      bool upright) {
+    std::vector<bool> left_out = velocities_of_other_moments(rows, velocity);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const SpeedTest& test = rows[i].speed_test;
+        if (test.refused && (upright || test.axes == TestedAxes::horizontal)) left_out[i] = true;
+    }
+    return left_out;
 }
 
 namespace {
@@ -168,7 +210,7 @@ std::optional<VelocityWitness<Axes>> velocity_witness(const ScreenedTable& table
     if (!model.is_known()) return std::nullopt;
     auto samples =
         timed_velocities<Axes>(table.rows, directions, table.facts.nominal_interval_s,
-                               velocities_of_other_moments(table.rows, table.basis.velocity));
+                               velocities_left_out(table.rows, table.basis.velocity, Axes == 1));
     if (samples.empty()) return std::nullopt;
     const auto motion =
         std::ranges::find(table.basis.models, tested_axes<Axes>, &ScreeningModel::axes);

@@ -24,6 +24,19 @@ template <int Axes>
 std::optional<PositionVector<Axes>> recorded_velocity(
     const ScreenedEpoch& row, const std::optional<Eigen::Vector2d>& direction);
 
+/// The horizontal speed, vertical speed or speed in space of a velocity, with its first-order
+/// standard uncertainty. The latter is empty if a standard deviation is missing.
+struct RecordedSpeed {
+    double speed_m_s = 0.0;
+    std::optional<double> standard_uncertainty_m_s;
+};
+
+/// The speed from an epoch's recorded velocity, of its horizontal part (`level`), its vertical one
+/// (`upright`) or both; horizontally its recorded speed where it has no course. Empty if a needed
+/// value is missing.
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, bool level,
+                                            bool upright);
+
 /// Whether the recorded velocities ever change. A field that the receiver does not fill never does.
 bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows);
 
@@ -31,6 +44,12 @@ bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows);
 /// velocity belongs to another moment.
 std::vector<bool> velocities_of_other_moments(const std::vector<ScreenedEpoch>& rows,
                                               const std::optional<VelocityComparison>& velocity);
+
+/// The same, or the tests of recorded speeds refused it. A sample that they refuse horizontally is
+/// not used vertically either (`upright`: the vertical rate counts).
+std::vector<bool> velocities_left_out(const std::vector<ScreenedEpoch>& rows,
+                                      const std::optional<VelocityComparison>& velocity,
+                                      bool upright);
 
 /// The recorded velocities of a table, for a witness, without the rows in `left_out`. Rows are in
 /// order of time. Unusable rows are included, because their velocity may be right. A stretch ends

@@ -264,7 +264,7 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
     const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(series.table);
     if (arcs.empty()) return;
     // A manoeuvre of the craft does not change the vector between two antennas.
-    const TestPlan own = plan.without_manoeuvres();
+    const TestPlan own = plan.with_manoeuvres(0.0);
     const EstimationModel model = estimate_model<Axes>(series, length_m, own, config);
     for (const Arc<Axes>& arc : arcs) {
         ArcDecisions decisions = adapt<Axes>(arc.epochs, model, own);

@@ -13,6 +13,7 @@
 #include "stages/screen/epoch_checks.h"
 #include "stages/screen/examination.h"
 #include "stages/screen/innovation_test.h"
+#include "stages/screen/speed_tests.h"
 #include "stages/screen/time_check.h"
 #include "stages/screen/velocity_check.h"
 #include "stages/screen/witness_check.h"
@@ -294,6 +295,8 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = estimate_noises(look, config, basis);
     }
     test_positions(screened, noises, plan, config, basis);
+    basis.speeds = screen_speeds(screened.rows, plan, noises.horizontal.model.motion.jerk_density,
+                                 config, nominal_interval_s);
     if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground);
     Motion motion = check_witnesses_and_limits(
         screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);

@@ -21,9 +21,9 @@ class TestPlan {
     double power() const { return power_; }
     std::size_t burst_epochs_max() const { return burst_epochs_max_; }
     double manoeuvre_max_m_s2() const { return manoeuvre_max_m_s2_; }
-    TestPlan without_manoeuvres() const {
+    TestPlan with_manoeuvres(double max_m_s2) const {
         TestPlan plan = *this;
-        plan.manoeuvre_max_m_s2_ = 0.0;
+        plan.manoeuvre_max_m_s2_ = max_m_s2;
         return plan;
     }
 

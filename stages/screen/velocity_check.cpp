@@ -400,8 +400,9 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     assert(rows.size() == motion.size());
     const Directions directions = directions_of(motion);
     VelocityFindings findings;
-    const auto recorded = std::ranges::count_if(
-        rows, [](const ScreenedEpoch& row) { return recorded_length(row).has_value(); });
+    const auto recorded = std::ranges::count_if(rows, [](const ScreenedEpoch& row) {
+        return recorded_speed(row, true, false).has_value();
+    });
     if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return findings;
     VelocityComparison& comparison = findings.comparison.emplace();
     std::vector<bool> left_out(rows.size(), false);
@@ -421,6 +422,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     left_out = velocities_of_other_moments(rows, comparison);
     const double of_other_moments = share_of(rows, left_out);
     judge();
+    left_out = velocities_left_out(rows, comparison, false);
     const Gathered gathered = gather(rows, motion, directions, left_out);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,
                                        options.delay_max_s, options.nominal_interval_s);
@@ -461,6 +463,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
                 findings.errors.push_back(std::move(*errors));
     comparison.rejected = std::ranges::count_if(
         gathered.recorded, [&](const Knot& knot) { return !rows[knot.row].usable; });
+    left_out = velocities_of_other_moments(rows, comparison);
     judge();
     if (of_other_moments > options.share_max) findings.errors.clear();
     return findings;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "witness/recorded_velocities.h"
 #include "witness/velocity_delay.h"
 
 namespace runcert {
@@ -37,12 +38,6 @@ bool motion_has(const std::vector<ScreenedEpoch>& rows, const Motion& motion, st
 
 }  // namespace
 
-std::optional<double> recorded_length(const RecordedVelocity& row) {
-    if (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s)
-        return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
-    return row.recorded_speed_m_s;
-}
-
 std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& rows,
                                            const Motion& motion, double delay_max_s) {
     std::vector<SpeedPair> pairs;
@@ -52,7 +47,8 @@ std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& row
         if (is_out_of_time(row)) continue;
         SpeedPair& pair = pairs.emplace_back();
         pair.time_s = row.time.seconds();
-        pair.recorded_m_s = recorded_length(row);
+        if (const auto speed = recorded_speed(row, true, false))
+            pair.recorded_m_s = speed->speed_m_s;
         if (row.arc && motion[i]) pair.by_positions_m_s = motion[i]->velocity.norm();
         epochs.push_back(row.epoch);
     }
@@ -74,7 +70,7 @@ std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& row
 double share_of(const std::vector<ScreenedEpoch>& rows, const std::vector<bool>& chosen) {
     double all = 0.0, those = 0.0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (!recorded_length(rows[i])) continue;
+        if (!recorded_speed(rows[i], true, false)) continue;
         all += 1.0;
         those += chosen[i] ? 1.0 : 0.0;
     }
@@ -85,11 +81,11 @@ double contradicted_share(const std::vector<ScreenedEpoch>& rows, const Motion& 
                           const std::vector<bool>& of_other_moments) {
     double all = 0.0, contradicted = 0.0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        const auto speed_m_s = recorded_length(rows[i]);
+        const auto speed = recorded_speed(rows[i], true, false);
         const bool found = of_other_moments[i] || rows[i].reason == Reason::velocity;
-        if (!speed_m_s || !(found || (rows[i].arc && motion[i]))) continue;
+        if (!speed || !(found || (rows[i].arc && motion[i]))) continue;
         all += 1.0;
-        contradicted += found || !motion_has(rows, motion, i, *speed_m_s) ? 1.0 : 0.0;
+        contradicted += found || !motion_has(rows, motion, i, speed->speed_m_s) ? 1.0 : 0.0;
     }
     return all > 0.0 ? contradicted / all : 0.0;
 }

@@ -13,9 +13,6 @@ namespace runcert {
 std::vector<VelocityDelay> velocity_delays(const std::vector<ScreenedEpoch>& rows,
                                            const Motion& motion, double delay_max_s);
 
-/// The magnitude of the horizontal recorded velocity, or the recorded speed (m/s).
-std::optional<double> recorded_length(const RecordedVelocity& row);
-
 /// Fraction of the rows with a recorded velocity that are chosen. 0 if there are none.
 double share_of(const std::vector<ScreenedEpoch>& rows, const std::vector<bool>& chosen);
 

@@ -13,6 +13,7 @@
 #include "stages/window/selection.h"
 #include "stages/window/velocity_moment.h"
 #include "stages/window/velocity_selection.h"
+#include "witness/roster.h"
 #include "witness/velocity_origin.h"
 
 namespace runcert {
@@ -78,15 +79,17 @@ double samples_of(const FoundWindow& found) {
     return static_cast<double>(found.last - found.first);
 }
 
-SpeedNoise noise_of(const VelocityEstimate& estimate, const FoundWindow& found) {
-    return speed_noise(estimate.compared, estimate.screened, found.start.seconds(),
+SpeedNoise noise_of(const VelocityEstimate& estimate, Dimension dimension,
+                    const FoundWindow& found) {
+    return speed_noise(estimate.compared, estimate.screened, dimension, found.start.seconds(),
                        duration_of(found), samples_of(found));
 }
 
 /// The window by its positions as a witness, so that no velocities are certified that the positions
 /// do not confirm. The uncertainty assumed for the velocities is at most what receivers of all
 /// types have been seen to err by.
-WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, double error_m_s) {
+WitnessedSpeed by_positions(const TrackSpeed& track, double speed_m_s, double duration_s,
+                            double error_m_s) {
     constexpr double largest_of_velocities_m_s = 0.5;
     WitnessedSpeed witnessed;
     witnessed.kind = WitnessKind::positions;
@@ -94,11 +97,11 @@ WitnessedSpeed by_positions(const TrackSpeed& track, const FoundWindow& found, d
     witnessed.speed_m_s = track.speed_m_s;
     witnessed.standard_uncertainty_m_s = track.standard_uncertainty_m_s;
     witnessed.position_standard_uncertainty_m_s = std::min(error_m_s, largest_of_velocities_m_s);
-    witnessed.difference_m_s = found.speed_m_s - witnessed.speed_m_s;
+    witnessed.difference_m_s = speed_m_s - witnessed.speed_m_s;
     witnessed.normalised_error = std::abs(witnessed.difference_m_s) /
                                  (2.0 * std::hypot(witnessed.standard_uncertainty_m_s,
                                                    witnessed.position_standard_uncertainty_m_s));
-    witnessed.apart_m = std::abs(witnessed.difference_m_s) * duration_of(found);
+    witnessed.apart_m = std::abs(witnessed.difference_m_s) * duration_s;
     return witnessed;
 }
 
@@ -162,6 +165,49 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
     rows.push_back(std::move(slow));
 }
 
+/// Row p: what all recorded speeds have in common. The estimate is taken off.
+BudgetRow scale_row(const SpeedScale& scale, double speed_m_s) {
+    BudgetRow row = speed_row(
+        "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s,
+        independent_of_other_rows,
+        fmt::format("beside the positions, over straight fast spans of 10 s, they are {:+.3f} % "
+                    "too high, with a standard uncertainty of {:.3f} %; weighed against what "
+                    "receivers are off by, {:+.3f} % are taken off",
+                    100.0 * scale.shown, 100.0 * scale.shown_uncertainty, 100.0 * scale.value));
+    row.estimate = scale.value;
+    row.unit = "1";
+    row.standard_uncertainty = scale.uncertainty;
+    row.sensitivity = -speed_m_s;
+    return row;
+}
+
+/// Row d: the largest error of the mean that the tests of the recorded speeds leave with the power
+/// stated for them, in a burst of any length that they look for; as rare as errors of measured
+/// speeds are taken to be.
+BudgetRow undetected_row(const ScreenedTable& screened, const Profile& profile, double samples) {
+    const TestedAxes axes =
+        profile.dimension == Dimension::vertical ? TestedAxes::vertical : TestedAxes::horizontal;
+    const auto& all = screened.basis.speeds;
+    const auto tested = std::ranges::find(all, axes, &SpeedScreening::axes);
+    double largest_m_s = 0.0;
+    if (tested != all.end())
+        for (const DetectableSpeed& one : tested->detectable)
+            largest_m_s =
+                std::max(largest_m_s,
+                         one.size_m_s * std::min(1.0, static_cast<double>(one.samples) / samples));
+    return speed_row(
+        "d", "undetected error of single samples", "B",
+        std::sqrt(faults_of_speeds.probability) * rectangular_uncertainty(largest_m_s),
+        independent_of_other_rows,
+        tested == all.end()
+            ? std::string("not quantified: too few speeds were recorded to test them")
+            : fmt::format("up to {:.2f} m/s of the mean: what the tests of the speeds against one "
+                          "another leave with a probability of {:.0f} % or more; taken to happen "
+                          "in one window of {:.0f}, as mean square",
+                          largest_m_s, 100.0 * (1.0 - screened.basis.power),
+                          1.0 / faults_of_speeds.probability));
+}
+
 double resolution_m_s(const std::vector<ComparedSpeed>& compared) {
     std::vector<velocities::SpeedBesidePosition> speeds;
     for (const ComparedSpeed& one : compared)
@@ -213,9 +259,7 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
                                1.0, fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
     if (auto calibration = calibration_row(estimate.config))
         rows.push_back(*std::move(calibration));
-    rows.push_back(speed_row(
-        "d", "undetected error", "B", 0.0, independent_of_other_rows,
-        "not quantified: screening tests positions; velocities are only compared with them"));
+    rows.push_back(undetected_row(estimate.screened, profile, samples_of(found)));
 }
 
 MeanOf mean_of(SpeedDefinition definition) {
@@ -242,8 +286,12 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
          .slow_m_s = errors.slow_between_m_s},
         selection_width * differs_m_s, estimate.config.selection_samples, estimate.config.seed);
     const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
-    const double middle_m_s = 0.5 * (bias.least_m_s + bias.most_m_s);
-    window.bias_limit_m_s = subtracted ? 0.5 * (bias.most_m_s - bias.least_m_s) : bias.most_m_s;
+    // A range wider than the speed is uncertain tells nothing of where in it the bias is: what is
+    // certain is taken off, and the rest is allowed for.
+    const double half_m_s = 0.5 * (bias.most_m_s - bias.least_m_s);
+    const double middle_m_s =
+        half_m_s > errors.combined() ? bias.least_m_s : bias.least_m_s + half_m_s;
+    window.bias_limit_m_s = bias.most_m_s - (subtracted ? middle_m_s : 0.0);
     if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, middle_m_s);
     window.budget.push_back(
         choice_row(fmt::format("{:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
@@ -283,11 +331,14 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
                                              *last.sigma_east_m, *last.sigma_north_m});
 
     const StatedSpeedAccuracy stated = stated_accuracy(estimate, profile, found);
-    const SpeedNoise noise = noise_of(estimate, found);
+    const SpeedNoise noise = noise_of(estimate, profile.dimension, found);
     const SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
-    window.witnesses.push_back(by_positions(
-        track_speed(estimate.screened, trajectory, arc, profile, found), found, errors.combined()));
+    window.speed_m_s *= 1.0 - noise.scale.value;
+    window.witnesses.push_back(
+        by_positions(track_speed(estimate.screened, trajectory, arc, profile, found),
+                     window.speed_m_s, duration_of(found), errors.combined()));
     add_error_rows(errors, noise, stated, found, window.budget);
+    window.budget.push_back(scale_row(noise.scale, found.speed_m_s));
     add_other_rows(estimate, profile, found, window.budget);
     set_choice(estimate, profile, found, all, errors, window);
     const CombinedUncertainty combined = combine(window.budget);
@@ -314,7 +365,7 @@ Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& pr
         }
     }
     return [arcs = std::move(arcs), of_reference = stated_accuracy(estimate, profile, reference),
-            noise = noise_of(estimate, reference),
+            noise = noise_of(estimate, profile.dimension, reference),
             factor = profile.coverage_factor](const FoundWindow& found) {
         const OfArc& sums = arcs[found.series];
         if (sums.silent[found.last + 1] > sums.silent[found.first])

@@ -20,10 +20,10 @@ struct VelocityEstimate {
 /// (`speed_errors`). The bias of the choice comes from draws of those errors that may differ
 /// between windows (`speed_choice_bias`). `all` are the windows from which it was chosen.
 ///
-/// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, t
-/// time stamps and l delay (both only where positions decide the ends), k clock rate, r resolution
-/// of the speeds, d undetected error, f choice of the fastest window. The smoothed positions serve
-/// as a witness.
+/// The rows, in this order: w white noise, b errors shorter than ten seconds, u lasting errors, p
+/// scale of the speeds (which is taken off), t time stamps and l delay (both only where positions
+/// decide the ends), k clock rate, r resolution of the speeds, d undetected error, f choice of the
+/// fastest window. The smoothed positions serve as a witness.
 ///
 /// Failure if an epoch inside states no standard deviation of its velocity.
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,

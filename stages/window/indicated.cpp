@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/prose.h"
 #include "reports/words/figures.h"
 #include "reports/words/screening.h"
 #include "schemas/observations/stated_covariance.h"
@@ -101,6 +102,32 @@ std::string late_refusal(const ScreenedTable& screened, const WindowRows& window
     return {};
 }
 
+/// The recorded speeds that their tests refuse, named by the one that is farthest off.
+std::string refused_speeds(const ScreenedTable& screened, const WindowRows& window,
+                           Dimension dimension) {
+    const ScreenedEpoch* worst = nullptr;
+    std::int64_t refused = 0;
+    const auto error_m_s = [](const ScreenedEpoch& row) {
+        return row.speed_test.error_m_s.value_or(0.0);
+    };
+    for (const ScreenedEpoch* const row : window.rows) {
+        const SpeedTest& test = row->speed_test;
+        if (!test.refused ||
+            (dimension == Dimension::horizontal && test.axes == TestedAxes::vertical))
+            continue;
+        ++refused;
+        if (!worst || std::abs(error_m_s(*row)) > std::abs(error_m_s(*worst))) worst = row;
+    }
+    if (!worst) return {};
+    return fmt::format(
+        "{} that {} neighbours contradict ({}epoch {}, {}: {:+.2f} m/s, statistic "
+        "{:.0f}, threshold {:.0f})",
+        counted(refused, "recorded speed"), refused == 1 ? "its" : "their",
+        refused == 1 ? "" : "the worst at ", worst->epoch,
+        instant_text(screened.facts.first_epoch, worst->time), error_m_s(*worst),
+        worst->speed_test.statistic.value_or(0.0), worst->speed_test.threshold.value_or(0.0));
+}
+
 std::vector<std::string> refusals_of(const ScreenedTable& screened, const WindowRows& window,
                                      const Profile& profile, const WindowConfig& config) {
     std::vector<Refused> reasons;
@@ -148,6 +175,10 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
                                            ? std::string("a jump")
                                            : fmt::format("{} jumps", window.jumps.size()),
                                        instant(*window.rows[window.jumps.front()])));
+    if (profile.speed_source == SpeedSource::velocity)
+        if (std::string refused = refused_speeds(screened, window, profile.dimension);
+            !refused.empty())
+            refusals.push_back(std::move(refused));
     if (profile.speed_source == SpeedSource::velocity)
         if (std::string late = late_refusal(screened, window); !late.empty())
             refusals.push_back(std::move(late));

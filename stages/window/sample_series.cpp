@@ -100,8 +100,8 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
-    const std::vector<bool> others =
-        velocities_of_other_moments(screened.rows, screened.basis.velocity);
+    const std::vector<bool> left_out = velocities_left_out(
+        screened.rows, screened.basis.velocity, profile.dimension != Dimension::horizontal);
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     std::optional<double> before_s;
@@ -111,7 +111,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
         const bool step = !profile.repaired_steps && begins_after_step(row);
         const bool gap = longest_s && before_s && row.time.seconds() - *before_s > *longest_s;
         const bool silent = profile.speed_source == SpeedSource::velocity &&
-                            (others[i] || !recorded_speed(screened.rows[i], profile.dimension));
+                            (left_out[i] || !recorded_speed(screened.rows[i], profile.dimension));
         const bool obstacle = !out_of_time && (!row.usable || step || gap || silent);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (obstacle ? 1 : 0));
         if (!out_of_time) before_s = row.time.seconds();
@@ -243,35 +243,8 @@ std::optional<double> longest_step_of(const Profile& profile, double nominal_int
 }
 
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension) {
-    const bool level = dimension != Dimension::vertical;
-    const bool upright = dimension != Dimension::horizontal;
-    const bool components =
-        velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s;
-    if (level && !components && !velocity.recorded_speed_m_s) return std::nullopt;
-    if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    Eigen::Vector3d variance = Eigen::Vector3d::Zero();
-    bool stated = true;
-    const auto take = [&](int axis, const OptionalReal& value, const OptionalReal& sigma) {
-        v(axis) = *value;
-        stated = stated && sigma.has_value();
-        if (sigma) variance(axis) = *sigma * *sigma;
-    };
-    if (level && !components) {
-        // Only the magnitude of the velocity counts here.
-        take(0, velocity.recorded_speed_m_s, velocity.sigma_recorded_speed_m_s);
-    } else if (level) {
-        take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);
-        take(1, velocity.recorded_velocity_north_m_s, velocity.sigma_recorded_velocity_north_m_s);
-    }
-    if (upright)
-        take(2, velocity.recorded_velocity_up_m_s, velocity.sigma_recorded_velocity_up_m_s);
-    RecordedSpeed speed{.speed_m_s = v.norm(), .standard_uncertainty_m_s = std::nullopt};
-    if (stated)
-        speed.standard_uncertainty_m_s =
-            std::sqrt(speed.speed_m_s > 0.0 ? v.cwiseAbs2().dot(variance) / v.squaredNorm()
-                                            : variance.maxCoeff());
-    return speed;
+    return recorded_speed(velocity, dimension != Dimension::vertical,
+                          dimension != Dimension::horizontal);
 }
 
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,

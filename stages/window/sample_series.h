@@ -8,6 +8,7 @@
 #include "stages/window/best_window.h"
 #include "stages/window/counted_part.h"
 #include "witness/certifiable.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 
@@ -20,13 +21,6 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
 /// needed where the speed is a mean of the epochs' speeds, which gaps would weight unevenly. Empty
 /// if there is no such limit.
 std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s);
-
-/// The horizontal speed, vertical speed or speed in space of a velocity, with its first-order
-/// standard uncertainty. The latter is empty if a standard deviation is missing.
-struct RecordedSpeed {
-    double speed_m_s = 0.0;
-    std::optional<double> standard_uncertainty_m_s;
-};
 
 /// The speed from an epoch's recorded velocity, or its recorded speed where it has no course. Empty
 /// if a needed value is missing.
@@ -41,8 +35,8 @@ enum class SeriesPositions { smoothed, recorded };
 /// From the smoothed trajectory they are positions without the offsets of bridged steps, and
 /// speeds. Where the profile uses recorded velocities, they are the recorded speeds, the path
 /// integrated from them, and positions at the same moments. Vertical speeds use ellipsoidal
-/// heights. Obstacles are speeds of other moments (`velocities_of_other_moments`), unusable epochs,
-/// missing values, and bridged steps where the profile does not allow them.
+/// heights. Obstacles are speeds of other moments or refused (`velocities_left_out`), unusable
+/// epochs, missing values, and bridged steps where the profile does not allow them.
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,

@@ -178,6 +178,7 @@ std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& sc
         const TrackPoint here = track.at(at_s);
         TrackMoment& moment = moments[k].emplace();
         moment.speed_m_s = here.velocity.norm();
+        moment.position_m = here.position;
         if (k > 0 && moments[k - 1])
             moment.step_m = path_between(before, here, track.time_s(k) - track.time_s(k - 1));
         before = here;

@@ -30,10 +30,11 @@ double sigma_of_delay(const ScreenedTable& screened);
 /// for it.
 void move_to_moments(SampleSeries& series, double delay_s);
 
-/// The smoothed track at the moment of a recorded speed: its speed, and the path since the previous
-/// sample.
+/// The smoothed track at the moment of a recorded speed, on the axes that count: its speed, its
+/// position, and the path since the previous sample.
 struct TrackMoment {
     double speed_m_s = 0.0;
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
     double step_m = 0.0;
 };
 

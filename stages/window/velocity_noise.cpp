@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/statistics.h"
 #include "stages/window/sample_series.h"
@@ -44,10 +45,12 @@ SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, do
 struct SpanOfSpeeds {
     double mean_m_s = 0.0;
     double difference_m_s = 0.0;
+    bool straight = false;
 };
 
 std::vector<SpanOfSpeeds> spans_of(std::span<const ComparedSpeed> compared, double span_s) {
     constexpr double longest = 1.2;
+    constexpr double straight = 0.95;
     std::vector<SpanOfSpeeds> spans;
     for (std::size_t from = 0, to = 0; from < compared.size(); ++from) {
         const ComparedSpeed& a = compared[from];
@@ -59,13 +62,59 @@ std::vector<SpanOfSpeeds> spans_of(std::span<const ComparedSpeed> compared, doub
         const ComparedSpeed& b = compared[to];
         const double length_s = b.time_s - a.time_s;
         if (b.stretch != a.stretch || length_s > longest * span_s) continue;
+        const double recorded_m = b.recorded_m - a.recorded_m;
+        const double smoothed_m = b.smoothed_m - a.smoothed_m;
         spans.push_back(
-            {.mean_m_s = (b.recorded_m - a.recorded_m) / length_s,
-             .difference_m_s =
-                 (b.recorded_m - a.recorded_m - b.smoothed_m + a.smoothed_m) / length_s});
+            {.mean_m_s = recorded_m / length_s,
+             .difference_m_s = (recorded_m - smoothed_m) / length_s,
+             .straight = (b.position_m - a.position_m).norm() >= straight * smoothed_m});
         from = to - 1;
     }
     return spans;
+}
+
+/// The spans of a length in which the craft is fast and goes straight; all fast ones where too few
+/// are straight. None where these are too few.
+std::vector<SpanOfSpeeds> fast_spans(std::span<const ComparedSpeed> compared, double span_s) {
+    std::vector<SpanOfSpeeds> spans = spans_of(compared, span_s);
+    if (spans.size() < fewest_spans) return {};
+    const auto tenth = spans.begin() + std::ssize(spans) * 9 / 10;
+    std::ranges::nth_element(spans, tenth, {}, &SpanOfSpeeds::mean_m_s);
+    const double least_m_s = 0.5 * tenth->mean_m_s;
+    std::erase_if(spans, [&](const SpanOfSpeeds& one) { return one.mean_m_s < least_m_s; });
+    const auto straight = std::ranges::count_if(spans, &SpanOfSpeeds::straight);
+    if (straight >= std::ptrdiff_t{fewest_spans})
+        std::erase_if(spans, [](const SpanOfSpeeds& one) { return !one.straight; });
+    if (spans.size() < fewest_spans) return {};
+    return spans;
+}
+
+/// Whether recorded speeds and positions part by less than positions wander on their own.
+bool part_too_little(std::span<const ComparedSpeed> compared, double position_sigma_m) {
+    constexpr double least_share = 0.25;
+    double most_m = 0.0;
+    for (const double span_s : {10.0, 30.0, 100.0}) {
+        std::vector<double> parted_m;
+        for (const SpanOfSpeeds& one : spans_of(compared, span_s))
+            parted_m.push_back(one.difference_m_s * span_s);
+        if (parted_m.size() >= fewest_spans) most_m = std::max(most_m, root_mean_square(parted_m));
+    }
+    return most_m > 0.0 && most_m < least_share * std::numbers::sqrt2 * position_sigma_m;
+}
+
+/// The median stated standard deviation (m, each axis) of the usable positions. 0 if there are
+/// none.
+double position_sigma_m(const ScreenedTable& screened, Dimension dimension) {
+    std::vector<double> sigmas;
+    const auto add = [&](const auto& positions) {
+        for (const auto& one : positions)
+            sigmas.push_back(one.sigma_m);
+    };
+    if (dimension == Dimension::vertical)
+        add(timed_positions<1>(screened.rows));
+    else
+        add(timed_positions<2>(screened.rows));
+    return sigmas.empty() ? 0.0 : median(std::move(sigmas));
 }
 
 double square(double value) {
@@ -87,15 +136,11 @@ SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
 
 }  // namespace
 
-double robust_sd(std::vector<double> absolute, double gain) {
-    return median(std::move(absolute)) / (normal_quantile(0.75) * std::sqrt(gain));
-}
-
 std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
                                            const TrajectoryTable& trajectory,
                                            const std::vector<ArcRows>& arcs, Dimension dimension) {
-    const std::vector<bool> others =
-        velocities_of_other_moments(screened.rows, screened.basis.velocity);
+    const std::vector<bool> left_out = velocities_left_out(screened.rows, screened.basis.velocity,
+                                                           dimension != Dimension::horizontal);
     const double longest_s = std::max(1.0, 1.5 * trajectory.facts.nominal_interval_s) + rounding_s;
     std::vector<ComparedSpeed> compared;
     std::int64_t stretch = 0;
@@ -105,13 +150,14 @@ std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
         for (std::size_t k = 0; k < arc.rows.size(); ++k) {
             const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
             const auto recorded = recorded_speed(screened.rows[arc.rows[k]], dimension);
-            if (!recorded || !moments[k] || !row.usable || others[arc.rows[k]]) {
+            if (!recorded || !moments[k] || !row.usable || left_out[arc.rows[k]]) {
                 ++stretch;
                 continue;
             }
             ComparedSpeed one{.time_s = row.time.seconds(),
                               .recorded_m_s = recorded->speed_m_s,
-                              .smoothed_m_s = moments[k]->speed_m_s};
+                              .smoothed_m_s = moments[k]->speed_m_s,
+                              .position_m = moments[k]->position_m};
             if (!compared.empty()) {
                 const ComparedSpeed& before = compared.back();
                 const double step_s = one.time_s - before.time_s;
@@ -143,28 +189,73 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
                        .independent = independent};
 }
 
-std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s) {
-    std::vector<SpanOfSpeeds> spans = spans_of(compared, span_s);
-    if (spans.size() < fewest_spans) return std::nullopt;
-    const auto tenth = spans.begin() + std::ssize(spans) * 9 / 10;
-    std::ranges::nth_element(spans, tenth, {}, &SpanOfSpeeds::mean_m_s);
-    const double least_m_s = 0.5 * tenth->mean_m_s;
+SpeedScale speed_scale(std::span<const ComparedSpeed> compared) {
+    struct Prior {
+        double probability = 0.0, sigma = 0.0;
+    };
+    constexpr Prior priors[] = {{0.95, 0.003}, {0.05, 0.02}};
+    constexpr double spans_alike = 3.0;
+    const std::vector<SpanOfSpeeds> spans = fast_spans(compared, ten_s);
+    double products = 0.0, squares = 0.0, residuals = 0.0;
+    for (const SpanOfSpeeds& one : spans) {
+        const double smoothed_m_s = one.mean_m_s - one.difference_m_s;
+        products += one.difference_m_s * smoothed_m_s;
+        squares += square(smoothed_m_s);
+    }
+    SpeedScale scale;
+    if (squares > 0.0) {
+        scale.shown = products / squares;
+        for (const SpanOfSpeeds& one : spans)
+            residuals +=
+                square(one.difference_m_s - scale.shown * (one.mean_m_s - one.difference_m_s));
+        scale.shown_uncertainty =
+            std::sqrt(spans_alike *
+                      std::max(residuals / static_cast<double>(spans.size() - 1),
+                               square(least_slow_error_m_s)) /
+                      squares);
+    }
+    double weights = 0.0, values = 0.0, moments = 0.0;
+    for (const auto& [probability, sigma] : priors) {
+        const double of_both = square(sigma) + square(scale.shown_uncertainty);
+        const double weight =
+            probability * (squares > 0.0
+                               ? std::exp(-0.5 * square(scale.shown) / of_both) / std::sqrt(of_both)
+                               : 1.0);
+        const double kept = squares > 0.0 ? square(sigma) / of_both : 0.0;
+        const double variance =
+            squares > 0.0 ? kept * square(scale.shown_uncertainty) : square(sigma);
+        weights += weight;
+        values += weight * kept * scale.shown;
+        moments += weight * (variance + square(kept * scale.shown));
+    }
+    scale.value = values / weights;
+    scale.uncertainty = rest_of(std::sqrt(moments / weights), scale.value);
+    return scale;
+}
+
+std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s,
+                                       double scale) {
     std::vector<double> differences;
-    for (const SpanOfSpeeds& one : spans)
-        if (one.mean_m_s >= least_m_s) differences.push_back(one.difference_m_s);
-    if (differences.size() < fewest_spans) return std::nullopt;
+    for (const SpanOfSpeeds& one : fast_spans(compared, span_s))
+        differences.push_back(one.difference_m_s - scale * one.mean_m_s);
+    if (differences.empty()) return std::nullopt;
     return SpeedSpread{.sd_m_s = root_mean_square(differences),
                        .independent = static_cast<double>(differences.size())};
 }
 
 SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTable& screened,
-                       double start_s, double duration_s, double samples) {
+                       Dimension dimension, double start_s, double duration_s, double samples) {
     SpeedNoise noise;
     noise.white = white_noise(compared, start_s, start_s + duration_s);
-    noise.over_ten = span_spread(compared, ten_s);
-    if (duration_s < ten_s) noise.over_window = span_spread(compared, duration_s);
+    noise.scale = speed_scale(compared);
+    noise.over_ten = span_spread(compared, ten_s, noise.scale.value);
+    if (duration_s < ten_s)
+        noise.over_window = span_spread(compared, duration_s, noise.scale.value);
+    const double sigma_m = position_sigma_m(screened, dimension);
+    noise.positions_m_s = 2.0 * std::numbers::sqrt2 * sigma_m / ten_s;
     const auto& velocity = screened.basis.velocity;
-    noise.in_common = velocity && velocity->origin == VelocityOrigin::positions;
+    noise.in_common = (velocity && velocity->origin == VelocityOrigin::positions) ||
+                      part_too_little(compared, sigma_m);
     const auto& both = duration_s < ten_s ? noise.over_window : noise.over_ten;
     if (noise.white && both) {
         const double averaged = samples * std::min(1.0, ten_s / duration_s);
@@ -198,14 +289,12 @@ SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& sta
     if (is_short)
         errors.brief_m_s =
             rest_of(rest_of(noise.over_window->sd_m_s, shown_m_s), errors.mean_white_m_s);
-    const double at_most_m_s = rest_of(stated.sigma_m_s, errors.mean_white_m_s);
-    if (!stated.claimed && errors.slow_m_s > at_most_m_s) {
-        errors.slow_m_s = at_most_m_s;
+    errors.slow_between_m_s = errors.slow_m_s;
+    const double stated_m_s = rest_of(stated.sigma_m_s, errors.mean_white_m_s);
+    if (noise.positions_m_s >= stated.sigma_m_s && stated_m_s > errors.slow_m_s) {
+        errors.slow_m_s = stated_m_s;
         errors.slow = SlowError::stated;
     }
-    if (!stated.claimed)
-        errors.brief_m_s = std::min(errors.brief_m_s, rest_of(at_most_m_s, errors.slow_m_s));
-    errors.slow_between_m_s = errors.slow_m_s;
     return errors;
 }
 

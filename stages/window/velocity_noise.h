@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -22,8 +23,9 @@ struct ComparedSpeed {
     double time_s = 0.0;
     double recorded_m_s = 0.0;
     double smoothed_m_s = 0.0;
-    double recorded_m = 0.0;   ///< distance by integrating recorded speeds, from an arbitrary start
-    double smoothed_m = 0.0;   ///< distance along the smoothed track
+    double recorded_m = 0.0;  ///< distance by integrating recorded speeds, from an arbitrary start
+    double smoothed_m = 0.0;  ///< distance along the smoothed track
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< on the smoothed track
     std::int64_t stretch = 0;  ///< samples of different stretches are not compared
 };
 
@@ -48,26 +50,47 @@ struct SpeedSpread {
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s);
 
-/// Root mean square difference between the mean recorded speed over `span_s` and the smoothed path
-/// over time. Spans do not overlap, and the craft must move at half the speed of its fastest tenth
-/// or more. Empty for fewer than five spans.
-std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s);
+/// A relative error that all recorded speeds of a recording have in common.
+struct SpeedScale {
+    double value = 0.0;        ///< the best estimate, taken off the speed
+    double uncertainty = 0.0;  ///< its standard uncertainty
+    double shown = 0.0;        ///< what the comparison with the positions alone shows
+    double shown_uncertainty = 0.0;
+};
+
+/// The scale of the recorded speeds beside the path of the smoothed track, over spans of 10 s as
+/// for `span_spread`. Neighbouring spans err alike, so that a third of them count as independent.
+/// What they show is weighed against the prior of receivers: normal with a standard deviation of
+/// 0.3 %, and for one receiver in twenty of 2 %. Without five spans the prior alone remains.
+SpeedScale speed_scale(std::span<const ComparedSpeed> compared);
+
+/// Root mean square difference between the mean recorded speed over `span_s`, less its `scale`,
+/// and the smoothed path over time. Spans do not overlap, and the craft must move straight (a chord
+/// of 95 % of the path), at half the speed of its fastest tenth or more. Spans that are not
+/// straight count as well where fewer than five are. Empty for fewer than five spans.
+std::optional<SpeedSpread> span_spread(std::span<const ComparedSpeed> compared, double span_s,
+                                       double scale = 0.0);
 
 /// The errors of a recording's speeds, for windows of one length.
 struct SpeedNoise {
     std::optional<SpeedSpread> white;
     std::optional<SpeedSpread> over_window;  ///< only for windows shorter than ten seconds
     std::optional<SpeedSpread> over_ten;     ///< over spans of 10 s
+    SpeedScale scale;
+    /// Of the mean speed over 10 s by positions, m/s: what twice their stated standard deviation at
+    /// both ends makes. Nearly all that they could err by.
+    double positions_m_s = 0.0;
     /// The positions follow the velocities, or the reverse, so that they have errors in common.
     bool in_common = false;
 };
 
 /// The speed noise for a window from `start_s` over `duration_s`, with `samples` over which white
-/// noise may average. Errors are in common where screening says so. They are also in common where,
-/// over spans as long as the window (10 s at most), the two agree better than the white noise
-/// allows, beyond chance.
+/// noise may average. Errors are in common where screening says so. They are also in common where
+/// the two agree too well: over spans as long as the window (10 s at most) better than the white
+/// noise allows, beyond chance; or over 10, 30 and 100 s by less than a quarter of what the
+/// positions state of a displacement, which wander by more on their own.
 SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTable& screened,
-                       double start_s, double duration_s, double samples);
+                       Dimension dimension, double start_s, double duration_s, double samples);
 
 /// The stated standard uncertainty of a recorded speed (m/s), by the receiver or by the attempt. A
 /// statement of the attempt never makes a speed more certain than the recording shows.
@@ -95,19 +118,14 @@ struct SpeedErrors {
 /// The errors for a window of `samples` over `duration_s`. With sigma the white noise, and D_T and
 /// D_10 the spreads over the window and over 10 s:
 ///
-///     slow = min(stated, max(0.05 m/s, D_10))
+///     slow = max(0.05 m/s, D_10), and not below the stated value where positions may err by more
 ///     white^2 + brief^2 = max(sigma^2 / samples, D_T^2 - D_10^2) below 10 s,
 ///                         else sigma^2 / samples
 ///
-/// Together they never exceed the standard uncertainty that a receiver states, apart from its white
-/// noise. Where nothing is shown, or errors are in common, the stated value counts in full. An
-/// attempt's own statement then counts as at least the scatter and 0.05 m/s. Otherwise it is not
-/// used, except where the white noise contradicts it, which then does not average.
+/// What is stated caps nothing. Where nothing is shown, or errors are in common, it counts in full;
+/// an attempt's own statement then counts as at least the scatter and 0.05 m/s. White noise above
+/// an attempt's statement contradicts it, and does not average.
 SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& stated,
                          double duration_s, double samples);
-
-/// The standard deviation of a white noise from the lengths of its differences, which have `gain`
-/// times its variance (2 of first differences, 20 of third ones), by their median: robust.
-double robust_sd(std::vector<double> absolute, double gain);
 
 }  // namespace runcert

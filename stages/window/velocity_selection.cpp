@@ -21,6 +21,7 @@ constexpr double slow_tau_max_s = 60.0;
 struct Candidate {
     std::size_t first = 0, last = 0;
     double assured_m_s = 0.0;
+    std::size_t leg = 0;  ///< windows of one leg overlap one another, or a window between
 };
 
 /// All candidates, and their samples in order of time.
@@ -44,10 +45,11 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
         return std::tuple(window.series, window.first, window.last, window.start, window.end);
     });
     Search search;
-    std::size_t series = 0, next = 0;
+    std::size_t series = 0, next = 0, leg = 0;
     for (const FoundWindow& window : near) {
         if (window.series != series) next = 0;
         series = window.series;
+        if (!search.candidates.empty() && window.first >= next) ++leg;
         // Samples of the series before `next` are already present, the last of them at the end.
         for (std::size_t k = std::max(next, window.first); k <= window.last; ++k)
             search.time_s.push_back(times[series][k].seconds());
@@ -56,7 +58,8 @@ Search search_of(const std::vector<std::vector<ElapsedTime>>& times,
         if (same(window, chosen)) search.chosen = search.candidates.size();
         search.candidates.push_back({.first = end - (window.last - window.first),
                                      .last = end,
-                                     .assured_m_s = window.assured_m_s()});
+                                     .assured_m_s = window.assured_m_s(),
+                                     .leg = leg});
     }
     return search;
 }
@@ -92,32 +95,72 @@ std::vector<double> window_errors(const Search& search, MeanOf mean_of,
     return of_windows;
 }
 
+/// The assured speeds with the legs drawn together, as far as errors of this variance explain why
+/// their fastest windows differ: so would errors that are drawn onto them make legs like those
+/// recorded.
+std::vector<double> drawn_together(const Search& search, std::vector<double> assured_m_s,
+                                   double variance) {
+    constexpr std::size_t fewest = 3;
+    std::vector<double> fastest;
+    for (std::size_t i = 0; i < assured_m_s.size(); ++i)
+        if (search.candidates[i].leg < fastest.size())
+            fastest.back() = std::max(fastest.back(), assured_m_s[i]);
+        else
+            fastest.push_back(assured_m_s[i]);
+    if (fastest.size() < fewest) return assured_m_s;
+    const double middle_m_s = mean(fastest);
+    const double spread = std::pow(standard_deviation(fastest), 2);
+    const double explained =
+        spread > 0.0 ? 1.0 - std::sqrt(std::max(0.0, 1.0 - variance / spread)) : 0.0;
+    for (std::size_t i = 0; i < assured_m_s.size(); ++i)
+        assured_m_s[i] -= explained * (fastest[search.candidates[i].leg] - middle_m_s);
+    return assured_m_s;
+}
+
 /// How much more errors add to the speed of the window that is the fastest with them than to the
 /// chosen one. The mean is the same as without that comparison, and converges with fewer draws.
-double gained(const Search& search, const std::vector<double>& before,
+double gained(const Search& search, const std::vector<double>& assured_m_s,
               const std::vector<double>& errors) {
     std::size_t best = search.chosen;
-    const auto assured = [&](std::size_t i) {
-        return search.candidates[i].assured_m_s + before[i] + errors[i];
-    };
     for (std::size_t i = 0; i < errors.size(); ++i)
-        if (assured(i) > assured(best)) best = i;
+        if (assured_m_s[i] + errors[i] > assured_m_s[best] + errors[best]) best = i;
     return errors[best] - errors[search.chosen];
 }
 
-/// Once with the windows as recorded, and once with errors drawn onto them before.
-double calibrated(const Search& search, const std::vector<double>& before,
-                  const std::vector<double>& errors) {
-    const std::vector<double> none(errors.size(), 0.0);
-    return 2.0 * gained(search, none, errors) - gained(search, before, errors);
-}
+/// The speeds of the candidates as errors of this variance leave them likely.
+struct Likely {
+    double variance = 0.0;
+    std::vector<double> assured_m_s;
+
+    Likely(const Search& search, double of_mean_m_s) : variance(of_mean_m_s * of_mean_m_s) {
+        for (const Candidate& one : search.candidates)
+            assured_m_s.push_back(one.assured_m_s);
+        assured_m_s = drawn_together(search, std::move(assured_m_s), variance);
+    }
+
+    /// Once with these speeds, and once with errors drawn onto them before.
+    double calibrated(const Search& search, const std::vector<double>& before,
+                      const std::vector<double>& errors) const {
+        std::vector<double> again = assured_m_s;
+        for (std::size_t i = 0; i < before.size(); ++i)
+            again[i] += before[i];
+        return 2.0 * gained(search, assured_m_s, errors) -
+               gained(search, drawn_together(search, std::move(again), variance), errors);
+    }
+};
 
 struct Draw {
     double white_m_s = 0.0, all_m_s = 0.0;
 };
 
-Draw draw_from(const Search& search, MeanOf mean_of, const DrawnSpeedErrors& errors,
-               double brief_sd_m_s, double slow_tau_s, const std::vector<double>& normals) {
+/// Both kinds of errors, with the speeds that each leaves likely.
+struct BothLikely {
+    Likely white, all;
+};
+
+Draw draw_from(const Search& search, const BothLikely& likely, MeanOf mean_of,
+               const DrawnSpeedErrors& errors, double brief_sd_m_s, double slow_tau_s,
+               const std::vector<double>& normals) {
     const std::size_t count = search.time_s.size();
     std::array<std::vector<double>, 2> white, all;
     for (std::size_t i = 0; i < 2; ++i) {
@@ -130,8 +173,8 @@ Draw draw_from(const Search& search, MeanOf mean_of, const DrawnSpeedErrors& err
         add_gauss_markov(search.time_s, errors.slow_m_s, slow_tau_s, at + 2 * count, samples);
         all[i] = window_errors(search, mean_of, samples);
     }
-    return {.white_m_s = calibrated(search, white[0], white[1]),
-            .all_m_s = calibrated(search, all[0], all[1])};
+    return {.white_m_s = likely.white.calibrated(search, white[0], white[1]),
+            .all_m_s = likely.all.calibrated(search, all[0], all[1])};
 }
 
 }  // namespace
@@ -162,6 +205,10 @@ SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& t
     const std::int64_t draws = std::min(
         samples,
         std::max(fewest_draws, most_numbers / static_cast<std::int64_t>(search.time_s.size())));
+    const double mean_white_m_s = errors.white_m_s / std::sqrt(steps);
+    const BothLikely likely{
+        .white = Likely(search, mean_white_m_s),
+        .all = Likely(search, std::hypot(mean_white_m_s, errors.brief_m_s, errors.slow_m_s))};
     RandomGenerator random(static_cast<std::uint64_t>(seed));
     Turnstile turnstile;
     const std::vector<Draw> drawn = results_of(draws, threads_allowed(), [&](std::int64_t i) {
@@ -169,7 +216,7 @@ SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& t
         const double slow_tau_s =
             slow_tau_min_s * std::pow(slow_tau_max_s / slow_tau_min_s,
                                       (static_cast<double>(i) + 0.5) / static_cast<double>(draws));
-        return draw_from(search, mean_of, errors, brief_sd_m_s, slow_tau_s, normals);
+        return draw_from(search, likely, mean_of, errors, brief_sd_m_s, slow_tau_s, normals);
     });
     std::vector<double> white, every;
     for (const Draw& one : drawn) {

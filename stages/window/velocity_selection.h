@@ -32,8 +32,9 @@ enum class MeanOf { samples, samples_after_first, path };
 /// Simulates the choice of the fastest window. Windows whose assured speed is at most `reach_m_s`
 /// below that of the chosen one are searched repeatedly, with errors drawn onto their recorded
 /// speeds. The recorded speeds already contain errors, which separate the windows and make the
-/// result too small. The same is therefore done with speeds that have drawn errors already, and the
-/// difference is added ([ET93] 18, as in `selection_bias`).
+/// result too small. Legs (windows that overlap one another) whose fastest windows differ by no
+/// more than errors explain are therefore drawn together before; and the same is done with speeds
+/// that have drawn errors already, and the difference is added ([ET93] 18, as in `selection_bias`).
 ///
 /// `times` are those of each series' samples. For long windows fewer draws than `samples` are made,
 /// but at least 100 if so many are requested, because their means hardly differ. The same `seed`

@@ -262,7 +262,7 @@ TEST(ManoeuvreTest, FindsWhenAndByHowMuchTheAccelerationChanges) {
         EXPECT_FALSE(candidates.empty());
         EXPECT_LT(best_of(candidates, Hypothesis::ramp, true).statistic, best.statistic);
     }
-    const TestPlan none = with.without_manoeuvres();
+    const TestPlan none = with.with_manoeuvres(0.0);
     EXPECT_EQ(none.manoeuvre_max_m_s2(), 0.0);
     EXPECT_EQ(none.critical(2), with.critical(2));
     EXPECT_EQ(best_of(stretch.tests(none).candidates(), Hypothesis::ramp, true).statistic, 0.0);

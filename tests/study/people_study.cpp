@@ -10,10 +10,10 @@
 #include "core/failure.h"
 #include "core/parallel.h"
 #include "schemas/windows/windows.h"
-#include "stages/check/check.h"
 #include "stages/screen/screen.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
+#include "study_verdict.h"
 
 namespace runcert {
 namespace {
@@ -32,7 +32,6 @@ const Attempt& people_attempt() {
     static const Attempt attempt = read_attempt(
         "schema: attempt/1.0\nid: people\ncraft: {name: people, class: board}\n"
         "receivers: [{id: primary, recording: none}]\nprofiles: [nalsa]\n"
-        "record: {speed: 1, unit: m/s, source: the truth}\n"
         "parameters: {window: {monte_carlo_trials_max: 100000}}\n",
         "people");
     return attempt;
@@ -53,33 +52,6 @@ Profile by_position(std::string_view name) {
     return profile;
 }
 
-ReceiverFindings findings_of(const ScreenedTable& screened, TrajectoryTable&& trajectory,
-                             Windows&& windows) {
-    ScreenedSelection selection;
-    for (const ScreenedEpoch& row : screened.rows)
-        selection.add(row, windows);
-    return {.receiver = screened.facts.receiver,
-            .facts = screened.facts,
-            .accuracy_source = "recording",
-            .format = "simulated",
-            .time_origin = "the satellites' time",
-            .solution_source = SolutionSource::recording,
-            .records = {.total = std::ssize(screened.rows)},
-            .screening = std::move(selection.summary),
-            .tests = screened.basis,
-            .estimation = trajectory.estimation,
-            .windows = std::move(windows),
-            .trajectory = std::move(trajectory.rows),
-            .window_epochs = std::move(selection.window_epochs)};
-}
-
-ProfileVerdict verdict_at(double required_m_s, const ReceiverFindings& findings,
-                          const Profile& rule) {
-    Attempt attempt = people_attempt();
-    attempt.record->speed = required_m_s;
-    return check({.attempt = attempt, .profiles = {rule}, .judged = findings}).profiles.front();
-}
-
 void note_window(const CertifiableWindow& window, const TruePath& path, PeopleResult& result) {
     const double from_s = window.span.start.seconds();
     result.window_start = from_s;
@@ -94,16 +66,17 @@ void note_window(const CertifiableWindow& window, const TruePath& path, PeopleRe
 
 void judge_people(const ReceiverFindings& findings, const Profile& rule, const TruePath& path,
                   PeopleResult& result) {
-    const ProfileVerdict verdict = verdict_at(result.record, findings, rule);
+    const ProfileVerdict verdict = verdict_at(people_attempt(), result.record, findings, rule);
     result.outcome = verdict.outcome;
     result.reason = verdict.reason;
     result.speed = verdict.speed_m_s;
     result.expanded = verdict.expanded_uncertainty_m_s.value_or(0.0);
     if (const auto* windows = windows_of(findings.windows, rule.id); windows && windows->best)
         note_window(*windows->best, path, result);
-    result.outcome_above = result.outcome == Outcome::beaten
-                               ? verdict_at(result.record + harsher_m_s, findings, rule).outcome
-                               : result.outcome;
+    result.outcome_above =
+        result.outcome == Outcome::beaten
+            ? verdict_at(people_attempt(), result.record + harsher_m_s, findings, rule).outcome
+            : result.outcome;
 }
 
 }  // namespace

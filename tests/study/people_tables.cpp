@@ -6,6 +6,7 @@
 #include <set>
 
 #include "people_study.h"
+#include "study_verdict.h"
 
 namespace runcert {
 namespace {
@@ -21,23 +22,6 @@ double quantile(std::vector<double> values, double share) {
 
 double largest(const std::vector<double>& values) {
     return values.empty() ? 0.0 : std::ranges::max(values);
-}
-
-/// The first words of a reason, each number a "#".
-std::string reason_words(const std::string& reason) {
-    constexpr std::size_t words_shown = 14;
-    std::string text;
-    std::size_t words = 0;
-    for (const char letter : reason.substr(0, reason.find('\n'))) {
-        if (letter == ' ' && ++words == words_shown) break;
-        const bool number = (letter >= '0' && letter <= '9') ||
-                            ((letter == '.' || letter == ',') && text.ends_with('#'));
-        if (!number)
-            text += letter;
-        else if (!text.ends_with('#'))
-            text += '#';
-    }
-    return text;
 }
 
 struct KindSummary {

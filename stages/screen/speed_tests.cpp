@@ -12,6 +12,7 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t fewest = 30;
+constexpr double most_worse = 9.0;  ///< variance over the usual one
 /// How long a change of acceleration takes. The speed's third state is its jerk: an acceleration
 /// that persists, driven by jerks that do not.
 constexpr double jerk_time_s = 0.3;
@@ -65,8 +66,9 @@ double white_noise_of(const std::vector<SpeedArc>& arcs) {
                     velocities::speed_resolution_m_s(speeds) / std::sqrt(12.0));
 }
 
-/// Gives each sample the white noise as its standard deviation, more where it states more than the
-/// median.
+/// Gives each sample the white noise as its standard deviation, up to three times as much where it
+/// states more than the median. A sample that states still more is not believed for that: it would
+/// excuse itself.
 void set_covariances(std::vector<SpeedArc>& arcs, double white_m_s) {
     std::vector<double> stated;
     for (const SpeedArc& arc : arcs)
@@ -76,8 +78,8 @@ void set_covariances(std::vector<SpeedArc>& arcs, double white_m_s) {
     for (SpeedArc& arc : arcs)
         for (ArcEpoch<1>& epoch : arc.epochs) {
             double& variance = epoch.measurement->covariance(0);
-            variance =
-                white_m_s * white_m_s * (usual > 0.0 ? std::max(1.0, variance / usual) : 1.0);
+            variance = white_m_s * white_m_s *
+                       (usual > 0.0 ? std::clamp(variance / usual, 1.0, most_worse) : 1.0);
         }
 }
 

@@ -311,16 +311,18 @@ BudgetRow selection_row(const BudgetInput& input) {
 }  // namespace
 
 BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
-                     const std::optional<double>& subtracted_m_s) {
+                     const std::optional<double>& subtracted_m_s, bool middle) {
     BudgetRow row = speed_row(
         "f", "choice of the fastest of many windows", "A", uncertainty_m_s,
         independent_of_other_rows,
         fmt::format("bias between {} {} could have been the fastest; {}", between,
                     candidates == 1 ? std::string("no other window")
                                     : fmt::format("{} windows", candidates),
-                    subtracted_m_s ? "the middle is subtracted from the speed, half the difference "
-                                     "added to the expanded uncertainty"
-                                   : "the larger is added to the expanded uncertainty"));
+                    !subtracted_m_s ? "the larger is added to the expanded uncertainty"
+                    : middle ? "the middle is subtracted from the speed, half the difference "
+                               "added to the expanded uncertainty"
+                             : "the smaller is subtracted from the speed, the difference "
+                               "added to the expanded uncertainty"));
     row.estimate = subtracted_m_s.value_or(0.0);
     row.sensitivity = subtracted_m_s ? -1.0 : 1.0;
     return row;

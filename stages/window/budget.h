@@ -118,8 +118,8 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
 /// Row f: the remaining uncertainty of the bias (m/s) of choosing the fastest window. `between`
 /// describes its limits. The bias itself is not a row; any remainder of it is added to the expanded
 /// uncertainty. `subtracted_m_s` is what was subtracted from the speed, empty if the rule
-/// includes the bias in the uncertainty.
+/// includes the bias in the uncertainty: the middle of the range, or its lower limit.
 BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
-                     const std::optional<double>& subtracted_m_s);
+                     const std::optional<double>& subtracted_m_s, bool middle = true);
 
 }  // namespace runcert

@@ -7,13 +7,13 @@
 #include <limits>
 
 #include "core/failure.h"
+#include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
 #include "stages/window/velocity_moment.h"
 #include "stages/window/velocity_selection.h"
-#include "witness/roster.h"
 #include "witness/velocity_origin.h"
 
 namespace runcert {
@@ -50,26 +50,6 @@ SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows
             .mean_n_m_s = later_m_s / steps};
 }
 
-/// The mean of the standard deviations stated for a window's speeds, as for one error if all err
-/// alike, and who states them.
-StatedSpeedAccuracy stated_accuracy(const VelocityEstimate& estimate, const Profile& profile,
-                                    const FoundWindow& found) {
-    StatedSpeedAccuracy stated{.claimed = estimate.config.velocity_accuracy_claimed};
-    if (const auto& velocity = estimate.screened.basis.velocity)
-        stated.scatter_m_s = velocity->scale_m_s;
-    for (std::size_t k = found.first; k <= found.last; ++k) {
-        const ScreenedEpoch& row = estimate.screened.rows[estimate.rows[found.series].rows[k]];
-        const auto speed = recorded_speed(row, profile.dimension);
-        if (!speed || !speed->standard_uncertainty_m_s)
-            throw Failure(fmt::format("epoch {}", row.epoch),
-                          "the recording does not state how accurate its velocity is",
-                          "Use a profile whose speed is from positions");
-        stated.sigma_m_s += *speed->standard_uncertainty_m_s;
-    }
-    stated.sigma_m_s /= static_cast<double>(found.last - found.first + 1);
-    return stated;
-}
-
 double duration_of(const FoundWindow& found) {
     return found.end.seconds() - found.start.seconds();
 }
@@ -77,6 +57,32 @@ double duration_of(const FoundWindow& found) {
 /// Number of samples' errors that are averaged in a window.
 double samples_of(const FoundWindow& found) {
     return static_cast<double>(found.last - found.first);
+}
+
+/// The mean of the standard deviations stated for a window's speeds, as for one error if all err
+/// alike, and who states them.
+StatedSpeedAccuracy stated_accuracy(const VelocityEstimate& estimate, const Profile& profile,
+                                    const FoundWindow& found) {
+    StatedSpeedAccuracy stated{.claimed = estimate.config.velocity_accuracy_claimed};
+    if (const auto& velocity = estimate.screened.basis.velocity)
+        stated.scatter_m_s = velocity->scale_m_s;
+    std::vector<double> sigmas;
+    for (std::size_t k = found.first; k <= found.last; ++k) {
+        const ScreenedEpoch& row = estimate.screened.rows[estimate.rows[found.series].rows[k]];
+        const auto speed = recorded_speed(row, profile.dimension);
+        if (!speed || !speed->standard_uncertainty_m_s)
+            throw Failure(fmt::format("epoch {}", row.epoch),
+                          "the recording does not state how accurate its velocity is",
+                          "Use a profile whose speed is from positions");
+        sigmas.push_back(*speed->standard_uncertainty_m_s);
+    }
+    constexpr double much_worse = 3.0;
+    const double usual_m_s = median(sigmas);
+    stated.sigma_m_s = mean(sigmas);
+    for (const double sigma : sigmas)
+        if (sigma > much_worse * usual_m_s)
+            stated.of_worse_m_s = std::hypot(stated.of_worse_m_s, sigma / samples_of(found));
+    return stated;
 }
 
 SpeedNoise noise_of(const VelocityEstimate& estimate, Dimension dimension,
@@ -105,6 +111,14 @@ WitnessedSpeed by_positions(const TrackSpeed& track, double speed_m_s, double du
     return witnessed;
 }
 
+/// What a window's speed differs by from its positions beyond twice what is usual in the recording:
+/// an error of this window that no other has to share.
+double beyond_usual_m_s(const SpeedNoise& noise, double difference_m_s) {
+    const auto& usual = noise.over_window ? noise.over_window : noise.over_ten;
+    if (!usual || noise.in_common) return 0.0;
+    return std::sqrt(std::max(0.0, std::pow(difference_m_s, 2) - std::pow(2.0 * usual->sd_m_s, 2)));
+}
+
 std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
                       const StatedSpeedAccuracy& stated) {
     const auto shown = [&] {
@@ -130,10 +144,11 @@ std::string slow_note(const SpeedErrors& errors, const SpeedNoise& noise,
     return noise.over_ten ? said + "; " + shown() : said;
 }
 
-/// Adds the rows of the recorded speeds' own errors.
+/// Adds the rows of the recorded speeds' own errors to a window that has its witness.
 void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
                     const StatedSpeedAccuracy& stated, const FoundWindow& found,
-                    std::vector<BudgetRow>& rows) {
+                    CertifiableWindow& window) {
+    std::vector<BudgetRow>& rows = window.budget;
     BudgetRow white = speed_row(
         "w", "white noise of the recorded speeds", "A", errors.mean_white_m_s,
         independent_of_other_rows,
@@ -154,6 +169,12 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
                   "{:.3f} m/s (root mean square of {:.0f} spans); beyond the other two rows",
                   noise.over_window->sd_m_s, noise.over_window->independent)
             : std::string("of a window this long they are part of the next row"));
+    if (const double apart_m_s = window.witnesses.front().difference_m_s;
+        beyond_usual_m_s(noise, apart_m_s) > 0.0)
+        brief.note += fmt::format(
+            "; in this window they differ by {:+.3f} m/s, which counts beyond "
+            "twice what is usual",
+            apart_m_s);
     if (noise.over_window) brief.degrees_of_freedom = noise.over_window->independent;
     rows.push_back(std::move(brief));
     const bool shown = errors.slow == SlowError::shown;
@@ -166,14 +187,19 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
 }
 
 /// Row p: what all recorded speeds have in common. The estimate is taken off.
-BudgetRow scale_row(const SpeedScale& scale, double speed_m_s) {
+BudgetRow scale_row(const SpeedNoise& noise, double speed_m_s) {
+    const SpeedScale& scale = noise.scale;
     BudgetRow row = speed_row(
         "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s,
         independent_of_other_rows,
-        fmt::format("beside the positions, over straight fast spans of 10 s, they are {:+.3f} % "
-                    "too high, with a standard uncertainty of {:.3f} %; weighed against what "
-                    "receivers are off by, {:+.3f} % are taken off",
-                    100.0 * scale.shown, 100.0 * scale.shown_uncertainty, 100.0 * scale.value));
+        noise.in_common
+            ? std::string("the positions are not independent of the velocities, and tell nothing "
+                          "of it: it is part of the stated value, which counts whole")
+            : fmt::format("beside the positions, over straight fast spans of 10 s, they are "
+                          "{:+.3f} % too high, with a standard uncertainty of {:.3f} %; weighed "
+                          "against what receivers are off by, {:+.3f} % are taken off",
+                          100.0 * scale.shown, 100.0 * scale.shown_uncertainty,
+                          100.0 * scale.value));
     row.estimate = scale.value;
     row.unit = "1";
     row.standard_uncertainty = scale.uncertainty;
@@ -182,30 +208,35 @@ BudgetRow scale_row(const SpeedScale& scale, double speed_m_s) {
 }
 
 /// Row d: the largest error of the mean that the tests of the recorded speeds leave with the power
-/// stated for them, in a burst of any length that they look for; as rare as errors of measured
-/// speeds are taken to be.
-BudgetRow undetected_row(const ScreenedTable& screened, const Profile& profile, double samples) {
+/// stated for them, in a burst of any length that they look for; at most what the positions of the
+/// window leave. One window in 200 is taken to have one, which is judgement.
+BudgetRow undetected_row(const ScreenedTable& screened, const Profile& profile, double samples,
+                         SlowError slow, const WitnessedSpeed& positions) {
+    constexpr double burst_probability = 1.0 / 200.0;
     const TestedAxes axes =
         profile.dimension == Dimension::vertical ? TestedAxes::vertical : TestedAxes::horizontal;
     const auto& all = screened.basis.speeds;
     const auto tested = std::ranges::find(all, axes, &SpeedScreening::axes);
     double largest_m_s = 0.0;
-    if (tested != all.end())
+    if (tested != all.end() && slow != SlowError::stated)
         for (const DetectableSpeed& one : tested->detectable)
             largest_m_s =
                 std::max(largest_m_s,
                          one.size_m_s * std::min(1.0, static_cast<double>(one.samples) / samples));
+    largest_m_s = std::min(largest_m_s, largest_error_beside(positions));
     return speed_row(
         "d", "undetected error of single samples", "B",
-        std::sqrt(faults_of_speeds.probability) * rectangular_uncertainty(largest_m_s),
+        std::sqrt(burst_probability) * rectangular_uncertainty(largest_m_s),
         independent_of_other_rows,
-        tested == all.end()
+        slow == SlowError::stated
+            ? std::string("part of the stated value of one sample, which counts whole for the mean")
+        : tested == all.end()
             ? std::string("not quantified: too few speeds were recorded to test them")
             : fmt::format("up to {:.2f} m/s of the mean: what the tests of the speeds against one "
-                          "another leave with a probability of {:.0f} % or more; taken to happen "
-                          "in one window of {:.0f}, as mean square",
+                          "another leave with a probability of {:.0f} % or more, or the positions "
+                          "of the window; taken to happen in one window of {:.0f}, as mean square",
                           largest_m_s, 100.0 * (1.0 - screened.basis.power),
-                          1.0 / faults_of_speeds.probability));
+                          1.0 / burst_probability));
 }
 
 double resolution_m_s(const std::vector<ComparedSpeed>& compared) {
@@ -259,7 +290,6 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
                                1.0, fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
     if (auto calibration = calibration_row(estimate.config))
         rows.push_back(*std::move(calibration));
-    rows.push_back(undetected_row(estimate.screened, profile, samples_of(found)));
 }
 
 MeanOf mean_of(SpeedDefinition definition) {
@@ -269,7 +299,7 @@ MeanOf mean_of(SpeedDefinition definition) {
 
 /// Subtracts the bias of the choice from the speed, and adds its row.
 void set_choice(const VelocityEstimate& estimate, const Profile& profile, const FoundWindow& found,
-                const std::vector<FoundWindow>& all, const SpeedErrors& errors,
+                const std::vector<FoundWindow>& all, const SpeedErrors& errors, bool in_common,
                 CertifiableWindow& window) {
     std::vector<std::vector<ElapsedTime>> times;
     for (const ArcRows& arc : estimate.rows) {
@@ -277,28 +307,35 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
         for (const std::size_t row : arc.rows)
             of_arc.push_back(estimate.trajectory.rows[row].time);
     }
-    const double differs_m_s =
-        std::hypot(errors.mean_white_m_s, errors.brief_m_s, errors.slow_between_m_s);
-    const SpeedChoiceBias bias = speed_choice_bias(
-        times, all, found, mean_of(profile.definition),
-        {.white_m_s = errors.white_m_s,
-         .brief_m_s = errors.brief_m_s,
-         .slow_m_s = errors.slow_between_m_s},
-        selection_width * differs_m_s, estimate.config.selection_samples, estimate.config.seed);
+    const SpeedChoiceBias bias =
+        speed_choice_bias(times, all, found, mean_of(profile.definition),
+                          {.white_m_s = errors.white_m_s,
+                           // Speeds made of positions err anew in every window.
+                           .brief_m_s = in_common ? errors.slow_m_s : errors.brief_m_s,
+                           .slow_m_s = in_common ? 0.0 : errors.slow_m_s},
+                          selection_width * errors.combined(), estimate.config.selection_samples,
+                          estimate.config.seed);
     const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
+    if (getenv("RC_DEBUG"))
+        fmt::print(stderr,
+                   "DBG {} white {} meanw {} brief {} slow {} common {} least {} most {} cand {} "
+                   "speed {} stated\n",
+                   profile.id, errors.white_m_s, errors.mean_white_m_s, errors.brief_m_s,
+                   errors.slow_m_s, 0, bias.least_m_s, bias.most_m_s, bias.candidates,
+                   found.speed_m_s);
     // A range wider than the speed is uncertain tells nothing of where in it the bias is: what is
     // certain is taken off, and the rest is allowed for.
     const double half_m_s = 0.5 * (bias.most_m_s - bias.least_m_s);
-    const double middle_m_s =
-        half_m_s > errors.combined() ? bias.least_m_s : bias.least_m_s + half_m_s;
-    window.bias_limit_m_s = bias.most_m_s - (subtracted ? middle_m_s : 0.0);
-    if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, middle_m_s);
+    const bool middle = half_m_s <= errors.combined();
+    const double taken_off_m_s = bias.least_m_s + (middle ? half_m_s : 0.0);
+    window.bias_limit_m_s = bias.most_m_s - (subtracted ? taken_off_m_s : 0.0);
+    if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, taken_off_m_s);
     window.budget.push_back(
         choice_row(fmt::format("{:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
                                "that differ between windows;",
                                bias.least_m_s, bias.most_m_s),
                    bias.uncertainty_m_s, static_cast<std::int64_t>(bias.candidates),
-                   subtracted ? std::optional(middle_m_s) : std::nullopt));
+                   subtracted ? std::optional(taken_off_m_s) : std::nullopt, middle));
 }
 
 }  // namespace
@@ -332,15 +369,19 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
 
     const StatedSpeedAccuracy stated = stated_accuracy(estimate, profile, found);
     const SpeedNoise noise = noise_of(estimate, profile.dimension, found);
-    const SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
+    SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
     window.speed_m_s *= 1.0 - noise.scale.value;
     window.witnesses.push_back(
         by_positions(track_speed(estimate.screened, trajectory, arc, profile, found),
                      window.speed_m_s, duration_of(found), errors.combined()));
-    add_error_rows(errors, noise, stated, found, window.budget);
-    window.budget.push_back(scale_row(noise.scale, found.speed_m_s));
+    errors.brief_m_s = std::hypot(errors.brief_m_s,
+                                  beyond_usual_m_s(noise, window.witnesses.front().difference_m_s));
+    add_error_rows(errors, noise, stated, found, window);
+    window.budget.push_back(scale_row(noise, found.speed_m_s));
     add_other_rows(estimate, profile, found, window.budget);
-    set_choice(estimate, profile, found, all, errors, window);
+    window.budget.push_back(undetected_row(estimate.screened, profile, samples_of(found),
+                                           errors.slow, window.witnesses.front()));
+    set_choice(estimate, profile, found, all, errors, noise.in_common, window);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;

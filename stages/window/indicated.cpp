@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 
-#include "core/prose.h"
 #include "reports/words/figures.h"
 #include "reports/words/screening.h"
 #include "schemas/observations/stated_covariance.h"
@@ -120,9 +119,9 @@ std::string refused_speeds(const ScreenedTable& screened, const WindowRows& wind
     }
     if (!worst) return {};
     return fmt::format(
-        "{} that {} neighbours contradict ({}epoch {}, {}: {:+.2f} m/s, statistic "
+        "{} recorded {} that {} neighbours contradict ({}epoch {}, {}: {:+.2f} m/s, statistic "
         "{:.0f}, threshold {:.0f})",
-        counted(refused, "recorded speed"), refused == 1 ? "its" : "their",
+        refused, refused == 1 ? "speed" : "speeds", refused == 1 ? "its" : "their",
         refused == 1 ? "" : "the worst at ", worst->epoch,
         instant_text(screened.facts.first_epoch, worst->time), error_m_s(*worst),
         worst->speed_test.statistic.value_or(0.0), worst->speed_test.threshold.value_or(0.0));

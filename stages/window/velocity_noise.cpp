@@ -129,7 +129,6 @@ double rest_of(double whole, double part) {
 SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
     errors.mean_white_m_s = std::min(errors.mean_white_m_s, stated_m_s);
     errors.slow_m_s = rest_of(stated_m_s, errors.mean_white_m_s);
-    errors.slow_between_m_s = std::min(errors.slow_m_s, least_slow_error_m_s);
     errors.slow = SlowError::stated;
     return errors;
 }
@@ -264,6 +263,7 @@ SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTa
         if (both->sd_m_s * (1.0 + chance) < noise.white->sd_m_s / std::sqrt(averaged))
             noise.in_common = true;
     }
+    if (noise.in_common) noise.scale.value = noise.scale.uncertainty = 0.0;
     return noise;
 }
 
@@ -276,7 +276,8 @@ SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& sta
     SpeedErrors errors;
     if (noise.white) errors.white_m_s = noise.white->sd_m_s;
     const bool contradicted = stated.claimed && errors.white_m_s > stated.sigma_m_s;
-    errors.mean_white_m_s = errors.white_m_s / (contradicted ? 1.0 : std::sqrt(samples));
+    errors.mean_white_m_s = std::hypot(errors.white_m_s / (contradicted ? 1.0 : std::sqrt(samples)),
+                                       stated.of_worse_m_s);
     const bool is_short = duration_s < ten_s;
     if (noise.in_common || !noise.white || !noise.over_ten || (is_short && !noise.over_window))
         return as_stated(stated.claimed ? std::max({stated.sigma_m_s, stated.scatter_m_s,
@@ -289,7 +290,6 @@ SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& sta
     if (is_short)
         errors.brief_m_s =
             rest_of(rest_of(noise.over_window->sd_m_s, shown_m_s), errors.mean_white_m_s);
-    errors.slow_between_m_s = errors.slow_m_s;
     const double stated_m_s = rest_of(stated.sigma_m_s, errors.mean_white_m_s);
     if (noise.positions_m_s >= stated.sigma_m_s && stated_m_s > errors.slow_m_s) {
         errors.slow_m_s = stated_m_s;

@@ -88,7 +88,8 @@ struct SpeedNoise {
 /// noise may average. Errors are in common where screening says so. They are also in common where
 /// the two agree too well: over spans as long as the window (10 s at most) better than the white
 /// noise allows, beyond chance; or over 10, 30 and 100 s by less than a quarter of what the
-/// positions state of a displacement, which wander by more on their own.
+/// positions state of a displacement, which wander by more on their own. Such positions tell
+/// nothing of the scale either.
 SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTable& screened,
                        Dimension dimension, double start_s, double duration_s, double samples);
 
@@ -98,6 +99,8 @@ struct StatedSpeedAccuracy {
     double sigma_m_s = 0.0;
     bool claimed = false;
     double scatter_m_s = 0.0;  ///< from the smoothed motion, as found by screening
+    /// Of the window's mean, from single samples that are stated to be much worse than the others.
+    double of_worse_m_s = 0.0;
 };
 
 /// What determines the lasting error of a speed.
@@ -105,11 +108,10 @@ enum class SlowError { floor, shown, stated };
 
 /// Standard uncertainties of a window's mean recorded speed, m/s.
 struct SpeedErrors {
-    double white_m_s = 0.0;         ///< of one sample
-    double mean_white_m_s = 0.0;    ///< of the mean, from white noise
-    double brief_m_s = 0.0;         ///< of the mean, from errors shorter than ten seconds
-    double slow_m_s = 0.0;          ///< assumed to be one error throughout the window
-    double slow_between_m_s = 0.0;  ///< the part that may differ between windows
+    double white_m_s = 0.0;       ///< of one sample
+    double mean_white_m_s = 0.0;  ///< of the mean, from white noise
+    double brief_m_s = 0.0;       ///< of the mean, from errors shorter than ten seconds
+    double slow_m_s = 0.0;        ///< assumed to be one error throughout the window
     SlowError slow = SlowError::stated;
 
     double combined() const;

@@ -85,7 +85,7 @@ std::vector<double> window_errors(const Search& search, MeanOf mean_of,
                                                (errors[k] + errors[k - 1])
                                          : 0.0);
     std::vector<double> of_windows;
-    for (const auto& [first, last, assured] : search.candidates) {
+    for (const auto& [first, last, assured, leg] : search.candidates) {
         const double of_all = mean_of == MeanOf::samples ? 1.0 : 0.0;
         const double over = mean_of == MeanOf::path ? search.time_s[last] - search.time_s[first]
                                                     : static_cast<double>(last - first) + of_all;

@@ -142,7 +142,7 @@ std::vector<SpeedsCell> every_speeds_cell() {
                 beside(SpeedsPositions::integrated, 0.0, stated_m_s, added_m));
     for (const double tau_s : {15.0, 30.0, 100.0})
         add(fmt::format("positions smoothed over {:g} s", tau_s),
-            beside(SpeedsPositions::smoothed, tau_s, 0.15, 0.0));
+            beside(SpeedsPositions::smoothed, tau_s, 0.25, 0.0));
     for (const double added_m_s : {0.0, 0.03})
         add(fmt::format("differences of positions{}", added_m_s > 0.0 ? ", 0.03 m/s" : ""),
             {.stated_m_s = 0.1, .positions = SpeedsPositions::differenced, .added_m_s = added_m_s});

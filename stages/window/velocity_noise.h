@@ -76,7 +76,7 @@ struct SpeedNoise {
     std::optional<SpeedSpread> white;
     std::optional<SpeedSpread> over_window;  ///< only for windows shorter than ten seconds
     std::optional<SpeedSpread> over_ten;     ///< over spans of 10 s
-    SpeedScale scale;
+    SpeedScale scale = {};
     /// Of the mean speed over 10 s by positions, m/s: what twice their stated standard deviation at
     /// both ends makes. Nearly all that they could err by.
     double positions_m_s = 0.0;

@@ -4,6 +4,7 @@
 
 #include "core/random.h"
 #include "stages/window/certify_velocity.h"
+#include "stages/window/sample_series.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -114,7 +115,7 @@ TEST(VelocityBudget, HasARowForEachSource) {
         symbols += row.symbol;
         square += row.contribution_m_s * row.contribution_m_s;
     }
-    EXPECT_EQ(symbols, "wbutlkrdf");
+    EXPECT_EQ(symbols, "wbuptlkrdf");
     EXPECT_NEAR(window.standard_uncertainty_m_s, std::sqrt(square), 1e-12);
     EXPECT_NEAR(row_of(window, "w").contribution_m_s, 0.1 / std::sqrt(20.0), 0.005);
     EXPECT_DOUBLE_EQ(row_of(window, "u").contribution_m_s, 0.05);
@@ -124,7 +125,8 @@ TEST(VelocityBudget, HasARowForEachSource) {
     // White noise averages; half of what is stated times sqrt(2 ln n) is not taken off.
     EXPECT_LT(window.standard_uncertainty_m_s, 0.07);
     EXPECT_LT(row_of(window, "f").estimate, 0.06);
-    EXPECT_NEAR(window.speed_m_s, Session().all[0].speed_m_s - row_of(window, "f").estimate, 1e-12);
+    const double scaled_m_s = Session().all[0].speed_m_s * (1.0 - row_of(window, "p").estimate);
+    EXPECT_NEAR(window.speed_m_s, scaled_m_s - row_of(window, "f").estimate, 1e-12);
     EXPECT_GT(window.bias_limit_m_s, 0.0);
 }
 
@@ -133,9 +135,50 @@ TEST(VelocityBudget, CoversTheChoiceWhereTheRuleSaysSo) {
     const CertifiableWindow subtracted = session.certified();
     session.profile.uncertainty.selection_bias = SelectionTreatment::covered;
     const CertifiableWindow covered = session.certified();
-    EXPECT_DOUBLE_EQ(covered.speed_m_s, session.all[0].speed_m_s);
+    EXPECT_DOUBLE_EQ(covered.speed_m_s,
+                     session.all[0].speed_m_s * (1.0 - row_of(covered, "p").estimate));
     EXPECT_NEAR(covered.bias_limit_m_s,
                 row_of(subtracted, "f").estimate + subtracted.bias_limit_m_s, 1e-9);
+}
+
+/// Speeds 1.5 % too high beat a record that the positions did not show.
+TEST(VelocityBudget, TakesOffTheScaleThatThePositionsShow) {
+    Session session;
+    const double honest_m_s = session.certified().speed_m_s;
+    for (ScreenedEpoch& row : session.screened.rows)
+        *row.recorded_speed_m_s *= 1.015;
+    session.all[0] = session.window(1000);
+    const CertifiableWindow window = session.certified();
+    EXPECT_NEAR(window.speed_m_s, honest_m_s, 0.02);
+    EXPECT_NEAR(row_of(window, "p").estimate, 0.015, 0.001);
+    EXPECT_GT(row_of(window, "p").contribution_m_s, 0.0);
+}
+
+/// A refused sample ends the windows that hold it, and what its tests leave has a price.
+TEST(VelocityBudget, PricesWhatTheTestsOfTheSpeedsLeave) {
+    Session session;
+    EXPECT_EQ(row_of(session.certified(), "d").contribution_m_s, 0.0);
+    session.screened.basis.power = 0.8;
+    session.screened.basis.speeds = {
+        {.axes = TestedAxes::horizontal,
+         .detectable = {{.samples = 1, .size_m_s = 1.0}, {.samples = 10, .size_m_s = 0.4}}}};
+    EXPECT_NEAR(row_of(session.certified(), "d").contribution_m_s,
+                std::sqrt(1.0 / 200.0) * 0.2 / std::sqrt(3.0), 1e-12);
+    EXPECT_FALSE(velocities_left_out(session.screened.rows, std::nullopt, false)[1010]);
+    session.screened.rows[1010].speed_test.refused = Hypothesis::outlier;
+    EXPECT_TRUE(
+        certifiable_series(session.screened, session.trajectory, session.rows, session.profile)
+            .front()
+            .obstacles[1010] == 1);
+}
+
+TEST(VelocityBudget, HoldsWhatAWindowPartsFromItsPositionsByBeyondTheUsual) {
+    Session session;
+    const double usual = row_of(session.certified(), "b").contribution_m_s;
+    for (std::size_t k = 1000; k <= 1020; ++k)
+        *session.screened.rows[k].recorded_speed_m_s += 0.4;
+    session.all[0] = session.window(1000);
+    EXPECT_GT(row_of(session.certified(), "b").contribution_m_s, usual + 0.3);
 }
 
 TEST(VelocityBudget, CountsTheClockThatNobodyKnows) {

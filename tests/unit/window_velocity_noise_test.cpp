@@ -125,15 +125,72 @@ TEST(SpreadOfSpans, NeedsFiveOfThemWithinStretches) {
 TEST(NoiseOfSpeeds, IsInCommonWhereTheTwoAgreeBetterThanTheNoiseLetsThem) {
     const ScreenedTable screened;
     std::vector<ComparedSpeed> all = compared({.white_m_s = 0.2});
-    EXPECT_FALSE(speed_noise(all, screened, 1000.0, 2.0, 20.0).in_common);
-    EXPECT_FALSE(speed_noise(all, screened, 1000.0, 60.0, 600.0).in_common);
+    EXPECT_FALSE(speed_noise(all, screened, Dimension::horizontal, 1000.0, 2.0, 20.0).in_common);
+    EXPECT_FALSE(speed_noise(all, screened, Dimension::horizontal, 1000.0, 60.0, 600.0).in_common);
     for (ComparedSpeed& one : all)
         one.smoothed_m = one.recorded_m;  // integrated from the speeds
-    EXPECT_TRUE(speed_noise(all, screened, 1000.0, 2.0, 20.0).in_common);
-    EXPECT_TRUE(speed_noise(all, screened, 1000.0, 60.0, 600.0).in_common);
+    EXPECT_TRUE(speed_noise(all, screened, Dimension::horizontal, 1000.0, 2.0, 20.0).in_common);
+    EXPECT_TRUE(speed_noise(all, screened, Dimension::horizontal, 1000.0, 60.0, 600.0).in_common);
     ScreenedTable derived;
     derived.basis.velocity = VelocityComparison{.origin = VelocityOrigin::positions};
-    EXPECT_TRUE(speed_noise(compared({}), derived, 1000.0, 2.0, 20.0).in_common);
+    EXPECT_TRUE(
+        speed_noise(compared({}), derived, Dimension::horizontal, 1000.0, 2.0, 20.0).in_common);
+}
+
+/// Positions that are the integral of the speeds, with noise added, agree with them whatever the
+/// speeds err by.
+TEST(NoiseOfSpeeds, IsInCommonWhereCoarsePositionsHardlyPartFromThem) {
+    ScreenedTable coarse;
+    for (int k = 0; k < 10; ++k) {
+        ScreenedEpoch& row = coarse.rows.emplace_back();
+        row.usable = true;
+        row.arc = 1;
+        row.east_m = row.north_m = 0.0;
+        row.sigma_east_m = row.sigma_north_m = 1.0;
+    }
+    RandomGenerator random(5);
+    std::vector<ComparedSpeed> all = compared({.white_m_s = 0.02});
+    for (ComparedSpeed& one : all)
+        one.smoothed_m = one.recorded_m + 0.1 * random.normal();
+    const auto in_common = [&] {
+        return speed_noise(all, coarse, Dimension::horizontal, 1000.0, 2.0, 20.0).in_common;
+    };
+    EXPECT_TRUE(in_common());
+    for (ComparedSpeed& one : all)
+        one.smoothed_m += 2.0 * std::sin(0.1 * one.time_s);  // as independent ones wander
+    EXPECT_FALSE(in_common());
+}
+
+TEST(ScaleOfSpeeds, IsWhatTheStraightFastSpansShow) {
+    for (const double scale : {0.0, 0.015, -0.005}) {
+        SCOPED_TRACE(scale);
+        std::vector<ComparedSpeed> all = compared({.white_m_s = 0.1});
+        for (ComparedSpeed& one : all) {
+            one.recorded_m_s *= 1.0 + scale;
+            one.recorded_m *= 1.0 + scale;
+        }
+        const SpeedScale found = speed_scale(all);
+        EXPECT_NEAR(found.shown, scale, 0.0005);
+        EXPECT_NEAR(found.value, scale, 2.0 * found.uncertainty + 1e-4);
+        EXPECT_LT(found.uncertainty, 0.0006);
+        // Without it, nothing of it is left in the spread.
+        EXPECT_LT(span_spread(all, 10.0, found.value)->sd_m_s, 0.03);
+    }
+    // What nothing shows may be as large as receivers were off by.
+    const SpeedScale prior = speed_scale({});
+    EXPECT_EQ(prior.value, 0.0);
+    EXPECT_NEAR(prior.uncertainty, std::sqrt(0.95 * 9e-6 + 0.05 * 4e-4), 1e-12);
+}
+
+TEST(SpreadOfSpans, IsThatOfStraightOnes) {
+    std::vector<ComparedSpeed> all = compared({.white_m_s = 0.0});
+    // The first half goes round in circles.
+    const double half_m = all[all.size() / 2].smoothed_m;
+    for (ComparedSpeed& one : all) {
+        one.position_m.x() = std::max(0.0, one.smoothed_m - half_m);
+        if (one.smoothed_m < half_m) one.recorded_m += 2.0 * std::sin(one.time_s);
+    }
+    EXPECT_NEAR(span_spread(all, 10.0)->sd_m_s, 0.0, 1e-9);
 }
 
 SpeedNoise noise_of(double white, double over_window, double over_ten) {
@@ -167,15 +224,25 @@ TEST(ErrorsOfSpeeds, AreThoseShown) {
     EXPECT_DOUBLE_EQ(ten.combined(), std::hypot(0.01, 0.05));
 }
 
-TEST(ErrorsOfSpeeds, AreNeverMoreThanTheReceiverStates) {
+/// A receiver that stated half its error was held to that.
+TEST(ErrorsOfSpeeds, AreNotCappedByWhatTheReceiverStates) {
     const SpeedErrors slow = speed_errors(noise_of(0.1, 0.9, 0.8), stated(0.2), 2.0, 20.0);
-    EXPECT_EQ(slow.slow, SlowError::stated);
-    EXPECT_NEAR(slow.combined(), 0.2, 1e-12);
-    const SpeedErrors brief = speed_errors(noise_of(0.1, 0.9, 0.06), stated(0.2), 2.0, 20.0);
-    EXPECT_DOUBLE_EQ(brief.slow_m_s, 0.06);
-    EXPECT_NEAR(brief.combined(), 0.2, 1e-12);
-    // But for the white noise, which contradicts it.
-    EXPECT_DOUBLE_EQ(speed_errors(noise_of(0.8, 0.9, 0.06), stated(0.1), 2.0, 4.0).combined(), 0.4);
+    EXPECT_EQ(slow.slow, SlowError::shown);
+    EXPECT_NEAR(slow.combined(), 0.9, 1e-12);
+    // Coarse positions tell nothing below what they may err by themselves.
+    SpeedNoise coarse = noise_of(0.1, 0.12, 0.1);
+    coarse.positions_m_s = 0.3;
+    const SpeedErrors as_stated = speed_errors(coarse, stated(0.25), 2.0, 20.0);
+    EXPECT_EQ(as_stated.slow, SlowError::stated);
+    EXPECT_NEAR(std::hypot(as_stated.slow_m_s, as_stated.mean_white_m_s), 0.25, 1e-12);
+    EXPECT_EQ(speed_errors(coarse, stated(0.35), 2.0, 20.0).slow, SlowError::shown);
+    EXPECT_EQ(speed_errors(coarse, stated(0.05), 2.0, 20.0).slow, SlowError::shown);
+}
+
+TEST(ErrorsOfSpeeds, HoldWhatSingleSamplesAreStatedToErrBy) {
+    const SpeedErrors errors = speed_errors(noise_of(0.1, 0.13, 0.12),
+                                            {.sigma_m_s = 0.4, .of_worse_m_s = 0.15}, 2.0, 20.0);
+    EXPECT_DOUBLE_EQ(errors.mean_white_m_s, std::hypot(0.1 / std::sqrt(20.0), 0.15));
 }
 
 TEST(ErrorsOfSpeeds, CountAsStatedWhereNothingElseTellsThem) {
@@ -189,8 +256,6 @@ TEST(ErrorsOfSpeeds, CountAsStatedWhereNothingElseTellsThem) {
         const SpeedErrors errors = speed_errors(noise, stated(0.5), 2.0, 20.0);
         EXPECT_NEAR(errors.combined(), 0.5, 1e-12);
         EXPECT_EQ(errors.slow, SlowError::stated);
-        // What may be the same all over the session chooses no window.
-        EXPECT_DOUBLE_EQ(errors.slow_between_m_s, 0.05);
     }
     EXPECT_EQ(speed_errors(no_window, stated(0.5), 20.0, 200.0).slow, SlowError::floor);
 }

@@ -80,6 +80,7 @@ std::string uncertainty_text(double uncertainty) {
 
 std::string significant_text(double value, int digits) {
     if (value == 0.0) return "0";
+    if (!std::isfinite(value)) return "not determined";
     if (std::abs(value) < 1e-6) return scientific_text(value);
     // The exponent after rounding: 9.96 with two digits is 10.
     const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
@@ -278,7 +279,7 @@ std::string gps_text(GpsTime time) {
 }
 
 std::string scientific_text(double value) {
-    return fmt::format("{:.1e}", value);
+    return std::isfinite(value) ? fmt::format("{:.1e}", value) : "not determined";
 }
 
 }  // namespace runcert

@@ -34,7 +34,8 @@ const SpeedUnit& speed_unit(std::string_view name);
 /// A standard uncertainty or another small size, rounded to two significant digits: "0.018".
 std::string uncertainty_text(double uncertainty);
 
-/// So many significant digits: "0.00058", "-72.0", "4100"; "0"; below 1e-6 as scientific_text.
+/// So many significant digits: "0.00058", "-72.0", "4100"; "0"; below 1e-6 as scientific_text;
+/// "not determined" of what is no finite number.
 std::string significant_text(double value, int digits);
 
 /// A figure in its shortest form, with its unit where it has one: "202.9", "1000 m".

@@ -95,9 +95,10 @@ void set_speed(ClauseContext& context) {
     if (context.profile.current == CurrentUse::subtracted) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_m_s -= context.current->along_m_s;
-        speed.standard_uncertainty_m_s =
-            std::hypot(speed.standard_uncertainty_m_s,
-                       0.5 * context.input.attempt.current->expanded_uncertainty_m_s);
+        const double of_current_m_s = 0.5 * context.input.attempt.current->expanded_uncertainty_m_s;
+        const auto widen = [&](double& u_m_s) { u_m_s = std::hypot(u_m_s, of_current_m_s); };
+        widen(speed.standard_uncertainty_m_s);
+        if (speed.evidence) widen(speed.evidence->shared_standard_uncertainty_m_s);
     }
     context.coverage_factor =
         equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);

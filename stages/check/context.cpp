@@ -178,7 +178,6 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
 /// nothing.
 bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
@@ -307,16 +306,8 @@ std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
 }
 
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
-    for (const ProfileWindows& entry : windows.profiles) {
-        const WindowRule& rule = entry.rule;
-        if (entry.profile == profile.id && rule.kind == profile.window_kind &&
-            rule.duration_s == profile.duration_s && rule.distance_m == profile.distance_m &&
-            rule.definition == profile.definition && rule.dimension == profile.dimension &&
-            rule.source == profile.speed_source && rule.ends == profile.ends &&
-            rule.exact == profile.exact_duration && rule.count == profile.windows &&
-            rule.opposite_runs == profile.opposite_runs_within_s.has_value())
-            return entry;
-    }
+    for (const ProfileWindows& entry : windows.profiles)
+        if (entry.profile == profile.id && entry.rule == rule_of(profile)) return entry;
     throw Failure("5-windows of receiver " + windows.receiver,
                   "the windows were not searched for the profile " + profile.id + " as it is now",
                   "Run runcert-window again");

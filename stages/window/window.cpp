@@ -237,20 +237,6 @@ class Certifier {
     std::map<Dimension, VelocityEstimate> velocities_;
 };
 
-WindowRule rule_of(const Profile& profile) {
-    return {.kind = profile.window_kind,
-            .duration_s = profile.duration_s,
-            .distance_m = profile.distance_m,
-            .definition = profile.definition,
-            .dimension = profile.dimension,
-            .source = profile.speed_source,
-            .ends = profile.ends,
-            .exact = profile.exact_duration,
-            .count = profile.windows,
-            .speed_of = profile.speed_of,
-            .opposite_runs = profile.opposite_runs_within_s.has_value()};
-}
-
 bool overlap(const FoundWindow& one, const FoundWindow& other) {
     return one.start < other.end && other.start < one.end;
 }

@@ -147,7 +147,10 @@ class Certifier {
                                 .found = found,
                                 .all = all,
                                 .quantity = quantity_of(profile),
-                                .craft = craft_of(profile, found, dimension)};
+                                .craft = craft_of(profile, found, dimension),
+                                // Of the two parts of a speed in space a witness may have heard
+                                // one, and each budget counts its own share of it.
+                                .by_positions_alone = profile.dimension == Dimension::space};
         };
         if (profile.dimension == Dimension::vertical)
             return certified(*vertical_, choice(Dimension::vertical));

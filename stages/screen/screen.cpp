@@ -323,7 +323,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = estimate_noises(look, config, basis);
     }
     test_positions(screened, noises, plan, config, basis);
-    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground);
+    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground, plan);
     Motion motion = check_witnesses_and_limits(
         screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
     screened.basis = std::move(basis);

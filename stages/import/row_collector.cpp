@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/satellite.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
@@ -33,6 +34,20 @@ void note_leap_seconds(Observations& observations, GpsTime last) {
         observations.notes.push_back(
             "The recording is in UTC, and for its date the leap seconds are not known to this "
             "program: its GPS time may be off by a whole second or more.");
+}
+
+/// Failure where what is recorded is the speed of no craft.
+void require_speed_of_a_craft(const RecordedVelocity& row, const RecordingBytes& recording,
+                              const RecordPlace& place) {
+    std::optional<double> vertical = row.recorded_velocity_up_m_s;
+    if (vertical) vertical = std::abs(*vertical);
+    for (const std::optional<double>& speed_m_s : {horizontal_speed(row), vertical})
+        if (speed_m_s && !(*speed_m_s >= 0.0 && *speed_m_s < speed_of_light_m_s))
+            throw Failure(
+                place_in(recording, place),
+                fmt::format("the recorded speed is {:.9g} m/s, which no craft has", *speed_m_s),
+                "Hand in the recording as the device wrote it, and look at the unit of "
+                "its speeds; where the device measured none, leave the speed empty");
 }
 
 bool has_horizontal_accuracy(const Observation& row) {
@@ -161,6 +176,7 @@ void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
         throw Failure(place_in(recording_, place), "the recording has too many lines to count",
                       "Hand it in as several files, as the logger can split it, and list them in "
                       "the attempt");
+    require_speed_of_a_craft(row.observation, recording_, place);
     if (rows_.size() == rows_to_estimate && place.byte > 0) {
         const double bytes_each = static_cast<double>(place.byte) / rows_to_estimate;
         rows_.reserve(static_cast<std::size_t>(1.02 * static_cast<double>(recording_.bytes.size()) /

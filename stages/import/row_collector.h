@@ -139,7 +139,8 @@ class RowCollector {
         : recording_(recording), written_(written) {}
 
     /// Takes in the row that a record holds, or that begins with it, and numbers it. Does not
-    /// count the record.
+    /// count the record. Failure, at the record's place, where its recorded speed is below zero,
+    /// not finite, or that of light or more.
     void add(const TimedRow& row, const RecordPlace& place);
 
     /// Counts a record that could be read; most formats have one to a row, some several.
@@ -154,11 +155,13 @@ class RowCollector {
     /// record; its Failure makes it a bad one.
     template <class Read>
     void add_record(const RecordPlace& place, Read read) {
+        std::optional<TimedRow> row;
         try {
-            add(read(), place);
+            row = read();
         } catch (const Failure& failure) {
             return count_bad(place, failure);
         }
+        add(*row, place);
         count_good();
     }
 

@@ -353,6 +353,38 @@ std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
     return {};
 }
 
+/// Why the speeds that the rule takes are no measurement: one figure all over, while the craft
+/// moves otherwise at a tenth of the epochs or more. Empty if they may be one.
+std::string constant_speed_text(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                                const Profile& profile) {
+    constexpr std::size_t least_rows = 30;
+    constexpr double by_chance = 3.29, unseen_m_s = 0.5;
+    if (profile.speed_source != SpeedSource::velocity || profile.dimension != Dimension::horizontal)
+        return {};
+    std::vector<double> recorded_m_s, moving_m_s;
+    for (const ScreenedEpoch& row : screened.rows)
+        if (const auto speed = recorded_speed(row, profile.dimension))
+            recorded_m_s.push_back(speed->speed_m_s);
+    if (recorded_m_s.size() < least_rows) return {};
+    const auto [least, most] = std::ranges::minmax(recorded_m_s);
+    std::size_t otherwise = 0;
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        if (!row.arc || !row.speed_m_s) continue;
+        moving_m_s.push_back(*row.speed_m_s);
+        const double allowed_m_s =
+            unseen_m_s + by_chance * std::hypot(row.sigma_velocity_east_m_s.value_or(0.0),
+                                                row.sigma_velocity_north_m_s.value_or(0.0));
+        otherwise += std::abs(*row.speed_m_s - most) > allowed_m_s;
+    }
+    if (most - least > 1e-6 * most || otherwise == 0 || 10 * otherwise < moving_m_s.size())
+        return {};
+    const auto [slowest, fastest] = std::ranges::minmax(moving_m_s);
+    return fmt::format(
+        "the recorded speed is {} m/s at all {} epochs while the positions move at {} to {} m/s",
+        significant_text(most, 3), recorded_m_s.size(), significant_text(slowest, 3),
+        significant_text(fastest, 3));
+}
+
 FurtherWindow beside(const CertifiableWindow& window) {
     return {.span = window.span,
             .arc = window.arc,
@@ -548,6 +580,8 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing = std::move(unknown);
         return entry;
     }
+    entry.missing = constant_speed_text(screened, trajectory, profile);
+    if (!entry.missing.empty()) return entry;
     const Candidates among = candidates_of(screened, certifier.trajectory_for(profile),
                                            certifier.rows(), profile, config, gates, entry.part);
     entry.score = score_of(among, config, entry.part);

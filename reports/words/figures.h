@@ -125,11 +125,12 @@ std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::s
                          SafeSide side = SafeSide::down);
 
 /// What one shown figure is more than another, with its sign: "+0.02", "0.00".
-std::string signed_difference(std::string_view figure, std::string_view less);
+std::string signed_difference(std::string_view figure, std::string_view less,
+                              std::optional<int> decimals = std::nullopt);
 
 /// A speed that another measurement gives, and the one that it is compared with, as they are shown:
-/// with the decimals that the uncertainties of both justify. The difference is that of what is
-/// shown.
+/// the other with the decimals that its uncertainty justifies, and the one of the page as the page
+/// has it, beside whatever it stands. The difference is that of what is shown.
 struct ComparedSpeeds {
     std::string other;       ///< "216.07 km/h ± 0.15 km/h"
     std::string judged;      ///< "216.00 km/h"

@@ -156,7 +156,7 @@ TEST(Check, AWitnessThatAgreesStandsBesideTheSpeed) {
     ASSERT_EQ(verdict.witnesses.size(), 1U);
     EXPECT_EQ(verdict.witnesses.front(),
               "the recorded velocities give 215.92 km/h ± 0.36 km/h over the window, -0.08 km/h "
-              "against the 216.00 km/h of the positions (normalised error 0.20, at most 1)");
+              "against the 216.000 km/h of the positions (normalised error 0.20, at most 1)");
     EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
 }
 

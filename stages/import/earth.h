@@ -50,7 +50,7 @@ std::optional<Angle> course_of(const std::optional<double>& degrees);
 /// from 0 to 360 degrees, as a velocity; without one, or with another, as a speed alone, because a
 /// component must not be made up. A speed of zero is a velocity of zero in any direction. A speed
 /// of -1, in whatever unit, is how telephones write that they know none; so is a course below zero.
-/// Of any other speed that no craft has, the row is refused (`RowCollector::add`).
+/// Of any other speed that no craft has, the recording is refused (`set_rows`).
 void set_speed(RecordedVelocity& row, double speed_m_s, const std::optional<Angle>& course);
 
 /// Puts the accuracy of each component (m/s) of a recorded velocity, or of a recorded speed, into a

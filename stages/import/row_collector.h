@@ -139,8 +139,7 @@ class RowCollector {
         : recording_(recording), written_(written) {}
 
     /// Takes in the row that a record holds, or that begins with it, and numbers it. Does not
-    /// count the record. Failure, at the record's place, where its recorded speed is below zero,
-    /// not finite, or that of light or more.
+    /// count the record.
     void add(const TimedRow& row, const RecordPlace& place);
 
     /// Counts a record that could be read; most formats have one to a row, some several.
@@ -155,13 +154,11 @@ class RowCollector {
     /// record; its Failure makes it a bad one.
     template <class Read>
     void add_record(const RecordPlace& place, Read read) {
-        std::optional<TimedRow> row;
         try {
-            row = read();
+            add(read(), place);
         } catch (const Failure& failure) {
             return count_bad(place, failure);
         }
-        add(*row, place);
         count_good();
     }
 
@@ -180,13 +177,15 @@ class RowCollector {
     RowSummary summary_;
     WrittenResolution written_;
     RecordLog log_;
+    std::optional<Failure> impossible_;  ///< of the first recorded speed that no craft has
 };
 
 /// Gives each row its time since the first, and fills what follows from that: first epoch (unless
 /// `time_scale` is "relative"), nominal interval, resolution, and the records.
 ///
 /// Failure where more than half of the records could not be read (the first one's, with their
-/// number), where there are no rows, and where one is more than 292 years from the first.
+/// number), where there are no rows, where one is more than 292 years from the first, and where a
+/// recorded speed is below zero, not finite, or that of light or more.
 void set_rows(Observations& observations, RowCollector timed);
 
 /// What the attempt puts into the rows of a recording.

@@ -113,7 +113,7 @@ TEST(RecordedSpeed, OfNoCraftIsRefusedByNameInEveryFormat) {
     expect(vbo("2e9"), "the recorded speed is 555555556 m/s");
     std::string pos = fixture("degrees_velocity_floats.pos");
     expect({pos_receiver(), replaced(pos, "-2.50000", "-3.5e8")},
-           "f:7: the recorded speed is 350000000 m/s");
+           "f:6: the recorded speed is 350000000 m/s");
 }
 
 TEST(RecordedSpeed, ItsAccuracyMayBeRecorded) {

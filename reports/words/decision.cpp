@@ -35,6 +35,7 @@ std::string risk_text(const ProfileVerdict& verdict) {
         verdict.outcome == Outcome::not_certifiable || verdict.outcome == Outcome::not_proven)
         return {};
     const std::string risk = probability_text(*verdict.decision->risk);
+    const bool same = risk == probability_text(verdict.decision->probability);
     return verdict.outcome == Outcome::beaten
                ? fmt::format(
                      "of false acceptance: {} (that the true speed is below the "
@@ -42,8 +43,11 @@ std::string risk_text(const ProfileVerdict& verdict) {
                      risk)
                : fmt::format(
                      "of false rejection: {} (that the true speed reaches the "
-                     "required speed).",
-                     risk);
+                     "required speed).{}",
+                     risk,
+                     same ? ""
+                          : " It counts errors that nothing found for the craft; the conformance "
+                            "probability counts them against it.");
 }
 
 std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit) {

@@ -80,6 +80,7 @@ std::string uncertainty_text(double uncertainty) {
 
 std::string significant_text(double value, int digits) {
     if (value == 0.0) return "0";
+    if (!std::isfinite(value)) return "not determined";
     if (std::abs(value) < 1e-6) return scientific_text(value);
     // The exponent after rounding: 9.96 with two digits is 10.
     const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
@@ -201,24 +202,23 @@ std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::s
     return fmt::format("{} {}", beside(shown, speed_m_s, side), shown.unit);
 }
 
-std::string signed_difference(std::string_view figure, std::string_view less) {
-    const std::string text = shown_difference(figure, less);
+std::string signed_difference(std::string_view figure, std::string_view less,
+                              std::optional<int> decimals) {
+    std::string text = shown_difference(figure, less);
+    if (decimals) text = format_fixed(parse_double(text).value_or(0.0), *decimals);
     const bool more = text.find_first_of("123456789") != std::string::npos && text[0] != '-';
     return (more ? "+" : "") + text;
 }
 
 ComparedSpeeds compared_in(const SpeedUnit& unit, const SpeedsToShow& other, double judged_m_s,
                            const ShownFigures& page) {
-    const int decimals = decimals_of(shown_in(other, unit, decimals_of(page)));
-    const auto shown = [&](SpeedKind kind, double speed_m_s) {
-        return shown_speed(kind, speed_m_s, decimals, unit);
-    };
-    const std::string speed = shown(SpeedKind::measured, other.speed_m_s);
-    const std::string judged = shown(SpeedKind::measured, judged_m_s);
-    const std::string uncertainty = shown(SpeedKind::uncertainty, other.expanded_uncertainty_m_s);
-    return {.other = fmt::format("{0} {2} ± {1} {2}", speed, uncertainty, unit.name),
+    const ShownFigures shown = shown_in(other, unit, decimals_of(page));
+    const std::string judged =
+        shown_speed(SpeedKind::measured, judged_m_s, decimals_of(page), unit);
+    return {.other = measured_speed_text(shown),
             .judged = fmt::format("{} {}", judged, unit.name),
-            .difference = fmt::format("{} {}", signed_difference(speed, judged), unit.name)};
+            .difference = fmt::format(
+                "{} {}", signed_difference(shown.speed, judged, decimals_of(shown)), unit.name)};
 }
 
 std::string measured_speed_text(const ShownFigures& shown) {
@@ -278,7 +278,7 @@ std::string gps_text(GpsTime time) {
 }
 
 std::string scientific_text(double value) {
-    return fmt::format("{:.1e}", value);
+    return std::isfinite(value) ? fmt::format("{:.1e}", value) : "not determined";
 }
 
 }  // namespace runcert

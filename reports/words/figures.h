@@ -34,7 +34,8 @@ const SpeedUnit& speed_unit(std::string_view name);
 /// A standard uncertainty or another small size, rounded to two significant digits: "0.018".
 std::string uncertainty_text(double uncertainty);
 
-/// So many significant digits: "0.00058", "-72.0", "4100"; "0"; below 1e-6 as scientific_text.
+/// So many significant digits: "0.00058", "-72.0", "4100"; "0"; below 1e-6 as scientific_text;
+/// "not determined" of what is no finite number.
 std::string significant_text(double value, int digits);
 
 /// A figure in its shortest form, with its unit where it has one: "202.9", "1000 m".
@@ -124,11 +125,12 @@ std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::s
                          SafeSide side = SafeSide::down);
 
 /// What one shown figure is more than another, with its sign: "+0.02", "0.00".
-std::string signed_difference(std::string_view figure, std::string_view less);
+std::string signed_difference(std::string_view figure, std::string_view less,
+                              std::optional<int> decimals = std::nullopt);
 
 /// A speed that another measurement gives, and the one that it is compared with, as they are shown:
-/// with the decimals that the uncertainties of both justify. The difference is that of what is
-/// shown.
+/// the other with the decimals that its uncertainty justifies, and the one of the page as the page
+/// has it, beside whatever it stands. The difference is that of what is shown.
 struct ComparedSpeeds {
     std::string other;       ///< "216.07 km/h ± 0.15 km/h"
     std::string judged;      ///< "216.00 km/h"

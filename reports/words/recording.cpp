@@ -48,6 +48,7 @@ std::string noise_status_text(const NoiseSummary& noise) {
 std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSummary& noise,
                                  std::string_view unit) {
     constexpr double small = 0.3;
+    constexpr double hardly_any = 5.0;  // a factor of 150 either way
     const auto with_unit = [&](std::string figure) {
         return unit.empty() ? figure : fmt::format("{} {}", figure, unit);
     };
@@ -55,7 +56,8 @@ std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSum
     const std::string value = with_unit(significant_text(parameter.value, 3));
     if (noise.status != NoiseBasis::fitted) return value;
     const std::string limit = parameter.at_bound ? "; at the limit of its range" : "";
-    if (!relative) return value + ", uncertainty not determined by the data" + limit;
+    if (!relative || !(*relative < hardly_any))
+        return value + ", uncertainty not determined by the data" + limit;
     const double sigma = *relative * parameter.value;
     if (*relative < small && sigma > 0.0)
         return fmt::format("{} ± {}{}",

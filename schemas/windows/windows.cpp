@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
+#include "schemas/common/header.h"
+#include "schemas/profile/profile.h"
 
 namespace runcert {
 
@@ -23,6 +26,30 @@ double speed_by(const SpeedDefinitions& definitions, SpeedDefinition definition)
     }
     throw Failure("definition of speed", "elapsed_time is not one of those of every window",
                   "This is a fault of the program; please report it");
+}
+
+WindowRule rule_of(const Profile& profile) {
+    const auto as_written = [](const YamlValue& part) {
+        return part.exists() ? json_from_yaml(part).dump() : std::string();
+    };
+    return {.kind = profile.window_kind,
+            .duration_s = profile.duration_s,
+            .distance_m = profile.distance_m,
+            .definition = profile.definition,
+            .dimension = profile.dimension,
+            .source = profile.speed_source,
+            .ends = profile.ends,
+            .exact = profile.exact_duration,
+            .count = profile.windows,
+            .speed_of = profile.speed_of,
+            .opposite_runs = profile.opposite_runs_within_s.has_value(),
+            .opposite_runs_within_s = profile.opposite_runs_within_s,
+            .runs = as_written(profile.written["runs"]),
+            .alpha = profile.alpha,
+            .proximity_m = profile.proximity_m,
+            .turn_deg = profile.turn_deg,
+            .within = as_written(profile.written["window"]["within"]),
+            .repaired_steps = profile.repaired_steps};
 }
 
 LinearisationJudgement judge_linearisation(const CertifiableWindow& window) {

@@ -6,8 +6,13 @@
 
 namespace runcert {
 
+struct Profile;
+
 /// The speed by one of the four definitions that every window has, m/s; Failure for elapsed_time.
 double speed_by(const SpeedDefinitions& definitions, SpeedDefinition definition);
+
+/// What a profile looks for.
+WindowRule rule_of(const Profile& profile);
 
 /// The speed that a rule counts.
 struct RuleFigure {

@@ -95,9 +95,10 @@ void set_speed(ClauseContext& context) {
     if (context.profile.current == CurrentUse::subtracted) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_m_s -= context.current->along_m_s;
-        speed.standard_uncertainty_m_s =
-            std::hypot(speed.standard_uncertainty_m_s,
-                       0.5 * context.input.attempt.current->expanded_uncertainty_m_s);
+        const double of_current_m_s = 0.5 * context.input.attempt.current->expanded_uncertainty_m_s;
+        const auto widen = [&](double& u_m_s) { u_m_s = std::hypot(u_m_s, of_current_m_s); };
+        widen(speed.standard_uncertainty_m_s);
+        if (speed.evidence) widen(speed.evidence->shared_standard_uncertainty_m_s);
     }
     context.coverage_factor =
         equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
@@ -176,7 +177,6 @@ void set_declared(ClauseContext& context) {
              .over_course = context.profile.window_kind == WindowKind::course},
             *input.attempt.secondary_method, input.attempt.course);
 }
-
 
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
 /// nothing.
@@ -306,16 +306,8 @@ std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
 }
 
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
-    for (const ProfileWindows& entry : windows.profiles) {
-        const WindowRule& rule = entry.rule;
-        if (entry.profile == profile.id && rule.kind == profile.window_kind &&
-            rule.duration_s == profile.duration_s && rule.distance_m == profile.distance_m &&
-            rule.definition == profile.definition && rule.dimension == profile.dimension &&
-            rule.source == profile.speed_source && rule.ends == profile.ends &&
-            rule.exact == profile.exact_duration && rule.count == profile.windows &&
-            rule.opposite_runs == profile.opposite_runs_within_s.has_value())
-            return entry;
-    }
+    for (const ProfileWindows& entry : windows.profiles)
+        if (entry.profile == profile.id && entry.rule == rule_of(profile)) return entry;
     throw Failure("5-windows of receiver " + windows.receiver,
                   "the windows were not searched for the profile " + profile.id + " as it is now",
                   "Run runcert-window again");

@@ -200,6 +200,27 @@ void add_windows(const ClauseContext& context, Notes& notes) {
             speed_of_rule(context, *windows.indicated->mean_m_s));
 }
 
+/// Names the measurand of a mean of so few samples that it differs from the mean over time.
+void add_mean_of_samples(const ClauseContext& context, Notes& notes) {
+    const auto& best = context.windows.best;
+    const Profile& profile = context.profile;
+    const bool both_ends = profile.definition == SpeedDefinition::mean_n_plus_1;
+    if (!best || !context.shown || (!both_ends && profile.definition != SpeedDefinition::mean_n))
+        return;
+    const double samples_m_s = speed_by(best->definitions, profile.definition);
+    const double time_m_s = best->definitions.path_length_m_s;
+    if (std::abs(samples_m_s - time_m_s) <= 0.1 * *context.expanded_uncertainty_m_s) return;
+    const std::string of_samples = beside(*context.shown, samples_m_s, SafeSide::down);
+    const std::string over_time = beside(*context.shown, time_m_s, SafeSide::down);
+    say(notes,
+        "The rule counts the mean of the {} {}, not the mean over time. The smoothed track gives "
+        "{} {} by such samples and {} {} over time ({} {}).",
+        context.input.judged.epochs_of(profile.id).size() - (both_ends ? 0 : 1),
+        profile.speed_source == SpeedSource::velocity ? "recorded speeds" : "speeds at its epochs",
+        of_samples, context.shown->unit, over_time, context.shown->unit,
+        signed_difference(over_time, of_samples), context.shown->unit);
+}
+
 void add_flow(const ClauseContext& context, Notes& notes) {
     if (const auto between = subtracted_current(context))
         say(notes, "The current along the course, {}, is subtracted from {} over the ground.",
@@ -309,6 +330,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_simulated(context, notes);
     add_straddle(context, notes);
     add_windows(context, notes);
+    add_mean_of_samples(context, notes);
     add_surface(context, notes);
     add_flow(context, notes);
     add_second_method(context, notes);

@@ -2,9 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/failure.h"
+#include "core/speed_unit.h"
 #include "stages/import/row_collector.h"
 
 namespace runcert {
@@ -13,6 +16,13 @@ namespace {
 constexpr double largest_height_m = 100e3;
 constexpr double least_radius_m = 6.3e6;
 constexpr double largest_radius_m = 6.6e6;
+
+/// Whether it is -1 in some unit, which is how telephones write that they know none.
+bool means_none(double speed_m_s) {
+    return std::ranges::any_of(std::array{"m/s", "km/h", "kn", "mph"}, [&](const char* unit) {
+        return std::abs(speed_m_s + metres_per_second(unit)) < 1e-9;
+    });
+}
 
 std::optional<double> finite(double value) {
     if (!std::isfinite(value)) return std::nullopt;
@@ -117,9 +127,10 @@ std::optional<Angle> course_of(const std::optional<double>& degrees) {
 }
 
 void set_speed(RecordedVelocity& row, double speed_m_s, const std::optional<Angle>& course) {
-    if (!(speed_m_s >= 0.0) || !std::isfinite(speed_m_s)) return;
+    if (means_none(speed_m_s)) return;
     if (speed_m_s == 0.0) return set_velocity(row, 0.0, 0.0);
-    const bool known = course && course->degrees() >= 0.0 && course->degrees() <= 360.0;
+    const bool known =
+        speed_m_s > 0.0 && course && course->degrees() >= 0.0 && course->degrees() <= 360.0;
     if (known)
         set_velocity(row, speed_m_s * std::sin(course->radians()),
                      speed_m_s * std::cos(course->radians()));

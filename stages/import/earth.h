@@ -49,8 +49,8 @@ std::optional<Angle> course_of(const std::optional<double>& degrees);
 /// Puts a recorded speed over ground (m/s) into a row: with its course, clockwise from true north,
 /// from 0 to 360 degrees, as a velocity; without one, or with another, as a speed alone, because a
 /// component must not be made up. A speed of zero is a velocity of zero in any direction. A speed
-/// below zero or not finite is how devices, telephones first, write that they know none; so is a
-/// course below zero.
+/// of -1, in whatever unit, is how telephones write that they know none; so is a course below zero.
+/// Of any other speed that no craft has, the recording is refused (`set_rows`).
 void set_speed(RecordedVelocity& row, double speed_m_s, const std::optional<Angle>& course);
 
 /// Puts the accuracy of each component (m/s) of a recorded velocity, or of a recorded speed, into a

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/satellite.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
@@ -33,6 +34,14 @@ void note_leap_seconds(Observations& observations, GpsTime last) {
         observations.notes.push_back(
             "The recording is in UTC, and for its date the leap seconds are not known to this "
             "program: its GPS time may be off by a whole second or more.");
+}
+
+/// The recorded speed that no craft has, upwards or over ground; empty if there is none.
+std::optional<double> impossible_speed(const RecordedVelocity& row) {
+    for (const double speed_m_s : {horizontal_speed(row).value_or(0.0),
+                                   std::abs(row.recorded_velocity_up_m_s.value_or(0.0))})
+        if (!(speed_m_s >= 0.0 && speed_m_s < speed_of_light_m_s)) return speed_m_s;
+    return std::nullopt;
 }
 
 bool has_horizontal_accuracy(const Observation& row) {
@@ -161,6 +170,12 @@ void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
         throw Failure(place_in(recording_, place), "the recording has too many lines to count",
                       "Hand it in as several files, as the logger can split it, and list them in "
                       "the attempt");
+    if (const auto speed = impossible_speed(row.observation); speed && !impossible_)
+        impossible_.emplace(
+            place_in(recording_, place),
+            fmt::format("the recorded speed is {:.9g} m/s, which no craft has", *speed),
+            "Hand in the recording as the device wrote it, and look at the unit of "
+            "its speeds; where the device measured none, leave the speed empty");
     if (rows_.size() == rows_to_estimate && place.byte > 0) {
         const double bytes_each = static_cast<double>(place.byte) / rows_to_estimate;
         rows_.reserve(static_cast<std::size_t>(1.02 * static_cast<double>(recording_.bytes.size()) /
@@ -186,6 +201,7 @@ void RowCollector::count_bad(const RecordPlace& place, const Failure& why, bool 
 void set_rows(Observations& observations, RowCollector timed) {
     const RecordingBytes& recording = timed.recording_;
     timed.log_.require_mostly_good();
+    if (timed.impossible_) throw Failure(*timed.impossible_);
     const RowSummary& rows = timed.summary_;
     if (rows.rows == 0)
         throw Failure(place_in(recording, 1, 1), "the recording has no epochs",

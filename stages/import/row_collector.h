@@ -177,13 +177,15 @@ class RowCollector {
     RowSummary summary_;
     WrittenResolution written_;
     RecordLog log_;
+    std::optional<Failure> impossible_;  ///< of the first recorded speed that no craft has
 };
 
 /// Gives each row its time since the first, and fills what follows from that: first epoch (unless
 /// `time_scale` is "relative"), nominal interval, resolution, and the records.
 ///
 /// Failure where more than half of the records could not be read (the first one's, with their
-/// number), where there are no rows, and where one is more than 292 years from the first.
+/// number), where there are no rows, where one is more than 292 years from the first, and where a
+/// recorded speed is below zero, not finite, or that of light or more.
 void set_rows(Observations& observations, RowCollector timed);
 
 /// What the attempt puts into the rows of a recording.

@@ -246,8 +246,40 @@ void add_changes_of_place(const std::vector<ScreenedEpoch>& rows, const FrameOri
         if (origin.number_at(rows[i].time) != origin.number_at(rows[i - 1].time)) seams[i] = true;
 }
 
+/// What there is to test. A witness is compared over 3 s and 10 s, and between neighbouring epochs
+/// where it is precise enough; recorded velocities also with the smoothed motion.
+TestedData tested_data(const EnuTable& table, const ScreenConfig& config,
+                       const ScreeningWitnesses& beside, bool second_receiver) {
+    const bool heights = table.facts.vertical_measured;
+    const PhysicalLimits& limits = config.limits;
+    TestedData data{.position_series = heights ? 2 : 1,
+                    .baseline_series = second_receiver ? 2 : 0,
+                    .comparisons = (heights && beside.ground != nullptr) +
+                                   (limits.acceleration_m_s2 > 0.0) + (limits.jerk_m_s3 > 0.0) +
+                                   (heights && limits.vertical_rate_m_s > 0.0)};
+    const auto recorded = [&](bool upright) {
+        return std::ranges::any_of(table.rows, [&](const EnuEpoch& row) {
+            return recorded_speed(row, !upright, upright).has_value();
+        });
+    };
+    const bool velocities = recorded(false);
+    data.speed_series = (velocities ? 1 : 0) + (recorded(true) ? 1 : 0);
+    for (const WitnessEntry& entry : witness_roster()) {
+        const bool is_there =
+            entry.kind == WitnessKind::receiver     ? second_receiver
+            : entry.kind == WitnessKind::velocities ? velocities
+            : entry.kind == WitnessKind::phases
+                ? beside.phases != nullptr
+                : beside.handed_in.series.contains(std::string(to_text(entry.kind)));
+        if (entry.screening && is_there)
+            data.comparisons += 2 + (entry.screening->single_epochs ? 1 : 0) +
+                                (entry.kind == WitnessKind::velocities ? 1 : 0);
+    }
+    return data;
+}
+
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
-                               const ScreeningWitnesses& beside) {
+                               const ScreeningWitnesses& beside, bool second_receiver) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
@@ -270,7 +302,8 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     number_arcs(screened.rows, seams, nominal_interval_s, config);
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
-                      tests_of_an_epoch(config.burst_epochs_max),
+                      tests_of_an_epoch(tested_data(table, config, beside, second_receiver),
+                                        config.burst_epochs_max),
                   config.power, config.burst_epochs_max, config.limits.acceleration_m_s2);
     ScreeningBasis basis;
     basis.family_false_alarm_rate = config.family_false_alarm_rate;
@@ -297,7 +330,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     test_positions(screened, noises, plan, config, basis);
     basis.speeds = screen_speeds(screened.rows, plan, noises.horizontal.model.motion.jerk_density,
                                  config, nominal_interval_s);
-    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground);
+    if (beside.ground != nullptr) basis.surface = check_surface(screened, *beside.ground, plan);
     Motion motion = check_witnesses_and_limits(
         screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
     screened.basis = std::move(basis);
@@ -354,7 +387,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
 
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
                      const ScreeningWitnesses& beside) {
-    return screen_alone(table, config, beside).table;
+    return screen_alone(table, config, beside, false).table;
 }
 
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
@@ -362,8 +395,9 @@ std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             std::span<const ScreeningWitnesses> beside) {
     std::vector<ReceiverScreening> receivers;
     for (std::size_t i = 0; i < tables.size(); ++i)
-        receivers.push_back(
-            screen_alone(tables[i], config, beside.empty() ? ScreeningWitnesses{} : beside[i]));
+        receivers.push_back(screen_alone(tables[i], config,
+                                         beside.empty() ? ScreeningWitnesses{} : beside[i],
+                                         tables.size() > 1));
     if (receivers.size() > 1) {
         ReceiverScreening &first = receivers[0], &second = receivers[1];
         const auto strictest = std::ranges::min_element(

@@ -17,8 +17,8 @@
 namespace runcert {
 namespace {
 
-constexpr double threshold = 3.29;           // two-sided 0.001
-constexpr double detectable_sigmas = 4.132;  // the same, found with probability 0.8
+/// Of the whole surface: heights beyond it contradict, and a median beyond it is taken off.
+constexpr double contradicted_sigmas = 3.29;  // two-sided 0.001
 constexpr double datum_error_m = 3.0;
 constexpr double sigma_of_median = 1.4826;
 
@@ -113,10 +113,9 @@ void refuse_other_datum(const SurfaceComparison& found, double up_m, const Groun
 /// A surface that most heights contradict says nothing of single ones.
 void refuse_misfit(const HeightsAbove& heights, const SurfaceComparison& found, double removed_m,
                    const GroundBelow& ground) {
-    const auto contradicted =
-        std::ranges::count_if(heights.over, [&](const HeightAbove& one) {
-            return std::abs(one.distance_m - removed_m) > threshold * one.sigma_m;
-        });
+    const auto contradicted = std::ranges::count_if(heights.over, [&](const HeightAbove& one) {
+        return std::abs(one.distance_m - removed_m) > contradicted_sigmas * one.sigma_m;
+    });
     if (2 * contradicted <= found.compared) return;
     throw Failure(ground.place,
                   fmt::format("{} of {} heights contradict the surface, by a scatter of {} m: it "
@@ -126,7 +125,7 @@ void refuse_misfit(const HeightsAbove& heights, const SurfaceComparison& found, 
                   "stated standard deviations");
 }
 
-void mark(const HeightAbove& one, double rest_m) {
+void mark(const HeightAbove& one, double rest_m, double threshold) {
     ScreenedEpoch& row = *one.row;
     row.usable = false;
     row.reason = Reason::surface;
@@ -141,7 +140,8 @@ void mark(const HeightAbove& one, double rest_m) {
 
 }  // namespace
 
-std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const GroundBelow& ground) {
+std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const GroundBelow& ground,
+                                               const TestPlan& plan) {
     const HeightsAbove heights = heights_above(screened, ground);
     if (heights.over.empty()) {
         if (!heights.beside.empty()) refuse_elsewhere(heights, ground);
@@ -153,16 +153,17 @@ std::optional<SurfaceComparison> check_surface(ScreenedTable& screened, const Gr
                             .offset_m = median_of(heights.over, &HeightAbove::distance_m),
                             .sigma_offset_m = median_of(heights.over, &HeightAbove::sigma_m)};
     found.scatter_m = scatter_about(heights.over, found.offset_m);
-    found.detectable_m = detectable_sigmas * found.sigma_offset_m;
+    found.detectable_m = std::sqrt(plan.noncentrality(1)) * found.sigma_offset_m;
     refuse_other_datum(found, found.offset_m / median_of(heights.over, &HeightAbove::normal_up),
                        ground);
-    found.offset_removed = std::abs(found.offset_m) > threshold * found.sigma_offset_m;
+    found.offset_removed = std::abs(found.offset_m) > contradicted_sigmas * found.sigma_offset_m;
     const double removed_m = found.offset_removed ? found.offset_m : 0.0;
     refuse_misfit(heights, found, removed_m, ground);
+    const double threshold = std::sqrt(plan.critical(1));
     for (const HeightAbove& one : heights.over) {
         const double rest_m = one.distance_m - removed_m;
         if (std::abs(rest_m) <= threshold * one.sigma_m) continue;
-        mark(one, rest_m);
+        mark(one, rest_m, threshold);
         ++found.rejected;
     }
     return found;

@@ -28,11 +28,10 @@ double TestPlan::critical(int degrees_of_freedom) const {
     return critical_[index];
 }
 
-std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max) {
-    const std::int64_t of_axes = 5 + (burst_epochs_max - 1) + std::ssize(span_lengths);
-    constexpr std::int64_t series = 2 + 2;  // horizontal, vertical; baseline across and in length
-    constexpr std::int64_t witnesses = 2 + 3;  // velocities from both sides; three limits
-    return series * of_axes + witnesses;
+std::int64_t tests_of_an_epoch(const TestedData& data, std::int64_t burst_epochs_max) {
+    const std::int64_t of_a_series = 5 + (burst_epochs_max - 1) + std::ssize(span_lengths);
+    return (data.position_series + data.baseline_series + data.speed_series) * of_a_series +
+           data.comparisons;
 }
 
 }  // namespace runcert

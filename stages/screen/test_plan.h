@@ -48,9 +48,16 @@ class TestPlan {
 /// Numbers of epochs in the spans over which the innovations are tested jointly.
 inline constexpr std::size_t span_lengths[] = {5, 20, 100};
 
-/// Number of tests on one epoch: an outlier, bursts of every length, a step, a ramp, a manoeuvre, a
-/// shift of the stamps, and the spans. They count for both groups of axes and twice for the other
-/// receiver. Velocities and limits are added.
-std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max);
+/// What a recording has to be tested: how many of each at every epoch.
+struct TestedData {
+    std::int64_t position_series = 2;  ///< horizontal, and vertical where heights were measured
+    std::int64_t baseline_series = 0;  ///< between two antennas: across, and in length
+    std::int64_t speed_series = 0;     ///< recorded speeds: horizontal, and vertical rates
+    std::int64_t comparisons = 0;      ///< with witnesses, the surface, and limits that are set
+};
+
+/// Number of tests on one epoch. Each series is tested for an outlier, bursts of every length, a
+/// step, a ramp, a manoeuvre, a shift of the stamps, and over the spans.
+std::int64_t tests_of_an_epoch(const TestedData& data, std::int64_t burst_epochs_max);
 
 }  // namespace runcert

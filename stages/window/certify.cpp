@@ -266,11 +266,14 @@ double uncertainty_with_fault(double times, const WindowFault& fault, PositionTe
 template <int Axes>
 HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFigures<Axes>& figures,
                            const PositionNoise& noise, const WindowFault& fault,
-                           const SelectionBias& selection, const std::vector<BudgetRow>& alone) {
+                           const SelectionBias& selection, const std::vector<BudgetRow>& alone,
+                           bool by_positions_alone) {
     std::vector<WitnessedSpeed> witnesses;
     for (const HeardWitness<Axes>& witness : estimate.witnesses)
         if (auto witnessed = witnessed_speed<Axes>(witness, figures))
             witnesses.push_back(*std::move(witnessed));
+    for (WitnessedSpeed& one : witnesses)
+        one.confirms = one.confirms && !by_positions_alone;
     const PositionTerms terms = position_terms(alone);
     HeardBudget heard = hear(terms, noise.correlated_m_s, selection, witnesses, alone);
     SpeedEvidence& evidence = heard.evidence;
@@ -314,7 +317,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     const std::vector<BudgetRow> alone = budget_of(input);
     HeardBudget heard = hear_witnesses(
         estimate, figures_of(choice, at, noise, fault, window.definitions, position_terms(alone)),
-        noise, fault, selection, alone);
+        noise, fault, selection, alone, choice.by_positions_alone);
     input.position_share = heard.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
     const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
@@ -398,9 +401,8 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
     const auto wheel = beside.handed_in.series.find("wheel");
-    estimate.stands =
-        stands_of(screened, trajectory, beside.still_by_imu,
-                  wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);
+    estimate.stands = stands_of(screened, trajectory, beside.still_by_imu,
+                                wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);
     const auto same_steps = [&](const Arc<Axes>& arc) {
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))

@@ -46,6 +46,8 @@ struct WindowChoice {
     double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, for a course
     /// From the antenna's speed to the craft's, where the rule counts that.
     std::optional<CraftCorrection> craft = std::nullopt;
+    /// Whether witnesses can only contradict: they do not reduce the uncertainty.
+    bool by_positions_alone = false;
 };
 
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its
@@ -61,6 +63,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
 
 /// The speed in space of a window, from its horizontal and vertical displacement. The two are at
 /// right angles. Their errors are taken as fully correlated, because their correlation is unknown.
+/// Both were certified by positions alone.
 CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical);
 
 }  // namespace runcert

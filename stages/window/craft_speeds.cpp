@@ -240,19 +240,23 @@ CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profil
                             .dimension = profile.dimension};
     const auto at = epochs_of(solution, stretch);
     if (!at) return speeds;
+    const CraftCorrection correction = *craft_correction(solution, stretch);
     const PointSpeed by_imu =
         PointSpeeds(solution, *at, stretch, CraftPoint::reference_point).by(profile.definition);
     if (profile.speed_of == SpeedOf::reference_point) {
-        speeds.antenna_speed_m_s = speed_m_s - craft_correction(solution, stretch)->speed_m_s;
+        speeds.antenna_speed_m_s = speed_m_s - correction.speed_m_s;
         speeds.reference_point_speed_m_s = speed_m_s;
         speeds.reference_point_expanded_uncertainty_m_s = expanded_uncertainty_m_s;
     } else {
         constexpr double coverage_factor = 2.0;
+        // It holds one of the two distances from the IMU, which were measured alike, and no clock.
         const double variance =
             solution.variance(at->first, by_imu.gradients, CraftPoint::reference_point);
         speeds.reference_point_speed_m_s = by_imu.m_s;
         speeds.reference_point_expanded_uncertainty_m_s =
-            coverage_factor * std::sqrt(std::max(0.0, variance));
+            coverage_factor * std::hypot(std::sqrt(std::max(0.0, variance)),
+                                         correction.arm_m_s / std::numbers::sqrt2,
+                                         correction.lag_sigma_s * correction.lag_m_s_per_s);
     }
     return speeds;
 }

@@ -49,8 +49,8 @@ TrajectoryTable at_reference_point(TrajectoryTable trajectory, const InertialSol
 /// The speed of a window at the antenna and at the reference point. Where the rule counts the
 /// latter, it is the window's, with its expanded uncertainty as given. Else it is that of the
 /// inertial solution by the same definition, with its expanded uncertainty (k = 2) from the joint
-/// covariance of all epochs of the window: absent where `craft_correction` gives nothing, of a
-/// course's length and of recorded velocities.
+/// covariance of all epochs of the window, the distances on the craft and the IMU's clock: absent
+/// where `craft_correction` gives nothing, of a course's length and of recorded velocities.
 CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profile,
                          const WindowSpan& span, double speed_m_s, double expanded_uncertainty_m_s);
 

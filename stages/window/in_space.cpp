@@ -51,9 +51,6 @@ CertifiableWindow in_space(const CertifiableWindow& horizontal, const Certifiabl
         sum.fault_probability = std::min(1.0, sum.fault_probability + other.fault_probability);
         sum.chosen_fault_probability =
             std::min(1.0, sum.chosen_fault_probability + other.chosen_fault_probability);
-        // A witness of horizontal motion says nothing about motion in space.
-        sum.witnesses.reset();
-        sum.observed.reset();
     } else {
         window.evidence.reset();
     }

@@ -147,7 +147,10 @@ class Certifier {
                                 .found = found,
                                 .all = all,
                                 .quantity = quantity_of(profile),
-                                .craft = craft_of(profile, found, dimension)};
+                                .craft = craft_of(profile, found, dimension),
+                                // Of the two parts of a speed in space a witness may have heard
+                                // one, and each budget counts its own share of it.
+                                .by_positions_alone = profile.dimension == Dimension::space};
         };
         if (profile.dimension == Dimension::vertical)
             return certified(*vertical_, choice(Dimension::vertical));
@@ -236,20 +239,6 @@ class Certifier {
     std::optional<AxesEstimate<1>> vertical_;
     std::map<Dimension, VelocityEstimate> velocities_;
 };
-
-WindowRule rule_of(const Profile& profile) {
-    return {.kind = profile.window_kind,
-            .duration_s = profile.duration_s,
-            .distance_m = profile.distance_m,
-            .definition = profile.definition,
-            .dimension = profile.dimension,
-            .source = profile.speed_source,
-            .ends = profile.ends,
-            .exact = profile.exact_duration,
-            .count = profile.windows,
-            .speed_of = profile.speed_of,
-            .opposite_runs = profile.opposite_runs_within_s.has_value()};
-}
 
 bool overlap(const FoundWindow& one, const FoundWindow& other) {
     return one.start < other.end && other.start < one.end;
@@ -362,6 +351,38 @@ std::string unfit_for(const ScreenedTable& screened, const Profile& profile) {
             "has an epoch every {} s",
             significant_text(profile.duration_s, 3), significant_text(interval_s, 3));
     return {};
+}
+
+/// Why the speeds that the rule takes are no measurement: one figure all over, while the craft
+/// moves otherwise at a tenth of the epochs or more. Empty if they may be one.
+std::string constant_speed_text(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                                const Profile& profile) {
+    constexpr std::size_t least_rows = 30;
+    constexpr double by_chance = 3.29, unseen_m_s = 0.5;
+    if (profile.speed_source != SpeedSource::velocity || profile.dimension != Dimension::horizontal)
+        return {};
+    std::vector<double> recorded_m_s, moving_m_s;
+    for (const ScreenedEpoch& row : screened.rows)
+        if (const auto speed = recorded_speed(row, profile.dimension))
+            recorded_m_s.push_back(speed->speed_m_s);
+    if (recorded_m_s.size() < least_rows) return {};
+    const auto [least, most] = std::ranges::minmax(recorded_m_s);
+    std::size_t otherwise = 0;
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        if (!row.arc || !row.speed_m_s) continue;
+        moving_m_s.push_back(*row.speed_m_s);
+        const double allowed_m_s =
+            unseen_m_s + by_chance * std::hypot(row.sigma_velocity_east_m_s.value_or(0.0),
+                                                row.sigma_velocity_north_m_s.value_or(0.0));
+        otherwise += std::abs(*row.speed_m_s - most) > allowed_m_s;
+    }
+    if (most - least > 1e-6 * most || otherwise == 0 || 10 * otherwise < moving_m_s.size())
+        return {};
+    const auto [slowest, fastest] = std::ranges::minmax(moving_m_s);
+    return fmt::format(
+        "the recorded speed is {} m/s at all {} epochs while the positions move at {} to {} m/s",
+        significant_text(most, 3), recorded_m_s.size(), significant_text(slowest, 3),
+        significant_text(fastest, 3));
 }
 
 FurtherWindow beside(const CertifiableWindow& window) {
@@ -559,6 +580,8 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing = std::move(unknown);
         return entry;
     }
+    entry.missing = constant_speed_text(screened, trajectory, profile);
+    if (!entry.missing.empty()) return entry;
     const Candidates among = candidates_of(screened, certifier.trajectory_for(profile),
                                            certifier.rows(), profile, config, gates, entry.part);
     entry.score = score_of(among, config, entry.part);

@@ -1,5 +1,4 @@
-#include "stages/check/check.h"
-
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "core/uncertainty.h"
+#include "stages/check/requirements.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -47,12 +47,11 @@ struct Scene {
         secondary.receiver = "secondary";
     }
     void set_window(ReceiverFindings& receiver, double speed_m_s, double uncertainty) const {
-        ProfileWindows entry{
-            .profile = "nalsa",
-            .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
-            .candidates = 5,
-            .best = CertifiableWindow{},
-            .indicated = std::nullopt};
+        ProfileWindows entry{.profile = "nalsa",
+                             .rule = rule_of(profiles[0]),
+                             .candidates = 5,
+                             .best = CertifiableWindow{},
+                             .indicated = std::nullopt};
         entry.best->speed_m_s = speed_m_s;
         entry.best->standard_uncertainty_m_s = uncertainty;
         entry.best->span.duration.nanoseconds = 3'000'000'000;
@@ -157,7 +156,7 @@ TEST(Check, AWitnessThatAgreesStandsBesideTheSpeed) {
     ASSERT_EQ(verdict.witnesses.size(), 1U);
     EXPECT_EQ(verdict.witnesses.front(),
               "the recorded velocities give 215.92 km/h ± 0.36 km/h over the window, -0.08 km/h "
-              "against the 216.00 km/h of the positions (normalised error 0.20, at most 1)");
+              "against the 216.000 km/h of the positions (normalised error 0.20, at most 1)");
     EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
 }
 
@@ -415,6 +414,45 @@ TEST(Check, WindowsOfAnotherRuleAreRefused) {
     Scene scene(60.0, 0.005);
     scene.judged.windows.profiles[0].rule.duration_s = 2.0;
     EXPECT_THROW(scene.verdict(), Failure);
+}
+
+TEST(Check, WindowsOfTheRuleAsItWasBeforeAnyFigureOfItChangedAreRefused) {
+    const auto rule = [](const std::string& window, const std::string& more) {
+        return read_profile(
+            fmt::format(
+                "schema: profile/1.0\nid: rule\nbody: b\ntitle: t\nwindow: {{{}}}\n"
+                "margin: {{kind: absolute, value: 0, unit: km/h}}\n{}clauses: "
+                "[{{id: one, text: t, source: s, certainty: quoted, decided_by: attest}}]\n",
+                window, more),
+            "rule.yaml");
+    };
+    const std::string time = "duration_s: 3, definition: displacement";
+    const auto part = [&](const std::string& figures) {
+        return time + ", within: {from: {event: exit" + figures + "}]}";
+    };
+    const std::string part_of_it = part("}, to: [{event: below_start, height_m: 2256");
+    const std::string alpha = "kind: alpha, distance_m: 250, definition: path_length";
+    const std::string opposite = "opposite_runs: {within_s: 3600}\n";
+    struct Change {
+        std::string window, more, changed_window, changed_more;
+    };
+    for (const Change& one :
+         {Change{time, "", time, "speed_of: reference_point\n"},
+          {time, opposite, time, "opposite_runs: {within_s: 7200}\n"},
+          {time, opposite, time, opposite + "runs: {turn_deg: 120}\n"},
+          {part_of_it, "", time, ""},
+          {part_of_it, "", part("}, to: [{event: below_start, height_m: 2000"), ""},
+          {part_of_it, "", part(", speed_m_s: 12}, to: [{event: below_start, height_m: 2256"), ""},
+          {time, "", time + ", repaired_steps: true", ""},
+          {alpha, "", alpha + ", alpha: any", ""},
+          {alpha, "", alpha + ", proximity_m: 60", ""},
+          {alpha, "", alpha + ", turn_deg: 60", ""}}) {
+        Windows windows;
+        windows.profiles = {{.profile = "rule", .rule = rule_of(rule(one.window, one.more))}};
+        EXPECT_NO_THROW(windows_of(windows, rule(one.window, one.more))) << one.window;
+        EXPECT_THROW(windows_of(windows, rule(one.changed_window, one.changed_more)), Failure)
+            << one.changed_window << one.changed_more;
+    }
 }
 
 }  // namespace

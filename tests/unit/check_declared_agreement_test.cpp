@@ -43,7 +43,7 @@ TEST(DeclaredSpeed, AgreesUpToANormalisedErrorOfOne) {
     }
     const std::string evidence = with_speed(60.02, 0.04).clause("secondary_method").evidence;
     for (const char* part :
-         {"radar gives 216.07 km/h ± 0.15 km/h, +0.07 km/h against the positions' 216.00 km/h",
+         {"radar gives 216.07 km/h ± 0.15 km/h, +0.07 km/h against the positions' 216.000 km/h",
           "normalised error 0.49"})
         EXPECT_TRUE(contains(evidence, part)) << evidence;
 }
@@ -75,7 +75,7 @@ TEST(DeclaredSpeed, ThatContradictsIsNotCertifiableUnderARuleThatDoesNotAskForIt
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     for (const char* part :
          {"The second method (radar) gives 216.36 km/h ± 0.15 km/h, +0.36 km/h against the "
-          "positions' 216.00 km/h (normalised error 2.43, at most 1).",
+          "positions' 216.000 km/h (normalised error 2.43, at most 1).",
           "more than both uncertainties allow: one of the two is wrong"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
     scene.attempt.secondary_method->speed->speed_m_s = 60.01;

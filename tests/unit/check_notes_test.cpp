@@ -72,6 +72,31 @@ TEST(Straddle, IsNotSaidWhereAllAreOnOneSideOrNoneIsTheRules) {
     EXPECT_EQ(note_with(course.verdict(), "definition of speed"), "");
 }
 
+TEST(MeanOfSamples, NamesTheMeasurandWhereItIsNotTheMeanOverTime) {
+    RuleScene scene(margin_profile({}, "{duration_s: 3, definition: mean_n}"));
+    SpeedDefinitions definitions{.displacement_m_s = 204.0 * kmh,
+                                 .path_length_m_s = 204.0 * kmh,
+                                 .mean_n_plus_1_m_s = 204.0 * kmh,
+                                 .mean_n_m_s = 204.4 * kmh};
+    set_definitions(scene, definitions);
+    EXPECT_EQ(note_with(scene.verdict(), "not the mean over time"),
+              "The rule counts the mean of the 30 speeds at its epochs, not the mean over time. "
+              "The smoothed track gives 204.400 km/h by such samples and 204.000 km/h over time "
+              "(-0.400 km/h).");
+    scene.use(margin_profile({}, "{duration_s: 3, definition: mean_n, source: velocity}"));
+    set_definitions(scene, definitions);
+    EXPECT_TRUE(contains(note_with(scene.verdict(), "not the mean over time"),
+                         "the mean of the 30 recorded speeds"));
+    // Below a tenth of U, 0.036 km/h.
+    definitions.mean_n_m_s = 204.003 * kmh;
+    set_definitions(scene, definitions);
+    EXPECT_EQ(note_with(scene.verdict(), "not the mean over time"), "");
+    scene.use(margin_profile());
+    definitions.mean_n_m_s = 204.4 * kmh;
+    set_definitions(scene, definitions);
+    EXPECT_EQ(note_with(scene.verdict(), "not the mean over time"), "");
+}
+
 TEST(Overrides, ArePrintedWithTheRulesOwnFigureAndTheReason) {
     RuleScene scene(
         profile_text(clause_text("flatness", ", limit: 1, unit: m") + clause_text("margin"),

@@ -111,6 +111,19 @@ TEST(SubtractedCurrent, IsTakenOffWithItsUncertainty) {
     EXPECT_NEAR(*scene.verdict().speed_m_s, 60.5, 1e-12);
 }
 
+TEST(SubtractedCurrent, WidensTheTailAsItDoesTheInterval) {
+    RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
+    scene.best().evidence = SpeedEvidence{.position_standard_uncertainty_m_s = 0.005,
+                                          .fault_probability = 1e-6,
+                                          .chosen_fault_probability = 1e-6,
+                                          .fault_m_s = 0.01};
+    set_current(scene, 0.5, 60.0, 0.06);
+    const ProfileVerdict verdict = scene.verdict();
+    const double one_in_ten_thousand = 3.719;
+    EXPECT_NEAR(*verdict.speed_m_s - verdict.decision->tail_speed_m_s.value(),
+                one_in_ten_thousand * std::hypot(0.005, 0.03), 1e-4);
+}
+
 TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
     RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
     const auto refused = [&] {

@@ -66,16 +66,7 @@ struct RuleScene {
         profiles = {read_profile(profile, "rule.yaml")};
         const Profile& rule = profiles[0];
         ProfileWindows entry{.profile = rule.id,
-                             .rule = {.kind = rule.window_kind,
-                                      .duration_s = rule.duration_s,
-                                      .distance_m = rule.distance_m,
-                                      .definition = rule.definition,
-                                      .dimension = rule.dimension,
-                                      .source = rule.speed_source,
-                                      .ends = rule.ends,
-                                      .exact = rule.exact_duration,
-                                      .count = rule.windows,
-                                      .opposite_runs = rule.opposite_runs_within_s.has_value()},
+                             .rule = rule_of(rule),
                              .candidates = 5,
                              .best = CertifiableWindow{},
                              .indicated = std::nullopt};
@@ -163,9 +154,9 @@ inline void set_current(RuleScene& scene, double speed_m_s, double direction_deg
                         double expanded_uncertainty_m_s) {
     scene.current = steady(speed_m_s, direction_deg, 0.0, 50.0);
     scene.attempt.current = CurrentSeries{.file = "current.csv",
-                                     .source = "meter",
-                                     .expanded_uncertainty_m_s = expanded_uncertainty_m_s,
-                                     .place = "attempt:1:1"};
+                                          .source = "meter",
+                                          .expanded_uncertainty_m_s = expanded_uncertainty_m_s,
+                                          .place = "attempt:1:1"};
 }
 
 inline bool contains(const std::string& text, const std::string& part) {

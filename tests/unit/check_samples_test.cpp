@@ -49,6 +49,32 @@ TEST(SampleClauses, TheSpeedChangesByAtMostTheLimit) {
     EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::attest);
 }
 
+TEST(SampleClauses, AChangeBeyondWhatTheStatedAccuracyMakesIsNotMet) {
+    SampleScene scene("acceleration", ", limit: 5, unit: m/s2");
+    for (ScreenedEpoch& row : scene.rows())
+        row.sigma_recorded_velocity_east_m_s = row.sigma_recorded_velocity_north_m_s = 0.5;
+    // Chance makes 4.3 sqrt(2) 0.5 m/s / 0.1 s = 30 m/s2 of 62 samples.
+    scene.rows()[7].recorded_velocity_north_m_s = 63.0;
+    Requirement clause = scene.clause("acceleration");
+    EXPECT_EQ(clause.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(clause.evidence, "30 m/s2, at most 5 m/s2")) << clause.evidence;
+    EXPECT_TRUE(contains(clause.evidence, "and the samples' stated accuracy 30 m/s2 by chance"))
+        << clause.evidence;
+    scene.rows()[7].recorded_velocity_north_m_s = 73.6;
+    clause = scene.clause("acceleration");
+    EXPECT_EQ(clause.status, RequirementStatus::not_met);
+    EXPECT_TRUE(contains(clause.evidence, "136 m/s2, at most 5 m/s2")) << clause.evidence;
+    EXPECT_FALSE(contains(clause.evidence, "is for an official")) << clause.evidence;
+    // A craft of the class can make 20 m/s2, and so can a nod of the head.
+    scene.judged.tests.limits.acceleration_max_m_s2 = 110.0;
+    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::attest);
+    scene.judged.tests.limits.acceleration_max_m_s2 = 20.0;
+    // A larger change of samples that state nothing does not hide it.
+    scene.rows()[20].recorded_velocity_north_m_s = 90.0;
+    scene.rows()[20].sigma_recorded_velocity_north_m_s = std::nullopt;
+    EXPECT_EQ(scene.clause("acceleration").status, RequirementStatus::not_met);
+}
+
 TEST(SampleClauses, HoldForEveryWindowThatMakesTheFigure) {
     SampleScene scene("acceleration", ", limit: 5, unit: m/s2");
     scene.other()[20].recorded_velocity_north_m_s = 61.0;

@@ -3,7 +3,9 @@
 #include <cmath>
 
 #include "import_inspect_support.h"
+#include "import_nmea_test_support.h"
 #include "import_test_support.h"
+#include "import_vbo_test_support.h"
 
 // Recorded velocities that are a speed alone, and how accurate what is recorded is.
 
@@ -56,6 +58,67 @@ TEST(RecordedSpeed, IsAVelocityOnlyWhereThereIsACourse) {
             << none;
     EXPECT_NE(noted_in(read).find("3 of 5 recorded velocities come without a course"),
               std::string::npos);
+}
+
+struct Written {
+    Receiver receiver;
+    std::string text;
+};
+
+TEST(RecordedSpeed, OfNoCraftIsRefusedByNameInEveryFormat) {
+    const auto csv = [](const std::vector<std::string>& columns, const std::string& values) {
+        return Written{table_of(columns),
+                       fmt::format("0,{0},1,2,3\n1,{0},{1}\n2,{0},1,2,3\n", place, values)};
+    };
+    const auto expect = [](const Written& one, const std::string& failure) {
+        const std::string found = failure_of(one.receiver, one.text);
+        EXPECT_TRUE(has(found, failure)) << found << "\n" << failure;
+    };
+    const std::vector<std::string> speed{"speed", "course"},
+        velocity{"velocity_east", "velocity_north", "velocity_up"};
+    expect(csv(speed, "-5,30,"), "f:2: the recorded speed is -5 m/s, which no craft has");
+    expect(csv(speed, "299792458,30,"), "f:2: the recorded speed is 299792458 m/s");
+    expect(csv(speed, "299792457,30,"), "read");
+    expect(csv(speed, "-1,30,"), "read");  // telephones write so that they know none
+    expect(csv(velocity, "3e8,0,0"), "f:2: the recorded speed is 300000000 m/s");
+    expect(csv(velocity, "0,0,-4e8"), "f:2: the recorded speed is 400000000 m/s");
+    expect(csv(velocity, "-2e8,-2e8,0"), "read");
+    const auto gpx = [](const std::string& written) {
+        Receiver receiver = pos_receiver();
+        receiver.format = "gpx";
+        return Written{
+            receiver,
+            fmt::format(
+                "<gpx version=\"1.1\"><trk><trkseg>\n<trkpt lat=\"45\" lon=\"9\"><ele>1</ele>"
+                "<time>2019-04-12T00:39:56Z</time><speed>{}</speed></trkpt>\n"
+                "<trkpt lat=\"45\" lon=\"9\"><ele>1</ele><time>2019-04-12T00:39:57Z</time>"
+                "</trkpt>\n</trkseg></trk></gpx>",
+                written)};
+    };
+    expect(gpx("-7.5"), "f:2: the recorded speed is -7.5 m/s, which no craft has");
+    expect(gpx("-1"), "read");
+    expect(gpx("1e10"), "f:2: the recorded speed is 1e+10 m/s");
+    const auto nmea = [](const std::string& knots) {
+        return Written{pos_receiver(),
+                       nmea_test::gga("101112.00") +
+                           nmea_test::sentence("GPRMC,101112.00,A,4530.0,N,00915.0,E," + knots +
+                                               ",090.0,050321,,,A")};
+    };
+    // Of NMEA such a sentence is a record that cannot be read, as any with a field out of range.
+    for (const char* knots : {"900000000", "-19.4"}) {
+        const Written one = nmea(knots);
+        const std::string complaint = complaint_of(one.receiver, one.text);
+        EXPECT_TRUE(has(complaint, "f:2:") && has(complaint, "speed")) << complaint;
+    }
+    const auto vbo = [](const std::string& kmh) {
+        return Written{pos_receiver(), vbo_test::header + vbo_test::row +
+                                           replaced(vbo_test::next_row, "072.000", kmh) +
+                                           vbo_test::row};
+    };
+    expect(vbo("2e9"), "the recorded speed is 555555556 m/s");
+    std::string pos = fixture("degrees_velocity_floats.pos");
+    expect({pos_receiver(), replaced(pos, "-2.50000", "-3.5e8")},
+           "f:6: the recorded speed is 350000000 m/s");
 }
 
 TEST(RecordedSpeed, ItsAccuracyMayBeRecorded) {

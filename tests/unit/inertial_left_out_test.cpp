@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/failure.h"
 #include "inertial_test_support.h"
 
 // What the IMU alone says of a span, and solving about a solution found before.

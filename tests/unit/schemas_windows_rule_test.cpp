@@ -69,9 +69,19 @@ TEST(WindowRuleText, EveryMemberRoundTrips) {
           WindowRule{.kind = WindowKind::course,
           .distance_m = 1852.0,
           .definition = SpeedDefinition::elapsed_time},
+          WindowRule{.duration_s = 3.0,
+          .definition = SpeedDefinition::displacement,
+          .opposite_runs = true,
+          .opposite_runs_within_s = 3600.5,
+          .runs = "{\"turn_deg\":120}",
+          .within = "{\"from\":{\"event\":\"exit\"}}",
+          .repaired_steps = true},
           WindowRule{.kind = WindowKind::alpha,
           .distance_m = 250.0,
-          .definition = SpeedDefinition::path_length}}) {
+          .definition = SpeedDefinition::path_length,
+          .alpha = AlphaChoice::any,
+          .proximity_m = 50.0,
+          .turn_deg = 90.0}}) {
         const std::string text =
             write_windows(windows({.profile = "p", .rule = rule, .best = {}, .indicated = {}}));
         EXPECT_EQ(read_windows(text, "f").profiles.at(0).rule, rule) << text;

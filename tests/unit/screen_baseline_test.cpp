@@ -21,7 +21,7 @@ ScreenConfig config() {
 
 TestPlan plan_for(std::int64_t epochs) {
     const ScreenConfig c = config();
-    return {c.family_false_alarm_rate, epochs * tests_of_an_epoch(c.burst_epochs_max), c.power,
+    return {c.family_false_alarm_rate, epochs * tests_of_an_epoch({}, c.burst_epochs_max), c.power,
             c.burst_epochs_max};
 }
 

@@ -224,7 +224,7 @@ class Stretch {
 };
 
 TestPlan plan(double manoeuvre_max_m_s2 = 20.0) {
-    return {0.001, 200 * tests_of_an_epoch(20), 0.8, 20, manoeuvre_max_m_s2};
+    return {0.001, 200 * tests_of_an_epoch({}, 20), 0.8, 20, manoeuvre_max_m_s2};
 }
 
 /// Of the candidates of a kind the best supported.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -176,6 +177,48 @@ TEST(WitnessedWindow, ThatAgreesLeavesWhatTheWitnessLeaves) {
     EXPECT_LT(best.standard_uncertainty_m_s, 0.5 * alone.standard_uncertainty_m_s);
     EXPECT_LE(std::abs(best.speed_m_s - 60.0),
               2.0 * best.standard_uncertainty_m_s + best.bias_limit_m_s);
+}
+
+/// The best window in space, of a craft that goes down by 10 m/s.
+CertifiableWindow in_space(Witnessed run) {
+    NoiseSummary noise = test::summary_of({.motion = {.jerk_density = 0.6}});
+    run.screened.facts.vertical_measured = run.trajectory.facts.vertical_measured = true;
+    RandomGenerator random(11);
+    for (ScreenedEpoch& row : run.screened.rows) {
+        row.up_m = 3000.0 - 10.0 * row.time.seconds() + 0.5 * random.normal();
+        row.sigma_up_m = 0.5;
+    }
+    run.trajectory.estimation.vertical = AxesEstimation{.noise = noise, .health = {}};
+    for (const Arc<1>& arc : arcs_of<1>(run.screened)) {
+        const SmoothedArc<1> smoothed = smooth<1>(arc.epochs, model_of(noise));
+        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
+            const StateVector<1>& state = smoothed.states[k].mean;
+            TrajectoryEpoch& epoch = run.trajectory.rows[arc.rows[k]];
+            epoch.up_m = state(0);
+            epoch.velocity_up_m_s = state(1);
+            epoch.acceleration_up_m_s2 = state(2);
+        }
+    }
+    Profile rule = test::rule_over(3.0);
+    rule.dimension = Dimension::space;
+    return find_windows(run.screened, run.trajectory, {rule}, test::few_draws())
+        .profiles.front()
+        .best.value();
+}
+
+// Velocities on the level took the rows of the positions down to a third, and their evidence was
+// thrown away: a speed in space rests on positions, which they can only contradict.
+TEST(WitnessedWindow, InSpaceRestsOnPositionsAlone) {
+    const CertifiableWindow alone = in_space(Witnessed(0.0, false));
+    const CertifiableWindow best = in_space(Witnessed(0.0));
+    EXPECT_NEAR(best.speed_m_s, std::hypot(60.0, 10.0), 0.5);
+    EXPECT_EQ(best.standard_uncertainty_m_s, alone.standard_uncertainty_m_s);
+    EXPECT_EQ(best.speed_m_s, alone.speed_m_s);
+    EXPECT_FALSE(best.evidence->witnesses || best.evidence->observed);
+    EXPECT_EQ(std::ranges::count(best.budget, "g", &BudgetRow::symbol), 0);
+    ASSERT_EQ(best.witnesses.size(), 1U);
+    EXPECT_EQ(best.witnesses.front().share, 0.0);
+    EXPECT_FALSE(best.witnesses.front().confirms);
 }
 
 // Positions that drift by 3 m/s show the faster windows; none of these can be claimed.

@@ -11,7 +11,9 @@ ProfileVerdict decided(Outcome outcome, double risk) {
     ProfileVerdict verdict;
     verdict.outcome = outcome;
     verdict.required_speed_m_s = 60.0;
-    verdict.decision = Decision{.acceptance_limit_m_s = 60.0 + 0.171 / 3.6, .risk = risk};
+    verdict.decision = Decision{.probability = outcome == Outcome::beaten ? 1.0 - risk : risk,
+                                .acceptance_limit_m_s = 60.0 + 0.171 / 3.6,
+                                .risk = risk};
     return verdict;
 }
 
@@ -31,6 +33,13 @@ TEST(WordsOfTheDecision, TheRiskIsOfFalseAcceptanceOrOfFalseRejection) {
               "of false acceptance: 0.3010 % (that the true speed is below the required speed).");
     EXPECT_EQ(risk_text(decided(Outcome::not_beaten, 0.42)),
               "of false rejection: 42.00 % (that the true speed reaches the required speed).");
+    // Beside a conformance probability of 0.0003 % it is another figure, and says why.
+    ProfileVerdict apart = decided(Outcome::not_beaten, 0.00228);
+    apart.decision->probability = 3e-6;
+    EXPECT_EQ(risk_text(apart),
+              "of false rejection: 0.2280 % (that the true speed reaches the required speed). It "
+              "counts errors that nothing found for the craft; the conformance probability counts "
+              "them against it.");
     // Neither is an outcome that could be wrong.
     for (const Outcome outcome : {Outcome::not_proven, Outcome::not_certifiable})
         EXPECT_EQ(risk_text(decided(outcome, 0.42)), "");

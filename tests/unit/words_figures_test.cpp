@@ -1,8 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "core/failure.h"
 #include "core/prose.h"
 #include "reports/words/figures.h"
+#include "reports/words/recording.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -18,6 +22,18 @@ TEST(WordsOfFigures, AnUncertaintyHasTwoSignificantDigits) {
     EXPECT_EQ(uncertainty_text(0.000012), "0.000012");
 }
 
+// Float and fixed in turn, or a recording of 5 s: "Stoi" was all that was said of exp(1000).
+TEST(WordsOfFigures, AParameterThatTheDataDoNotDetermineSaysSo) {
+    const NoiseSummary fitted{.status = NoiseBasis::fitted};
+    for (const double relative : {5.0, 40.0, 700.0, 1000.0, 1e300})
+        EXPECT_EQ(
+            noise_parameter_text({.value = 0.25, .relative_uncertainty = relative}, fitted, "m"),
+            "0.250 m, uncertainty not determined by the data")
+            << relative;
+    EXPECT_EQ(noise_parameter_text({.value = 0.25, .relative_uncertainty = 4.5}, fitted, "m"),
+              "0.250 m, × or ÷ 90.0");
+}
+
 TEST(WordsOfFigures, FiguresHaveTheirSignificantDigits) {
     EXPECT_EQ(significant_text(0.0, 3), "0");
     EXPECT_EQ(significant_text(0.00057735, 2), "0.00058");
@@ -26,6 +42,10 @@ TEST(WordsOfFigures, FiguresHaveTheirSignificantDigits) {
     EXPECT_EQ(significant_text(0.0996, 2), "0.10");
     EXPECT_EQ(significant_text(4123.4, 3), "4123");
     EXPECT_EQ(significant_text(3.1e-9, 2), "3.1e-09");
+    for (const double none : {std::numeric_limits<double>::infinity(), std::nan("")}) {
+        EXPECT_EQ(significant_text(none, 3), "not determined");
+        EXPECT_EQ(scientific_text(none), "not determined");
+    }
     EXPECT_EQ(coverage_text(2.000001), "2");
     EXPECT_EQ(coverage_text(2.0689), "2.07");
 }

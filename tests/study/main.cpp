@@ -7,6 +7,7 @@
 
 #include "alignment_study.h"
 #include "coverage.h"
+#include "drift_study.h"
 #include "false_records.h"
 #include "identification_study.h"
 #include "motion_study.h"
@@ -89,15 +90,22 @@ void print_people(const PeopleStudyOptions& options, bool faults, const std::str
     if (!csv_file.empty()) std::ofstream(csv_file) << people_csv(results);
 }
 
-struct SpeedsOptions {
+struct CellOptions {
     std::int64_t runs = 100;
     std::uint64_t seed = 1;
     unsigned threads = 2;
     std::string only = {};
-    bool people = false;
 };
 
-void print_speeds(const SpeedsOptions& options) {
+void add_cell_options(CLI::App& command, CellOptions& options) {
+    command.add_option("--runs", options.runs, "a cell")->capture_default_str();
+    command.add_option("--seed", options.seed)->capture_default_str();
+    command.add_option("--threads", options.threads, "0: as many as there are")
+        ->capture_default_str();
+    command.add_option("--only", options.only, "cells whose name holds this");
+}
+
+void print_speeds(const CellOptions& options, bool people) {
     setenv("RUNCERT_THREADS", "1", 1);
     std::string missed;
     const auto print = [&](const std::string& name, const auto& of) {
@@ -114,10 +122,28 @@ void print_speeds(const SpeedsOptions& options) {
     for (const SpeedsCell& cell : speeds_cells())
         print(cell.name, cell);
     for (const PeopleKind& kind : people_kinds())
-        if (options.people && kind.velocities == PeopleVelocities::stated)
+        if (people && kind.velocities == PeopleVelocities::stated)
             print("people, " + kind.name, kind);
     fmt::print("Below 94 % inside, above 2.5 % falsely beaten, or a mean error above 0.3 U:\n{}",
                missed);
+}
+
+void print_drifts(const CellOptions& options) {
+    setenv("RUNCERT_THREADS", "1", 1);
+    std::string missed;
+    fmt::print("{}", drift_heading());
+    for (const DriftCell& cell : drift_cells()) {
+        if (cell.name.find(options.only) == std::string::npos) continue;
+        const DriftSummary summary = study_drift(cell, options.runs, options.seed, options.threads);
+        fmt::print("{}", drift_lines(cell, summary));
+        std::fflush(stdout);
+        if (const std::string misses = summary.misses(cell); !misses.empty())
+            missed += fmt::format("{}: {}\n", cell.name, misses);
+    }
+    fmt::print(
+        "Below 94 % inside, above 2.5 % falsely beaten, or a mean error above 0.3 U; below "
+        "90 % inside beside a drift that a witness can see:\n{}",
+        missed);
 }
 
 void print_witnesses(WitnessStudyOptions options, const std::vector<int>& rivals,
@@ -261,14 +287,15 @@ int main(int argc, char** argv) {
     people->add_option("--length", people_length_s, "s, of every recording; 0: as of its kind")
         ->capture_default_str();
     people->add_option("--csv", csv_file, "a file for a line a run, with its budget");
-    SpeedsOptions speeds_options;
+    CellOptions speeds_options;
     CLI::App* speeds = app.add_subcommand("speeds", "Speeds of recorded velocities");
-    speeds->add_option("--runs", speeds_options.runs, "sessions a cell")->capture_default_str();
-    speeds->add_option("--seed", speeds_options.seed)->capture_default_str();
-    speeds->add_option("--threads", speeds_options.threads, "0: as many as there are")
-        ->capture_default_str();
-    speeds->add_option("--only", speeds_options.only, "cells whose name holds this");
-    speeds->add_flag("--people", speeds_options.people, "what people's devices record, too");
+    add_cell_options(*speeds, speeds_options);
+    bool speeds_people = false;
+    speeds->add_flag("--people", speeds_people, "what people's devices record, too");
+    CellOptions drift_options{.runs = 60};
+    CLI::App* drifts = app.add_subcommand(
+        "drifts", "Positions that drift, and velocities of a wrong scale, beside witnesses");
+    add_cell_options(*drifts, drift_options);
     std::int64_t usefulness_runs = 100;
     std::uint64_t usefulness_seed = 1;
     CLI::App* usefulness = app.add_subcommand(
@@ -288,7 +315,9 @@ int main(int argc, char** argv) {
 
     if (alignment->parsed()) print_alignment(alignment_options);
 
-    if (speeds->parsed()) print_speeds(speeds_options);
+    if (speeds->parsed()) print_speeds(speeds_options, speeds_people);
+
+    if (drifts->parsed()) print_drifts(drift_options);
 
     if (usefulness->parsed())
         for (const WitnessCell& cell : {WitnessCell{.part = 0.1}, WitnessCell{.part = 1.0}})

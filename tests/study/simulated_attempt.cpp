@@ -1,13 +1,13 @@
 #include "simulated_attempt.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "motion/sensitivity.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/position_noise.h"
+#include "study_witnesses.h"
 #include "supposed_errors.h"
 #include "witness/arcs.h"
 
@@ -20,35 +20,11 @@ constexpr double speed_kept_m_s = 60.0, standing_s = 4.0;
 constexpr double acceleration_m_s2 = 4.0, rounding_s = 2.0;
 // What is stated of each, or what the program takes it to err by. Of gates both are the same: that
 // they agree with the positions too well is a sign that they were made from them.
-constexpr double white_m = 0.008, slow_m = 0.02, slow_tau_s = 5.0;
+constexpr double slow_m = 0.02, slow_tau_s = 5.0;
 constexpr double common_m = 0.010, common_tau_s = 20.0;  // of positions and phases
-constexpr double velocity_slow_m_s = 0.03, velocity_tau_s = 20.0;
+constexpr double velocity_slow_m_s = 0.03;
 constexpr double wheel_noise_m_s = 0.05, wheel_scale = 2e-4;
-constexpr double gate_m = 0.003, gate_s = 1e-4, gates_apart_m = 60.0;
-
-/// First-order Gauss-Markov, two axes.
-class SlowError {
-  public:
-    SlowError(double sigma, double tau_s, RandomGenerator& random)
-        : decay_(std::exp(-1.0 / rate_hz / tau_s)),
-          sigma_(sigma),
-          random_(random),
-          now_(sigma * normals()) {}
-    Eigen::Vector2d next() {
-        const Eigen::Vector2d now = now_;
-        now_ = decay_ * now_ + sigma_ * std::sqrt(1.0 - decay_ * decay_) * normals();
-        return now;
-    }
-
-  private:
-    Eigen::Vector2d normals() {
-        const double first = random_.normal();
-        return {first, random_.normal()};
-    }
-    double decay_, sigma_;
-    RandomGenerator& random_;
-    Eigen::Vector2d now_;
-};
+constexpr double gates_apart_m = 60.0;
 
 /// Along a straight line, to the top speed, which it keeps, and back.
 SimulatedRecording motion_of(const WitnessCell& cell, std::uint64_t seed) {
@@ -59,7 +35,7 @@ SimulatedRecording motion_of(const WitnessCell& cell, std::uint64_t seed) {
         .change_speed(-speed_kept_m_s, acceleration_m_s2, rounding_s)
         .add(standing_s);
     StudyRun run{.rate_hz = rate_hz, .length_s = script->duration_s(), .jerk_density = 0.0};
-    run.noise.white_m = white_m;
+    run.noise.white_m = study_white_m;
     run.script = std::move(script);
     return simulate_recording(run, seed);
 }
@@ -68,8 +44,6 @@ void move(EnuEpoch& row, const Eigen::Vector2d& by_m) {
     *row.east_m += by_m.x();
     *row.north_m += by_m.y();
 }
-
-const Eigen::Vector2d along = Eigen::Vector2d::Constant(1.0).normalized();
 
 }  // namespace
 
@@ -81,8 +55,8 @@ SimulatedAttempt::SimulatedAttempt(const WitnessCell& cell, std::uint64_t seed)
     positions_.facts.first_epoch = study_start();
     positions_.origin = study_origin();
     const double common = cell.part * common_m, slow = cell.part * slow_m;
-    SlowError shared(common, common_tau_s, random_);
-    SlowError own(std::sqrt(slow * slow - common * common), slow_tau_s, random_);
+    SlowError shared(common, common_tau_s, rate_hz, random_);
+    SlowError own(std::sqrt(slow * slow - common * common), slow_tau_s, rate_hz, random_);
     for (EnuEpoch& row : positions_.rows) {
         common_.push_back(shared.next());
         move(row, common_.back() + own.next());
@@ -93,7 +67,7 @@ void SimulatedAttempt::add_fault(std::size_t first, double rate_m_s) {
     for (std::size_t k = first; k < positions_.rows.size(); ++k)
         move(positions_.rows[k],
              rate_m_s * std::min(duration_of_window_s, static_cast<double>(k - first) / rate_hz) *
-                 along);
+                 study_direction());
 }
 
 std::size_t SimulatedAttempt::any_window(RandomGenerator& random) const {
@@ -101,55 +75,6 @@ std::size_t SimulatedAttempt::any_window(RandomGenerator& random) const {
     const double from_s = standing_s + speed_kept_m_s / acceleration_m_s2 + rounding_s;
     const double at_s = from_s + duration_of_window_s * (cell_.rivals - 1) * random.uniform();
     return static_cast<std::size_t>(std::lround(at_s * rate_hz));
-}
-
-void SimulatedAttempt::record_velocities(double noise_m_s, EnuTable& table) {
-    SlowError slow(cell_.part * velocity_slow_m_s, velocity_tau_s, random_);
-    for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        const Eigen::Vector2d velocity = motion_.velocity[k] + slow.next();
-        table.rows[k].recorded_velocity_east_m_s = velocity.x() + noise_m_s * random_.normal();
-        table.rows[k].recorded_velocity_north_m_s = velocity.y() + noise_m_s * random_.normal();
-    }
-}
-
-std::vector<TimedValue> SimulatedAttempt::wheel() {
-    const double scale = 1.0 + cell_.part * wheel_scale * random_.normal();
-    std::vector<TimedValue> speeds;
-    for (std::size_t k = 0; k < motion_.velocity.size(); ++k)
-        speeds.push_back({.time_s = positions_.rows[k].time.seconds(),
-                          .value = std::max(0.0, scale * motion_.velocity[k].norm() +
-                                                     wheel_noise_m_s * random_.normal())});
-    return speeds;
-}
-
-std::vector<TimedValue> SimulatedAttempt::gates() {
-    std::vector<TimedValue> passages;
-    double first_m = -1.0;
-    const auto way_m = [&](std::size_t k) { return (motion_.truth[k] - motion_.truth[0]).norm(); };
-    for (std::size_t k = 1; k < motion_.truth.size(); ++k) {
-        if (motion_.velocity[k].norm() < 0.5 * speed_kept_m_s) continue;
-        const double before_m = way_m(k - 1), here_m = way_m(k);
-        if (first_m < 0.0) first_m = before_m;
-        const double gate_at_m = first_m + gates_apart_m * static_cast<double>(passages.size());
-        if (gate_at_m >= here_m) continue;
-        const double part = (gate_at_m - before_m) / (here_m - before_m);
-        passages.push_back(
-            {.time_s = (static_cast<double>(k) - 1.0 + part) / rate_hz + gate_s * random_.normal(),
-             .value = gate_at_m - first_m + gate_m / std::numbers::sqrt2 * random_.normal()});
-    }
-    return passages;
-}
-
-EnuTable SimulatedAttempt::second_receiver() {
-    EnuTable table = positions_;
-    table.facts.receiver = "second";
-    SlowError slow(cell_.part * slow_m, slow_tau_s, random_);
-    for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        const Eigen::Vector2d antenna = motion_.truth[k] - 0.9 * along + slow.next();
-        table.rows[k].east_m = antenna.x() + white_m * random_.normal();
-        table.rows[k].north_m = antenna.y() + white_m * random_.normal();
-    }
-    return table;
 }
 
 StudyPhases SimulatedAttempt::phases() {
@@ -162,31 +87,32 @@ StudyPhases SimulatedAttempt::phases() {
     return study_phases(epochs, 0.001, 0.0, random_.next(), positions_);
 }
 
-namespace {
-
-HandedIn& hand_in(const std::string& key, const std::vector<TimedValue>& values, HandedIn& given) {
-    for (const TimedValue& one : values)
-        given.series[key].samples.push_back({.time_s = one.time_s, .value = one.value});
-    return given;
-}
-
-}  // namespace
-
 WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     std::vector<EnuTable> tables{positions_};
     WitnessRecords beside;
     std::optional<PhaseWitness<2>> phase_motion;
     const ScreenConfig screening = study_screen_config();
-    if (heard == StudyHeard::fine_velocities) record_velocities(0.05, tables.front());
-    if (heard == StudyHeard::coarse_velocities) record_velocities(0.3, tables.front());
-    if (heard == StudyHeard::receiver) tables.push_back(second_receiver());
-    if (heard == StudyHeard::wheel)
-        hand_in("wheel", wheel(), beside.handed_in).attempt.wheel =
+    const auto velocities = [&](double noise_m_s) {
+        record_velocities(motion_, cell_.part * velocity_slow_m_s, noise_m_s, random_,
+                          tables.front());
+    };
+    if (heard == StudyHeard::fine_velocities) velocities(0.05);
+    if (heard == StudyHeard::coarse_velocities) velocities(0.3);
+    if (heard == StudyHeard::receiver)
+        tables.push_back(second_receiver_of(motion_, positions_, cell_.part * slow_m, random_));
+    if (heard == StudyHeard::wheel) {
+        const double scale = 1.0 + cell_.part * wheel_scale * random_.normal();
+        hand_in("wheel", wheel_of(motion_, scale, wheel_noise_m_s, random_), beside.handed_in);
+        beside.handed_in.attempt.wheel =
             WheelSeries{.scale = 1.0, .expanded_uncertainty_scale = 2.0 * wheel_scale};
-    if (heard == StudyHeard::gates)
-        hand_in("gates", gates(), beside.handed_in).attempt.gates = GateSeries{
-            .expanded_uncertainty_m = 2.0 * gate_m, .expanded_uncertainty_s = 2.0 * gate_s};
+    }
+    if (heard == StudyHeard::gates) {
+        hand_in("gates", gates_of(motion_, gates_apart_m, 0.5 * speed_kept_m_s, random_),
+                beside.handed_in);
+        beside.handed_in.attempt.gates = GateSeries{.expanded_uncertainty_m = 2.0 * study_gate_m,
+                                                    .expanded_uncertainty_s = 2.0 * study_gate_s};
+    }
     if (heard == StudyHeard::phases) {
         const StudyPhases of_run = phases();
         beside.phases = of_run.phases;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/random.h"
-#include "core/timed_value.h"
 #include "simulated_arc.h"
 #include "stages/window/window.h"
 #include "study_phases.h"
@@ -69,10 +68,6 @@ class SimulatedAttempt {
     std::size_t any_window(RandomGenerator& random) const;
 
   private:
-    void record_velocities(double noise_m_s, EnuTable& table);
-    std::vector<TimedValue> wheel();
-    std::vector<TimedValue> gates();
-    EnuTable second_receiver();
     StudyPhases phases();
 
     WitnessCell cell_;

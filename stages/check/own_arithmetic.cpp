@@ -42,10 +42,20 @@ std::vector<std::string> reasons_of(const ClauseContext& context, const RuleScor
         selection->bias_m_s > 0.0)
         reasons.push_back(fmt::format("the selection bias of {} is taken off",
                                       per_unit(selection->bias_m_s, unit)));
-    if (context.profile.speed_source == SpeedSource::position)
+    if (context.profile.speed_source == SpeedSource::position) {
         reasons.emplace_back("noise of single samples is smoothed");
-    else if (reasons.empty())
-        reasons.emplace_back("the body rounds otherwise");
+        return reasons;
+    }
+    for (const BudgetRow& row : best.budget)
+        if (row.symbol == "p" && row.estimate != 0.0)
+            reasons.push_back(fmt::format(
+                "what the speeds are {} by beside the positions, "
+                "{:.2f} %, is taken off",
+                row.estimate > 0.0 ? "too high" : "too low", 100.0 * std::abs(row.estimate)));
+        else if (row.symbol == "f" && row.estimate > 0.0)
+            reasons.push_back(
+                fmt::format("the selection bias of {} is taken off", per_unit(row.estimate, unit)));
+    if (reasons.empty()) reasons.emplace_back("the body rounds otherwise");
     return reasons;
 }
 

@@ -10,6 +10,7 @@
 #include "stages/window/position_noise.h"
 #include "supposed_errors.h"
 #include "witness/arcs.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -53,8 +54,11 @@ class SlowError {
 /// Along a straight line, to the top speed, which it keeps, and back.
 SimulatedRecording motion_of(const WitnessCell& cell, std::uint64_t seed) {
     auto script = std::make_shared<MotionScript>();
-    script->add(standing_s)
-        .change_speed(speed_kept_m_s, acceleration_m_s2, rounding_s)
+    script->add(standing_s);
+    const double slow_m_s = cell.slow_s > 0.0 ? 0.25 * speed_kept_m_s : 0.0;
+    if (slow_m_s > 0.0)
+        script->change_speed(slow_m_s, acceleration_m_s2, rounding_s).add(cell.slow_s);
+    script->change_speed(speed_kept_m_s - slow_m_s, acceleration_m_s2, rounding_s)
         .add(duration_of_window_s * cell.rivals + 0.2)
         .change_speed(-speed_kept_m_s, acceleration_m_s2, rounding_s)
         .add(standing_s);
@@ -83,17 +87,19 @@ SimulatedAttempt::SimulatedAttempt(const WitnessCell& cell, std::uint64_t seed)
     const double common = cell.part * common_m, slow = cell.part * slow_m;
     SlowError shared(common, common_tau_s, random_);
     SlowError own(std::sqrt(slow * slow - common * common), slow_tau_s, random_);
-    for (EnuEpoch& row : positions_.rows) {
+    double drifted_m = 0.0;
+    for (std::size_t k = 0; k < positions_.rows.size(); ++k) {
         common_.push_back(shared.next());
-        move(row, common_.back() + own.next());
+        if (motion_.velocity[k].norm() > 0.5 * speed_kept_m_s)
+            drifted_m += cell.fast_drift_m_s / rate_hz;
+        move(positions_.rows[k], common_.back() + own.next() + drifted_m * along);
     }
 }
 
-void SimulatedAttempt::add_fault(std::size_t first, double rate_m_s) {
+void SimulatedAttempt::add_fault(std::size_t first, double rate_m_s, double lasts_s) {
     for (std::size_t k = first; k < positions_.rows.size(); ++k)
         move(positions_.rows[k],
-             rate_m_s * std::min(duration_of_window_s, static_cast<double>(k - first) / rate_hz) *
-                 along);
+             rate_m_s * std::min(lasts_s, static_cast<double>(k - first) / rate_hz) * along);
 }
 
 std::size_t SimulatedAttempt::any_window(RandomGenerator& random) const {
@@ -106,7 +112,7 @@ std::size_t SimulatedAttempt::any_window(RandomGenerator& random) const {
 void SimulatedAttempt::record_velocities(double noise_m_s, EnuTable& table) {
     SlowError slow(cell_.part * velocity_slow_m_s, velocity_tau_s, random_);
     for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        const Eigen::Vector2d velocity = motion_.velocity[k] + slow.next();
+        const Eigen::Vector2d velocity = cell_.velocity_scale * motion_.velocity[k] + slow.next();
         table.rows[k].recorded_velocity_east_m_s = velocity.x() + noise_m_s * random_.normal();
         table.rows[k].recorded_velocity_north_m_s = velocity.y() + noise_m_s * random_.normal();
     }
@@ -228,8 +234,9 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     run.expanded_m_s = expanded_uncertainty_by_rule_m_s(*best_, profile.coverage_factor);
     const SpeedPosterior speed = *posterior_of(windows.profiles.front());
     run.probability = conformance_probability(speed, {.speed_m_s = true_m_s - limit_m_s});
-    run.tail_m_s = speed.speed_m_s + speed.bias_limit_m_s -
-                   mixture_of(speed, WitnessSet::observed).quantile(1e-4);
+    run.tail_m_s =
+        speed.speed_m_s + speed.bias_limit_m_s -
+        mixture_of(*speed.evidence, speed.speed_m_s, WitnessSet::observed).quantile(1e-4);
     return run;
 }
 

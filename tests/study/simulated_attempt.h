@@ -32,6 +32,9 @@ inline constexpr std::array<std::string_view, 7> study_heard_names{
 struct WitnessCell {
     double part = 0.1;
     int rivals = 1;
+    double velocity_scale = 1.0;  ///< of the recorded velocities
+    double fast_drift_m_s = 0.0;  ///< of the positions, along the track above half the top speed
+    double slow_s = 0.0;          ///< driving at a quarter of the top speed before the run
 };
 
 /// The fastest 3 s of one run as certified, with one witness.
@@ -49,7 +52,7 @@ class SimulatedAttempt {
     SimulatedAttempt(const WitnessCell& cell, std::uint64_t seed);
 
     /// A drift along the track, from a row on for 3 s.
-    void add_fault(std::size_t first, double rate_m_s);
+    void add_fault(std::size_t first, double rate_m_s, double lasts_s = 3.0);
 
     /// The fastest window with what is heard. The limit of its probability lies below the truth by
     /// so much.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "stages/window/best_window.h"
@@ -11,6 +12,8 @@
 #include "witness/certifiable.h"
 
 namespace runcert {
+
+struct Contradiction;
 
 /// The data from which windows are certified, for horizontal speeds (Axes 2) or vertical ones (1).
 template <int Axes>
@@ -26,7 +29,7 @@ struct AxesEstimate {
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
     std::vector<Stand> stands;
-    double unexplained_m_s = 0.0;  ///< as from `unexplained_by_velocities_m_s`
+    LastingDifference lasting;  ///< as from `lasting_difference`
 };
 
 /// Gathers these data. Heights must have been measured for Axes 1. Failure if the trajectory
@@ -46,6 +49,8 @@ struct WindowChoice {
     double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, for a course
     /// From the antenna's speed to the craft's, where the rule counts that.
     std::optional<CraftCorrection> craft = std::nullopt;
+    /// Where witnesses contradict other windows, which makes this one suspect.
+    std::span<const Contradiction> contradictions = {};
 };
 
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "draws.h"
 #include "usefulness_study.h"
 
@@ -39,6 +41,41 @@ TEST(WitnessStudy, NoWitnessWidensOnAverageAndAllCover) {
         // What nobody observed says nothing of rare errors.
         EXPECT_NEAR(witness_line(cell, runs, StudyHeard::wheel).tail_m_s, alone.tail_m_s,
                     0.01 * alone.tail_m_s);
+    }
+}
+
+/// The mean expanded uncertainty of runs beside velocities over that without them, and the least of
+/// what the intervals reach beyond the error.
+struct BesideVelocities {
+    double wider = 0.0, least_reach_m_s = 1.0;
+};
+BesideVelocities beside_velocities(const WitnessCell& cell) {
+    BesideVelocities found;
+    const int runs = draws({.daily = 2, .study = 100});
+    for (int i = 0; i < runs; ++i) {
+        SimulatedAttempt run(cell, 4000 + 10 * static_cast<std::uint64_t>(i));
+        const WitnessedRun alone = run.judged(StudyHeard::nothing, 0.0);
+        const WitnessedRun beside = run.judged(StudyHeard::fine_velocities, 0.0);
+        found.wider += beside.expanded_m_s / alone.expanded_m_s / runs;
+        found.least_reach_m_s =
+            std::min(found.least_reach_m_s, beside.expanded_m_s - std::abs(beside.error_m_s));
+    }
+    return found;
+}
+
+// Velocities half a percent too high made ± 1.4 km/h of ± 0.18.
+TEST(WitnessStudy, AScaleOfVelocitiesWidensLittleAndADriftIsHeld) {
+    for (const double slow_s : {0.0, 30.0}) {
+        const auto beside = [&](double scale, double drift_m_s) {
+            return beside_velocities({.part = 0.5,
+                                      .rivals = 5,
+                                      .velocity_scale = scale,
+                                      .fast_drift_m_s = drift_m_s,
+                                      .slow_s = slow_s});
+        };
+        EXPECT_LE(beside(1.005, 0.0).wider, 1.05);
+        EXPECT_LE(beside(1.01, 0.0).wider, 2.5);
+        EXPECT_GT(beside(1.0, 0.4).least_reach_m_s, 0.0);
     }
 }
 

@@ -26,7 +26,8 @@ struct Contradiction {
 
 /// The contradictions in a certified window of an arc. Before and after it, this looks for the
 /// nearest span a fifth longer than the window in which the same witness shows the positions sound:
-/// it agrees within its 95 %, and would have found the same drift with a probability of 0.8.
+/// it agrees within the standard uncertainty of the difference, and would have found the same drift
+/// with a probability of 0.8 by a test of size 0.05.
 template <int Axes>
 std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                                              const FoundWindow& found,

@@ -45,13 +45,16 @@ struct Drifting {
     Profile profile = test::rule_over(3.0);
     AxesEstimate<2> estimate;
 
-    explicit Drifting(double rate_m_s, std::shared_ptr<const Witness<2>> wheel)
-        : trajectory(smoothed(rate_m_s)),
+    /// Screening would have missed drifts of so many m/s.
+    explicit Drifting(double rate_m_s, std::shared_ptr<const Witness<2>> wheel,
+                      std::optional<double> missed_m_s = {})
+        : trajectory(smoothed(rate_m_s, missed_m_s)),
           estimate(estimate_of<2>(screened, trajectory, config, {})) {
         estimate.witnesses = {{.kind = WitnessKind::wheel, .motion = std::move(wheel)}};
     }
-    TrajectoryTable smoothed(double rate_m_s) {
+    TrajectoryTable smoothed(double rate_m_s, std::optional<double> missed_m_s) {
         for (ScreenedEpoch& row : screened.rows) {
+            row.detectable.ramp_m_s = missed_m_s;
             const double by_m =
                 rate_m_s / std::numbers::sqrt2 * std::clamp(row.time.seconds() - 40.0, 0.0, 6.0);
             *row.east_m += by_m;
@@ -167,8 +170,7 @@ TEST(Contradictions, CountInTheSearchForABetterProof) {
 // A calibrated wheel left the window just under its threshold: 0 of 60 inside, a fault's
 // probability of 0.4 beside ± 0.32 km/h.
 TEST(MixtureOfFaults, IsHeldByTheExpandedUncertainty) {
-    const Drifting run(0.4, std::make_shared<const TrueMotion>(0.3));
-    bool widened = false;
+    const Drifting run(0.4, std::make_shared<const TrueMotion>(0.3), 1.0);
     for (std::size_t first = 385; first < 403; ++first) {
         const CertifiableWindow window = run.certified_from(first, {}, run.rivals_of(first));
         if (std::ranges::any_of(window.witnesses, &contradicts)) continue;
@@ -179,13 +181,34 @@ TEST(MixtureOfFaults, IsHeldByTheExpandedUncertainty) {
         EXPECT_GE(expanded_m_s, mixture.half_width(window.speed_m_s, 0.9545) - 1e-9);
         const auto row = std::ranges::find(window.budget, "x", &BudgetRow::symbol);
         if (row == window.budget.end()) continue;
-        widened = true;
         EXPECT_NEAR(expanded_m_s, mixture.half_width(window.speed_m_s, 0.9545), 1e-9);
         EXPECT_NEAR(combine(window.budget).standard_uncertainty, window.standard_uncertainty_m_s,
                     1e-12);
         EXPECT_GE(window.evidence->at_five_times_m_s, window.evidence->at_a_fifth_m_s);
     }
-    EXPECT_TRUE(widened);
+}
+
+TEST(MixtureOfFaults, WidensOnlyWhereAFaultGotLikelier) {
+    SpeedEvidence evidence{.position_standard_uncertainty_m_s = 0.0213};
+    evidence.fault_probability = 0.002;
+    evidence.chosen_fault_probability = 0.02;
+    evidence.fault_m_s = 0.97;
+    evidence.witnesses = {.difference_m_s = 0.33,
+                          .standard_uncertainty_m_s = 0.1,
+                          .fault_probability = 0.01,
+                          .fault_m_s = 1.0};
+    const SpeedMixture mixture = mixture_of(evidence, 60.0, WitnessSet::all);
+    EXPECT_GT(mixture.positions_at_fault(), 0.2);
+    EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.07), mixture.half_width(60.0, 0.9545));
+    EXPECT_GT(least_expanded_m_s(evidence, 60.0, 0.07), 0.33);
+    // One that agrees makes no interval wider than the positions' own.
+    evidence.witnesses->difference_m_s = 0.01;
+    EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.01), 0.01);
+    evidence.witnesses.reset();
+    EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.01), 0.01);
+    // Positions that are suspect, and nothing confirms.
+    evidence.fault_probability = evidence.chosen_fault_probability = 0.5;
+    EXPECT_NEAR(least_expanded_m_s(evidence, 60.0, 0.01), 0.909 * 0.97, 1e-3);
 }
 
 /// Gates of `recorded` at these times, which know the way between them and nothing else.

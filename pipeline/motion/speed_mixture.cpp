@@ -27,6 +27,16 @@ bool is_possible(const FaultPrior& fault) {
     return fault.probability > 0.0 && fault.largest_m_s > 0.0;
 }
 
+/// Where an increasing function reaches a value, between two limits.
+template <class Function>
+double argument_at(double value, double low, double high, int halvings, const Function& function) {
+    for (int halving = 0; halving < halvings; ++halving) {
+        const double middle = 0.5 * (low + high);
+        (function(middle) < value ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
 /// Divides a range into equal parts of at most `step_m_s`, unless there would be too many. Calls
 /// `call` with the fault in the middle of each part and the standard deviation of the faults within
 /// it.
@@ -153,11 +163,20 @@ double SpeedMixture::quantile(double probability) const {
         low = std::min(low, one.mean_m_s - reach);
         high = std::max(high, one.mean_m_s + reach);
     }
-    for (int halving = 0; halving < 100; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (probability_below(middle) < probability ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
+    return argument_at(probability, low, high, 100,
+                       [&](double speed_m_s) { return probability_below(speed_m_s); });
+}
+
+double SpeedMixture::half_width(double speed_m_s, double probability) const {
+    constexpr double enough = 10.0;
+    double high = 0.0;
+    for (const Component& one : components_)
+        high = std::max(high, std::abs(one.mean_m_s - speed_m_s) +
+                                  enough * std::hypot(one.sigma_m_s, shared_m_s_));
+    return argument_at(probability, 0.0, high, 50, [&](double half_m_s) {
+        return 1.0 - probability_below(speed_m_s - half_m_s) -
+               probability_not_below(speed_m_s + half_m_s);
+    });
 }
 
 }  // namespace runcert

@@ -50,6 +50,10 @@ class SpeedMixture {
     /// The speed that the true speed is below with this probability, above 0 and below 1.
     double quantile(double probability) const;
 
+    /// Half the width of the interval about a speed that holds the true one with this probability,
+    /// above 0 and below 1.
+    double half_width(double speed_m_s, double probability) const;
+
   private:
     struct Component {
         double weight = 0.0;

@@ -57,6 +57,9 @@ class WitnessOfCraft final : public Witness<2> {
 
     std::optional<WitnessedMotion<2>> between(double from_s, double to_s) const override;
     TimeSpan covered() const override { return craft_->covered(); }
+    std::optional<TimeSpan> enclosing(double from_s, double to_s) const override {
+        return craft_->enclosing(from_s, to_s);
+    }
     std::optional<double> path_between(double from_s, double to_s) const override;
 
   private:

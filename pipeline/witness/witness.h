@@ -39,6 +39,12 @@ class Witness {
     /// The first and the last instant (s) that it knows anything about.
     virtual TimeSpan covered() const = 0;
 
+    /// The shortest span around two instants between which it says nothing, over which it knows the
+    /// displacement. It shows an error within the window only diluted, and confirms nothing there.
+    virtual std::optional<TimeSpan> enclosing(double /*from_s*/, double /*to_s*/) const {
+        return std::nullopt;
+    }
+
     /// Length (m) of the path between two instants, as uncertain as the displacement along it.
     /// Empty if the witness does not determine it.
     virtual std::optional<double> path_between(double from_s, double to_s) const = 0;

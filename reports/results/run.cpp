@@ -21,11 +21,16 @@ std::string witness_text(const WitnessedSpeed& one, const RuleView& rule) {
     const ComparedSpeeds shown =
         compared_in(unit, other, one.speed_m_s + one.difference_m_s, rule.shown());
     return fmt::format(
-        "{}, {} against the positions; the two {} (normalised error {:.2f}, at most 1). Beside it "
-        "errors of the positions of any kind change the speed by {} at most (k = 2)",
-        shown.other, shown.difference,
-        contradicts(one) ? "contradict one another" : "agree", one.normalised_error,
-        uncertainty(largest_error_beside(one)));
+        "{}{}, {} against the positions; the two {} (normalised error {:.2f}, at most 1){}",
+        shown.other,
+        one.compared_over_s ? fmt::format(" over {:.1f} s around the window", *one.compared_over_s)
+                            : std::string(),
+        shown.difference, contradicts(one) ? "contradict one another" : "agree",
+        one.normalised_error,
+        one.confirms ? fmt::format(". Beside it errors of the positions of any kind change the "
+                                   "speed by {} at most (k = 2)",
+                                   uncertainty(largest_error_beside(one)))
+                     : std::string());
 }
 
 std::string began_words(RunEdge began) {

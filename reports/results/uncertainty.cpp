@@ -100,8 +100,7 @@ std::string bound_text(const ErrorBound& bound, const Scale& scale) {
         metres(bound.stated_m),
         bound.standing_m ? fmt::format(", while the craft stood {}", metres(*bound.standing_m))
                          : std::string(),
-        metres(bound.floor_m),
-        scale.uncertainty(bound.standard_uncertainty_m_s));
+        metres(bound.floor_m), scale.uncertainty(bound.standard_uncertainty_m_s));
 }
 
 std::string treatment_words(const SelectionBias& selection, const Scale& scale) {
@@ -164,14 +163,19 @@ std::string drift_words(const CertifiableWindow& window, const WitnessedSpeed* h
                         unit)
             .expanded_uncertainty;
     };
+    constexpr double rare = 0.05;
     const std::string taken = fmt::format(
-        "In one window of {:.0f} the positions are taken to err unseen, by up to {} {}. The "
-        "interval carries that risk on average (row d), and would not hold the speed of such a "
-        "window. Taken a fifth as often, the expanded uncertainty would be {} {}; five times as "
+        "{} the positions are taken to err unseen, by up to {} {}. The interval carries that risk "
+        "on average (row d){}. Taken a fifth as often, the expanded uncertainty would be {} {}; "
+        "five times as "
         "often, {} {}.",
-        1.0 / evidence.fault_probability, significant_text(evidence.fault_m_s * unit.per_m_s, 3),
-        unit.name, expanded(evidence.at_a_fifth_m_s), unit.name,
-        expanded(evidence.at_five_times_m_s), unit.name);
+        evidence.fault_probability > rare
+            ? fmt::format("With a probability of {:.0f} %", 100.0 * evidence.fault_probability)
+            : fmt::format("In one window of {:.0f}", 1.0 / evidence.fault_probability),
+        significant_text(evidence.fault_m_s * unit.per_m_s, 3), unit.name,
+        evidence.fault_probability > rare ? "" : ", and would not hold the speed of such a window",
+        expanded(evidence.at_a_fifth_m_s), unit.name, expanded(evidence.at_five_times_m_s),
+        unit.name);
     if (heard == nullptr) return taken;
     return fmt::format(
         "{} Beside the {} an error of more than {} {} would have been found with a probability of "

@@ -15,6 +15,7 @@
 #include "reports/words/outcome.h"
 #include "stages/check/notes.h"
 #include "stages/check/requirements.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -92,12 +93,17 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
             "wrong.",
             differences_text(witnesses, unit), evidence->disagreement);
     }
+    const std::string over =
+        one->compared_over_s
+            ? fmt::format("{:.1f} s around the window, of which they say nothing themselves",
+                          *one->compared_over_s)
+            : std::string("the window");
     return fmt::format(
-        "{} give {:+.3f} {} against {} over the window, in size or direction more than both "
+        "{} give {:+.3f} {} against {} over {}, in size or direction more than both "
         "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The displacements "
         "differ by {:.3f} m{}.",
         capitalised(witness_name(*one)), -one->difference_m_s * unit.per_m_s, unit.name,
-        compared_with(one->kind), one->normalised_error, one->apart_m,
+        compared_with(one->kind), over, one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
             : std::string());
@@ -234,7 +240,9 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
     const std::string span = time_span_text(duration_s);
-    const auto& witnesses = context.windows.best->witnesses;
+    std::vector<WitnessedSpeed> witnesses = context.windows.best->witnesses;
+    // One fitted to the positions has their drift, and bounds nothing.
+    std::erase_if(witnesses, [](const WitnessedSpeed& one) { return !one.confirms; });
     const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
     const bool beside_witness = sharpest != witnesses.end();
     const auto& power = context.windows.best->detection_power;
@@ -274,14 +282,22 @@ std::string fault_words(const ClauseContext& context) {
         return {};
     const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
     std::string words;
-    if (!evidence->witnesses) {
+    constexpr double rare = 0.05;
+    if (!evidence->witnesses && evidence->fault_probability > rare) {
+        words = fmt::format(
+            " Row d says why positions are taken to err in this window with a probability of {}, "
+            "by up to {} {}.",
+            chance_text(evidence->fault_probability),
+            significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
+    } else if (!evidence->witnesses) {
         words = fmt::format(
             " In one window of {} positions are taken to drift unseen, by up to {} {}; the "
             "interval carries that risk on average and would not hold the speed of such a window.",
             counted(std::llround(1.0 / evidence->fault_probability)),
             significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
     } else {
-        const double at_fault = mixture_of(*context.speed, WitnessSet::all).positions_at_fault();
+        const double at_fault =
+            mixture_of(*evidence, context.speed->speed_m_s, WitnessSet::all).positions_at_fault();
         words = fmt::format(
             " That the positions drifted in this window has a probability of {} beside the "
             "witnesses.",
@@ -314,8 +330,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
                                ? "By positions and the motion of the antenna on the craft, the"
                                : "By positions alone, the";
     const auto sentence = [&](const char* finding) {
-        return fmt::format("{} {}: {}", alone ? by : "The", finding,
-                           figures);
+        return fmt::format("{} {}: {}", alone ? by : "The", finding, figures);
     };
     switch (outcome) {
         case Outcome::beaten:

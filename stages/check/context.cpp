@@ -9,6 +9,7 @@
 #include "core/uncertainty.h"
 #include "reports/words/figures.h"
 #include "stages/check/requirements.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -147,7 +148,8 @@ void set_decision(ClauseContext& context) {
     if (context.speed->evidence) {
         context.decision->tail_risk = tail_risk;
         context.decision->tail_speed_m_s =
-            mixture_of(*context.speed, WitnessSet::observed).quantile(tail_risk) -
+            mixture_of(*context.speed->evidence, context.speed->speed_m_s, WitnessSet::observed)
+                .quantile(tail_risk) -
             context.speed->bias_limit_m_s;
     }
     set_drift(context);
@@ -194,7 +196,7 @@ bool is_observed(const WitnessedSpeed& one) {
 /// count.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
-        if (contradicts(one) || is_unfit(one, context)) continue;
+        if (contradicts(one) || is_unfit(one, context) || one.compared_over_s) continue;
         const bool sure = confirms(one, context);
         (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one, context));
         context.observed = context.observed || (sure && is_observed(one));
@@ -247,7 +249,7 @@ bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& con
 }
 
 bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
-    return !contradicts(one) && !is_unfit(one, context) &&
+    return one.confirms && !contradicts(one) && !is_unfit(one, context) &&
            could_have_failed(2.0 * one.standard_uncertainty_m_s, context);
 }
 
@@ -283,8 +285,10 @@ std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context
             ? "the antenna by the positions"
             : compared_with(one.kind);
     return fmt::format(
-        "{} give {} over the window, {} against the {} of {} (normalised error {:.2f}, at most 1)",
+        "{} give {} over {}, {} against the {} of {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), shown.other,
+        one.compared_over_s ? fmt::format("{:.1f} s around the window", *one.compared_over_s)
+                            : std::string("the window"),
         shown.difference, shown.judged, positions, one.normalised_error);
 }
 

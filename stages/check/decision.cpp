@@ -10,6 +10,7 @@
 #include "core/rounding.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -87,7 +88,8 @@ struct MixtureTails {
 std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
                                           const Threshold& threshold, double by_bias_m_s) {
     if (!posterior.evidence) return std::nullopt;
-    const SpeedMixture mixture = mixture_of(posterior, WitnessSet::all);
+    const SpeedMixture mixture =
+        mixture_of(*posterior.evidence, posterior.speed_m_s, WitnessSet::all);
     const double speed_m_s = threshold.speed_m_s - by_bias_m_s;
     return MixtureTails{
         .not_below = mixture.probability_not_below(speed_m_s, threshold.standard_uncertainty_m_s),
@@ -115,31 +117,6 @@ std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
                           .bias_limit_m_s = figure->bias_limit_m_s,
                           .difference_m_s = remaining_difference_m_s(windows),
                           .evidence = figure->evidence};
-}
-
-SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s) {
-    const SpeedEvidence& evidence = *posterior.evidence;
-    const auto& witness = heard == WitnessSet::all ? evidence.witnesses : evidence.observed;
-    const double common_m_s = witness ? witness->common_standard_uncertainty_m_s : 0.0;
-    constexpr double least_m_s = 1e-9;
-    const auto without_common = [&](double sigma_m_s) {
-        return std::sqrt(
-            std::max(sigma_m_s * sigma_m_s - common_m_s * common_m_s, least_m_s * least_m_s));
-    };
-    const SpeedBySource positions{
-        .speed_m_s = posterior.speed_m_s,
-        .standard_uncertainty_m_s = without_common(evidence.position_standard_uncertainty_m_s),
-        .fault = {.probability = evidence.chosen_fault_probability,
-                  .largest_m_s = evidence.fault_m_s,
-                  .upwards_alone = evidence.fault_upwards_alone}};
-    std::optional<SpeedBySource> beside;
-    if (witness)
-        beside = {.speed_m_s = posterior.speed_m_s - witness->difference_m_s,
-                  .standard_uncertainty_m_s = without_common(witness->standard_uncertainty_m_s),
-                  .fault = {.probability = witness->fault_probability,
-                            .largest_m_s = witness->fault_m_s}};
-    return {positions, beside,
-            std::hypot(std::hypot(common_m_s, evidence.shared_standard_uncertainty_m_s), also_m_s)};
 }
 
 Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold) {
@@ -198,8 +175,8 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
             ? unbiased_m_s
             : unbiased_m_s - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_m_s;
     if (!posterior.evidence) return by_uncertainty_m_s;
-    const SpeedMixture mixture =
-        mixture_of(posterior, WitnessSet::all, threshold.standard_uncertainty_m_s);
+    const SpeedMixture mixture = mixture_of(*posterior.evidence, posterior.speed_m_s,
+                                            WitnessSet::all, threshold.standard_uncertainty_m_s);
     return std::max(by_uncertainty_m_s,
                     unbiased_m_s + posterior.speed_m_s - mixture.quantile(1.0 - level));
 }

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "core/rounding.h"
-#include "motion/speed_mixture.h"
 #include "schemas/profile/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
@@ -82,15 +81,6 @@ struct SpeedPosterior {
 
 /// The rule's speed from the windows of a profile. Empty if there are too few.
 std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows);
-
-/// The witnesses behind a distribution of the speed: all that have a share in it, or only the
-/// observed ones.
-enum class WitnessSet { all, observed };
-
-/// The distribution of the speed where positions and witnesses may be at fault. The prior of the
-/// positions is that of a window chosen among its rivals. `also_m_s` is a further standard
-/// uncertainty common to all speeds. The posterior must have evidence.
-SpeedMixture mixture_of(const SpeedPosterior& posterior, WitnessSet heard, double also_m_s = 0.0);
 
 /// P(speed >= threshold) by the posterior's Student's t, and by the mixture if there is one.
 struct Conformance {

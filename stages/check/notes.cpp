@@ -116,9 +116,10 @@ std::string names_of(const std::vector<const WitnessedSpeed*>& witnesses) {
 /// what chance does once in a thousand.
 bool would_show(const WitnessedSpeed& one, const WitnessedSpeed& other) {
     constexpr double by_chance = 3.29;
-    return std::abs(other.difference_m_s) >
-           by_chance *
-               std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+    return !one.compared_over_s &&
+           std::abs(other.difference_m_s) >
+               by_chance *
+                   std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
 }
 
 /// What contradicts a window's positions, whether anything that agrees with them speaks against

@@ -7,8 +7,10 @@
 
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/budget.h"
+#include "stages/window/contradictions.h"
 #include "stages/window/shares.h"
 #include "stages/window/witnesses.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -77,6 +79,7 @@ struct ReferenceFigures {
     double slow = 0.0;
     double undetected = 0.0;
     FaultPrior fault = {};
+    double chosen = 0.0;  ///< its probability for a window chosen among rivals
     double others = 0.0;  ///< parts that are the same for every window
     double bias_limit = 0.0;
     double stated_m = 0.0;
@@ -95,21 +98,22 @@ class Expectation {
     Expectation(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                 const std::vector<ArcRows>& arcs, const Profile& profile,
                 const Reference& reference, const HeardWitnesses<2>& level,
-                const HeardWitnesses<1>& upright, AskedWitnesses asked)
+                const HeardWitnesses<1>& upright, AskedWitnesses asked,
+                std::span<const Contradiction> contradictions)
         : trajectory_(trajectory),
           arcs_(arcs),
           profile_(profile),
-          level_(level),
-          upright_(upright),
           asked_(asked),
+          level_(asked_of(level)),
+          upright_(asked_of(upright)),
+          contradictions_(contradictions.begin(), contradictions.end()),
           missed_(missed_of(screened, profile.dimension)) {
         for (const ScreenedEpoch& row : screened.rows) {
             stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
             usable_.add(row.usable ? 1.0 : 0.0);
         }
         if (const auto& bound = reference.window.bound)
-            floor_m_ =
-                std::max({bound->floor_m, bound->fitted_m, bound->standing_m.value_or(0.0)});
+            floor_m_ = std::max({bound->floor_m, bound->fitted_m, bound->standing_m.value_or(0.0)});
         set_reference(reference);
         for (const WitnessedSpeed& one : reference.window.witnesses)
             if (contradicts(one) && is_asked(one)) contradicting_.push_back(one);
@@ -122,12 +126,17 @@ class Expectation {
         const double by_errors = shorter * error_m(first, last) / reference_.stated_m;
         const double by_missed =
             reference_.missed_m > 0.0 ? shorter * missed_(first, last) / reference_.missed_m : 0.0;
-        const PositionTerms positions{.own_m_s = reference_.own * by_errors,
-                                      .slow_m_s = reference_.slow * by_errors,
-                                      .fault_m_s = reference_.undetected * by_missed};
-        FaultPrior fault = reference_.fault;
-        fault.largest_m_s *= by_missed;
-        std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, fault);
+        PositionTerms positions{.own_m_s = reference_.own * by_errors,
+                                .slow_m_s = reference_.slow * by_errors,
+                                .fault_m_s = reference_.undetected * by_missed};
+        WindowFault fault{.prior = reference_.fault, .chosen_probability = reference_.chosen};
+        fault.prior.largest_m_s *= by_missed;
+        std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, fault.prior);
+        if (const auto* by = suspected_by(contradictions_, found, witnessed)) {
+            suspect(*by, fault);
+            positions.fault_m_s = fault.standard_uncertainty_m_s();
+            witnessed = witnessed_at(found, positions, fault.prior);
+        }
         if (std::ranges::any_of(witnessed, &contradicts) || is_unheard(witnessed))
             return nothing_assured;
         std::vector<BudgetRow> rows{speed_row("w", "", "A", positions.own_m_s, "", ""),
@@ -138,12 +147,36 @@ class Expectation {
         const HeardTogether heard =
             hear_together(positions, positions.slow_m_s, witnessed, evidence);
         if (evidence.disagreement > 1.0) return nothing_assured;
+        const auto expanded_m_s = [&] {
+            return profile_.coverage_factor * combine(rows).standard_uncertainty +
+                   heard.position_share * reference_.bias_limit * by_errors;
+        };
+        const double alone_m_s = expanded_m_s();
         condition_on(witnessed, positions.slow_m_s, heard.difference_m_s, rows);
-        return profile_.coverage_factor * combine(rows).standard_uncertainty +
-               heard.position_share * reference_.bias_limit * by_errors;
+        // A mixture takes long, and exceeds the budget only where a fault is likely.
+        constexpr double likely = 0.01;
+        if (std::ranges::none_of(witnessed, [](const WitnessedSpeed& one) {
+                return one.fault_posterior.value_or(0.0) > likely;
+            }))
+            return expanded_m_s();
+        evidence.position_standard_uncertainty_m_s =
+            std::hypot(positions.own_m_s, positions.slow_m_s);
+        evidence.shared_standard_uncertainty_m_s =
+            std::hypot(evidence.shared_standard_uncertainty_m_s, reference_.others);
+        evidence.fault_probability = fault.prior.probability;
+        evidence.chosen_fault_probability = fault.chosen_probability;
+        evidence.fault_m_s = fault.prior.largest_m_s;
+        evidence.fault_upwards_alone = fault.prior.upwards_alone;
+        return std::max(expanded_m_s(), least_expanded_m_s(evidence, found.speed_m_s, alone_m_s));
     }
 
   private:
+    template <int Axes>
+    HeardWitnesses<Axes> asked_of(HeardWitnesses<Axes> witnesses) const {
+        std::erase_if(witnesses, [&](const auto& one) { return !is_asked(one); });
+        return witnesses;
+    }
+
     bool is_asked(const auto& one) const { return asked_ == AskedWitnesses::all || one.confirms; }
 
     /// Whether a witness that contradicts the reference does not cover the window. Moving there
@@ -194,6 +227,7 @@ class Expectation {
             reference_.fault = {.probability = evidence->fault_probability,
                                 .largest_m_s = evidence->fault_m_s,
                                 .upwards_alone = evidence->fault_upwards_alone};
+            reference_.chosen = evidence->chosen_fault_probability;
         }
         for (const char* symbol : {"k", "m", "h", "c", "a", "y", "z", "q"})
             reference_.others = std::hypot(reference_.others, contribution(window.budget, symbol));
@@ -226,10 +260,7 @@ class Expectation {
             figures.standard_uncertainty_m_s = std::hypot(positions.own_m_s, positions.slow_m_s);
             figures.correlated_m_s = positions.slow_m_s;
             figures.fault = fault;
-            for (const auto& witness : witnesses)
-                if (is_asked(witness))
-                    if (auto witnessed = witnessed_speed(witness, figures))
-                        all.push_back(*std::move(witnessed));
+            all = witnessed_speeds(witnesses, figures, {trajectory_, arcs_[found.series]});
         };
         if (vertical)
             hear(upright_,
@@ -244,9 +275,10 @@ class Expectation {
     const TrajectoryTable& trajectory_;
     const std::vector<ArcRows>& arcs_;
     const Profile& profile_;
-    const HeardWitnesses<2>& level_;
-    const HeardWitnesses<1>& upright_;
     AskedWitnesses asked_;
+    HeardWitnesses<2> level_;
+    HeardWitnesses<1> upright_;
+    std::vector<Contradiction> contradictions_;
     RangeMaximum missed_;
     RunningSum stated_;
     RunningSum usable_;
@@ -261,9 +293,10 @@ class Expectation {
 Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<ArcRows>& arcs, const Profile& profile,
                              const Reference& reference, const HeardWitnesses<2>& level,
-                             const HeardWitnesses<1>& upright, AskedWitnesses asked) {
+                             const HeardWitnesses<1>& upright, AskedWitnesses asked,
+                             std::span<const Contradiction> contradictions) {
     const auto expectation = std::make_shared<const Expectation>(
-        screened, trajectory, arcs, profile, reference, level, upright, asked);
+        screened, trajectory, arcs, profile, reference, level, upright, asked, contradictions);
     return [expectation](const FoundWindow& found) { return (*expectation)(found); };
 }
 

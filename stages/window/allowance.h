@@ -23,7 +23,8 @@ enum class AskedWitnesses { all, those_that_confirm };
 /// standard deviation of the window's epochs, and inversely to its duration. The part from
 /// undetected errors scales with the largest that screening may have left in the window. Witnesses
 /// are evaluated for each window itself. The result is infinite where a witness contradicts the
-/// window, because no speed can be claimed.
+/// window, because no speed can be claimed. Windows that `contradictions` make suspect have the
+/// fault probability of such, and no result is below the half-width of the mixture of faults.
 ///
 /// `level` and `upright` are the witnesses of horizontal and vertical motion. Set-up is linear. A
 /// window costs the logarithm of the rows, and the time its witnesses take to answer.
@@ -31,6 +32,7 @@ Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTabl
                              const std::vector<ArcRows>& arcs, const Profile& profile,
                              const Reference& reference, const HeardWitnesses<2>& level,
                              const HeardWitnesses<1>& upright,
-                             AskedWitnesses asked = AskedWitnesses::all);
+                             AskedWitnesses asked = AskedWitnesses::all,
+                             std::span<const Contradiction> contradictions = {});
 
 }  // namespace runcert

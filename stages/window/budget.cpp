@@ -276,14 +276,14 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
 
 BudgetRow undetected_row(const BudgetInput& input) {
     const double share = 1.0 - input.detection_power;
-    if (input.fault.is_shown)
+    if (!input.fault.shown.empty())
         return speed_row(
             "d", "error of the positions that screening left, drifts included", "B",
             input.fault.standard_uncertainty_m_s(), independent_of_other_rows,
-            fmt::format("up to {:.2f} m/s: positions and recorded velocities differ all over the "
-                        "recording by more than the errors of either explain; the positions are "
-                        "taken to err as likely as not, as mean square",
-                        input.fault.prior.largest_m_s));
+            fmt::format("up to {:.2f} m/s: {}; the positions are taken to err with a probability "
+                        "of {:.2g} %, as mean square",
+                        input.fault.prior.largest_m_s, input.fault.shown,
+                        100.0 * input.fault.prior.probability));
     return speed_row(
         "d", "error of the positions that screening left, drifts included", "B",
         input.fault.standard_uncertainty_m_s(), independent_of_other_rows,

@@ -79,7 +79,8 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 /// (only where heights were not measured), c surveyed length (only where there is one), a antenna
 /// (where an IMU tells the craft's speed: the distances on it, y its attitude, z its clock),
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
-/// choice of the fastest window. Each row has the unit of its own quantity;
+/// choice of the fastest window. Witnesses add rows g, e and s (`condition_on`) and x, what the
+/// mixture of faults asks for beyond all others. Each row has the unit of its own quantity;
 /// all contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the

@@ -10,6 +10,7 @@
 #include "core/geodesy.h"
 #include "motion/speed.h"
 #include "stages/window/budget.h"
+#include "stages/window/contradictions.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
@@ -19,6 +20,7 @@
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -263,19 +265,11 @@ double uncertainty_with_fault(double times, const WindowFault& fault, PositionTe
 }
 
 /// Evaluates the witnesses of a window, given its budget by positions alone.
-template <int Axes>
-HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFigures<Axes>& figures,
-                           const PositionNoise& noise, const WindowFault& fault,
+HeardBudget hear_witnesses(const PositionNoise& noise, const WindowFault& fault,
                            const SelectionBias& selection, const std::vector<BudgetRow>& alone,
-                           bool by_positions_alone) {
-    std::vector<WitnessedSpeed> witnesses;
-    for (const HeardWitness<Axes>& witness : estimate.witnesses)
-        if (auto witnessed = witnessed_speed<Axes>(witness, figures))
-            witnesses.push_back(*std::move(witnessed));
-    for (WitnessedSpeed& one : witnesses)
-        one.confirms = one.confirms && !by_positions_alone;
+                           std::vector<WitnessedSpeed> witnesses) {
     const PositionTerms terms = position_terms(alone);
-    HeardBudget heard = hear(terms, noise.correlated_m_s, selection, witnesses, alone);
+    HeardBudget heard = hear(terms, noise.correlated_m_s, selection, std::move(witnesses), alone);
     SpeedEvidence& evidence = heard.evidence;
     for (auto* const one : {&evidence.witnesses, &evidence.observed})
         if (*one) (*one)->difference_m_s -= heard.bias_m_s;
@@ -296,6 +290,27 @@ HeardBudget hear_witnesses(const AxesEstimate<Axes>& estimate, const PositionFig
     return heard;
 }
 
+/// Raises the uncertainty by row x, so that the expanded one reaches the half-width of the mixture
+/// whose fault probability is stated with the speed. `alone` is the budget by positions alone.
+void widen_to_mixture(double factor, const std::vector<BudgetRow>& alone,
+                      CertifiableWindow& window) {
+    const double bias_m_s = window.bias_limit_m_s;
+    const double alone_m_s = factor * combine(alone).standard_uncertainty + bias_m_s;
+    const double least_m_s = least_expanded_m_s(*window.evidence, window.speed_m_s, alone_m_s);
+    const double lacking = std::pow((least_m_s - bias_m_s) / factor, 2) -
+                           std::pow(combine(window.budget).standard_uncertainty, 2);
+    if (least_m_s <= bias_m_s || lacking <= 0.0) return;
+    window.budget.push_back(speed_row(
+        "x", "fault that positions or witnesses may have beside their difference", "B",
+        std::sqrt(lacking), independent_of_other_rows,
+        fmt::format("raises the expanded uncertainty to {:.4f} m/s: within this the mixture of "
+                    "faults holds the true speed with a probability of 95.45 %",
+                    least_m_s)));
+    for (double* const other :
+         {&window.evidence->at_a_fifth_m_s, &window.evidence->at_five_times_m_s})
+        *other = std::hypot(*other, window.budget.back().contribution_m_s);
+}
+
 /// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
 template <int Axes>
 void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
@@ -309,15 +324,26 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         estimate.config.fault_probability_given
             ? estimate.config.fault_probability
             : rule.fault_probability.value_or(estimate.config.fault_probability);
-    const WindowFault fault = window_fault(
-        estimate.screened, choice.found, choice.all,
-        {rows.rows[choice.found.first], rows.rows[choice.found.last]}, window.reliability,
-        counts_path(choice.profile.definition), probability, estimate.unexplained_m_s);
+    WindowFault fault = window_fault(estimate.screened, choice.found, choice.all,
+                                     {rows.rows[choice.found.first], rows.rows[choice.found.last]},
+                                     window.reliability, counts_path(choice.profile.definition),
+                                     probability, estimate.lasting);
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
-    const std::vector<BudgetRow> alone = budget_of(input);
-    HeardBudget heard = hear_witnesses(
-        estimate, figures_of(choice, at, noise, fault, window.definitions, position_terms(alone)),
-        noise, fault, selection, alone, choice.by_positions_alone);
+    std::vector<BudgetRow> alone = budget_of(input);
+    PositionFigures<Axes> figures =
+        figures_of(choice, at, noise, fault, window.definitions, position_terms(alone));
+    const ArcMotion<Axes> motion(estimate.trajectory, rows);
+    std::vector<WitnessedSpeed> witnesses = witnessed_speeds(estimate.witnesses, figures, motion);
+    if (const auto* by = suspected_by(choice.contradictions, choice.found, witnesses)) {
+        suspect(*by, fault);
+        input.fault = fault;
+        alone = budget_of(input);
+        figures.fault = fault.prior;
+        witnesses = witnessed_speeds(estimate.witnesses, figures, motion);
+    }
+    for (WitnessedSpeed& one : witnesses)
+        one.confirms = one.confirms && !choice.by_positions_alone;
+    HeardBudget heard = hear_witnesses(noise, fault, selection, alone, std::move(witnesses));
     input.position_share = heard.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
     const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
@@ -332,6 +358,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         window.expected_beside_velocities_m_s = expected_beside_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
+    if (!window.witnesses.empty()) widen_to_mixture(choice.profile.coverage_factor, alone, window);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
@@ -384,22 +411,24 @@ template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config, const WitnessRecords& beside) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
-    AxesEstimate<Axes> estimate{
-        .screened = screened,
-        .trajectory = trajectory,
-        .config = config,
-        .noise = noise,
-        .model = model_of(noise),
-        .models = posterior_of(noise),
-        .arcs = arcs_of<Axes>(screened, trajectory),
-        .rows = arcs_in(trajectory),
-        .times = {},
-        .witnesses = {},
-        .stands = {},
-        .unexplained_m_s = unexplained_by_velocities_m_s(
-            screened, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal)};
+    AxesEstimate<Axes> estimate{.screened = screened,
+                                .trajectory = trajectory,
+                                .config = config,
+                                .noise = noise,
+                                .model = model_of(noise),
+                                .models = posterior_of(noise),
+                                .arcs = arcs_of<Axes>(screened, trajectory),
+                                .rows = arcs_in(trajectory),
+                                .times = {},
+                                .witnesses = {},
+                                .stands = {},
+                                .lasting = {}};
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
+    const auto velocities =
+        std::ranges::find(estimate.witnesses, WitnessKind::velocities, &HeardWitness<Axes>::kind);
+    estimate.lasting = lasting_difference<Axes>(
+        screened, velocities == estimate.witnesses.end() ? nullptr : velocities->motion.get());
     const auto wheel = beside.handed_in.series.find("wheel");
     estimate.stands = stands_of(screened, trajectory, beside.still_by_imu,
                                 wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "stages/window/best_window.h"
@@ -11,6 +12,8 @@
 #include "witness/certifiable.h"
 
 namespace runcert {
+
+struct Contradiction;
 
 /// The data from which windows are certified, for horizontal speeds (Axes 2) or vertical ones (1).
 template <int Axes>
@@ -26,7 +29,7 @@ struct AxesEstimate {
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
     std::vector<Stand> stands;
-    double unexplained_m_s = 0.0;  ///< as from `unexplained_by_velocities_m_s`
+    LastingDifference lasting;  ///< as from `lasting_difference`
 };
 
 /// Gathers these data. Heights must have been measured for Axes 1. Failure if the trajectory
@@ -48,6 +51,8 @@ struct WindowChoice {
     std::optional<CraftCorrection> craft = std::nullopt;
     /// Whether witnesses can only contradict: they do not reduce the uncertainty.
     bool by_positions_alone = false;
+    /// Where witnesses contradict other windows, which makes this one suspect.
+    std::span<const Contradiction> contradictions = {};
 };
 
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its

@@ -10,6 +10,7 @@
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "stages/window/velocity_noise.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 namespace {
@@ -104,6 +105,26 @@ double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes)
     return sigmas.empty() ? 0.0 : 2.0 * std::pow(2.0 * median(std::move(sigmas)), 2);
 }
 
+/// What the positions' stated errors and the white noise of the velocities explain of their
+/// difference.
+struct Explained {
+    double positions_m2 = 0.0, white_m2_s = 0.0;
+
+    double over_m2(double span_s) const { return positions_m2 + white_m2_s * span_s; }
+};
+
+Explained explained_in(const ScreenedTable& screened, TestedAxes axes) {
+    // Doubled, because a short recording has few spans that do not overlap.
+    return {.positions_m2 = explained_by_positions_m2(screened, axes),
+            .white_m2_s = 2.0 * white_of_velocities(screened, axes)};
+}
+
+/// Lasting error of good receivers, whatever they state, or what these state.
+double known_of_velocities_m_s(const VelocityErrors& errors) {
+    const double of_good_m_s = errors.axes == TestedAxes::vertical ? 0.1 : 0.07;
+    return std::max(of_good_m_s, errors.stated_m_s.value_or(0.0));
+}
+
 using Covariance = Eigen::MatrixXd;
 
 /// Joint covariance of the speeds by positions (first) and by the witnesses.
@@ -166,31 +187,48 @@ double WindowFault::standard_uncertainty_m_s(double times) const {
            rectangular_uncertainty(prior.largest_m_s);
 }
 
+void WindowFault::raise(double probability, double largest, std::string finding) {
+    prior.probability = std::max(prior.probability, probability);
+    chosen_probability = std::max(chosen_probability, probability);
+    prior.largest_m_s = std::max(prior.largest_m_s, largest);
+    shown = std::move(finding);
+}
+
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
-    // Lasting error of good receivers, whatever they state.
-    const double known_m_s = axes == TestedAxes::vertical ? 0.1 : 0.07;
     constexpr double longest_span_s = 10.0;
     const auto& all = screened.basis.velocity_errors;
     const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
     if (errors == all.end()) return 0.0;
-    // Doubled, because a short recording has few spans that do not overlap.
-    const double white_m2_s = 2.0 * white_of_velocities(screened, axes);
-    const double positions_m2 = explained_by_positions_m2(screened, axes);
+    const Explained explained = explained_in(screened, axes);
     double lasting_m_s = errors->shown_m_s;
     for (const VelocitySpread& spread : errors->spreads) {
         if (spread.span_s > longest_span_s)
             continue;  // a longer span may not fill part of the recording
-        const double beyond_m2 =
-            spread.sd_m * spread.sd_m - positions_m2 - white_m2_s * spread.span_s;
+        const double beyond_m2 = spread.sd_m * spread.sd_m - explained.over_m2(spread.span_s);
         lasting_m_s = std::min(lasting_m_s, std::sqrt(std::max(0.0, beyond_m2)) / spread.span_s);
     }
-    return lasting_m_s > std::max(known_m_s, errors->stated_m_s.value_or(0.0)) ? lasting_m_s : 0.0;
+    return lasting_m_s > known_of_velocities_m_s(*errors) ? lasting_m_s : 0.0;
 }
+
+template <int Axes>
+LastingDifference lasting_difference(const ScreenedTable& screened,
+                                     const Witness<Axes>* velocities) {
+    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    const double size_m_s = unexplained_by_velocities_m_s(screened, axes);
+    if (!(size_m_s > 0.0) || velocities == nullptr) return {.size_m_s = size_m_s};
+    const auto& all = screened.basis.velocity_errors;
+    return weigh_scale_and_drift(
+        size_m_s, compare_spans<Axes>(*velocities, timed_positions<Axes>(screened.rows)),
+        std::sqrt(explained_in(screened, axes).over_m2(compared_span_s)) / compared_span_s,
+        known_of_velocities_m_s(*std::ranges::find(all, axes, &VelocityErrors::axes)));
+}
+template LastingDifference lasting_difference(const ScreenedTable&, const Witness<1>*);
+template LastingDifference lasting_difference(const ScreenedTable&, const Witness<2>*);
 
 WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
-                         double probability, double unexplained_m_s) {
+                         double probability, const LastingDifference& lasting) {
     const double duration_s = found.end.seconds() - found.start.seconds();
     WindowFault fault;
     fault.prior.probability =
@@ -201,13 +239,14 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
     fault.prior.largest_m_s =
         std::min(fault.prior.largest_m_s,
                  (by_path ? 2.0 : 1.0) * largest_error_m(screened, rows) / duration_s);
-    if (unexplained_m_s > 0.0) {
-        // Either the positions or the velocities err, and which is unknown. The positions are
-        // assumed to be at fault with even odds. Twice the standard uncertainty then covers what
-        // the two axes show together.
-        fault.is_shown = true;
-        fault.prior.probability = 0.5;
-        fault.prior.largest_m_s = std::max(fault.prior.largest_m_s, 2.0 * unexplained_m_s);
+    if (lasting.size_m_s > 0.0) {
+        // With even odds, twice the standard uncertainty covers what the two axes show together.
+        const double largest_m_s = std::max(fault.prior.largest_m_s, 2.0 * lasting.size_m_s);
+        const double at_fault = lasting.positions_at_fault(fault.prior.probability, largest_m_s);
+        if (at_fault > fault.prior.probability)
+            fault.raise(at_fault, largest_m_s,
+                        "positions and recorded velocities differ all over the recording by more "
+                        "than the errors of either explain");
     }
     // The probability for one window among its rivals, proportional to their number where it is
     // small.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <string>
 #include <vector>
 
 #include "motion/speed_mixture.h"
@@ -8,6 +9,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/best_window.h"
+#include "stages/window/lasting_difference.h"
 #include "witness/certifiable.h"
 
 // Combines positions and witnesses by one rule. An undetected error counts by its probability, and
@@ -18,8 +20,14 @@ namespace runcert {
 /// A fault of a window: its prior, and its probability once the window is chosen among its rivals.
 struct WindowFault {
     FaultPrior prior;
-    bool is_shown = false;  ///< the recorded velocities show that they or the positions err
     double chosen_probability = 0.0;
+    /// The finding that makes it likelier than a rare error, as row d states it. Empty if there is
+    /// none.
+    std::string shown = {};
+
+    /// Raises both probabilities to at least `probability`, and the largest effect to at least
+    /// `largest_m_s`, because of a finding.
+    void raise(double probability, double largest, std::string finding);
 
     /// Standard uncertainty (m/s): the root mean square of a rare error ([GUM] 4.3, C.3.2).
     double standard_uncertainty_m_s(double times = 1.0) const;
@@ -38,18 +46,24 @@ struct WindowFault {
 /// rival that does not overlap it, by half of the fraction of the largest effect that remains after
 /// the rival's deficit in speed.
 ///
-/// `unexplained_m_s` comes from the function below. Above 0, either the positions or the velocities
-/// err all over the recording, and the probability is a half.
+/// `lasting` comes from the function below. The probability is then at least that with which the
+/// positions drift all over the recording.
 WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found,
                          const std::vector<FoundWindow>& all, EpochPair rows,
                          const std::vector<UndetectedError>& reliability, bool by_path,
-                         double probability, double unexplained_m_s = 0.0);
+                         double probability, const LastingDifference& lasting = {});
 
 /// Standard deviation (m/s, each axis) of a lasting error, from the difference of displacements of
 /// up to 10 s by recorded velocities and by positions. It is what remains unexplained by twice the
 /// positions' stated errors, the white noise of the velocities and the velocities' stated errors. 0
 /// if all is explained, and up to 0.07 m/s (vertically 0.1), which good receivers leave.
 double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes);
+
+/// That error, weighed as a scale of the velocities and as a drift of the positions. `velocities`
+/// are the recorded ones as a witness; null if there are none.
+template <int Axes>
+LastingDifference lasting_difference(const ScreenedTable& screened,
+                                     const Witness<Axes>* velocities);
 
 /// A window's speed by positions, by source of error, m/s.
 struct PositionTerms {

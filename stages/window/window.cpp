@@ -16,6 +16,7 @@
 #include "stages/window/allowance.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
+#include "stages/window/contradictions.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/instants.h"
 #include "stages/window/opposite_runs.h"
@@ -61,10 +62,11 @@ class Certifier {
     const std::vector<Stand>& stands() const { return horizontal_.stands; }
 
     /// Predicts the uncertainty of other windows from a certified one.
-    Allowance allowance(const Profile& profile, const Reference& reference) const {
+    Allowance allowance(const Profile& profile, const Reference& reference,
+                        std::span<const Contradiction> contradictions) const {
         if (profile.speed_source == SpeedSource::velocity)
             return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
-        return by_positions(profile, reference, AskedWitnesses::all);
+        return by_positions(profile, reference, AskedWitnesses::all, contradictions);
     }
 
     /// The same without witnesses that can only contradict a window: the same or less. Empty if
@@ -105,12 +107,18 @@ class Certifier {
         std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
         if (std::string stood = standing_text(stands()); !stood.empty())
             notes.push_back(std::move(stood));
-        if (horizontal_.unexplained_m_s > 0.0)
+        if (const LastingDifference& lasting = horizontal_.lasting; lasting.size_m_s > 0.0)
             notes.push_back(fmt::format(
                 "Positions and recorded velocities differ all over the recording by {:.2f} m/s, "
-                "which the errors of neither explain: one of the two is wrong, and the recording "
-                "does not tell which.",
-                horizontal_.unexplained_m_s));
+                "which the errors of neither explain: {}.",
+                lasting.size_m_s,
+                lasting.is_scale
+                    ? fmt::format("the velocities are {:.2f} % too {}, or the positions drift in "
+                                  "proportion to the speed, which these data cannot tell from such "
+                                  "a scale",
+                                  100.0 * std::abs(lasting.scale),
+                                  lasting.scale > 0.0 ? "high" : "low")
+                    : "one of the two is wrong, and the recording does not tell which"));
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
             if (witness.is_copy) continue;
@@ -137,11 +145,12 @@ class Certifier {
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
-                              const std::optional<SurveyedCourse>& gates) const {
+                              const std::optional<SurveyedCourse>& gates,
+                              std::span<const Contradiction> contradictions) const {
         if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
         if (profile.window_kind == WindowKind::course)
-            return certify_course(profile, found, all, *gates);
+            return certify_course(profile, found, all, *gates, contradictions);
         const auto choice = [&](Dimension dimension) {
             return WindowChoice{.profile = profile,
                                 .found = found,
@@ -150,7 +159,8 @@ class Certifier {
                                 .craft = craft_of(profile, found, dimension),
                                 // Of the two parts of a speed in space a witness may have heard
                                 // one, and each budget counts its own share of it.
-                                .by_positions_alone = profile.dimension == Dimension::space};
+                                .by_positions_alone = profile.dimension == Dimension::space,
+                                .contradictions = contradictions};
         };
         if (profile.dimension == Dimension::vertical)
             return certified(*vertical_, choice(Dimension::vertical));
@@ -160,13 +170,22 @@ class Certifier {
                    : level;
     }
 
+    /// The contradictions in a certified window by positions.
+    std::vector<Contradiction> contradictions_in(const Profile& profile, const FoundWindow& found,
+                                                 const CertifiableWindow& window) const {
+        if (profile.speed_source == SpeedSource::velocity || !window.evidence) return {};
+        return profile.dimension == Dimension::vertical
+                   ? runcert::contradictions_in(*vertical_, found, window)
+                   : runcert::contradictions_in(horizontal_, found, window);
+    }
+
   private:
-    Allowance by_positions(const Profile& profile, const Reference& reference,
-                           AskedWitnesses asked) const {
+    Allowance by_positions(const Profile& profile, const Reference& reference, AskedWitnesses asked,
+                           std::span<const Contradiction> contradictions = {}) const {
         static const HeardWitnesses<1> none;
         return expected_allowance(screened_, trajectory_, rows(), profile, reference,
                                   horizontal_.witnesses, vertical_ ? vertical_->witnesses : none,
-                                  asked);
+                                  asked, contradictions);
     }
 
     /// Whether windows are those of the reference point by the IMU.
@@ -192,8 +211,8 @@ class Certifier {
     /// Certifies a course with the crossings of the smoothed track, in place of those of straight
     /// lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
-                                     std::vector<FoundWindow> all,
-                                     const SurveyedCourse& gates) const {
+                                     std::vector<FoundWindow> all, const SurveyedCourse& gates,
+                                     std::span<const Contradiction> contradictions) const {
         const auto same = [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
         };
@@ -228,7 +247,8 @@ class Certifier {
                           .all = all,
                           .quantity = quantity,
                           .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
-                          .craft = craft_of(profile, found, Dimension::horizontal)});
+                          .craft = craft_of(profile, found, Dimension::horizontal),
+                          .contradictions = contradictions});
     }
 
     const ScreenedTable& screened_;
@@ -399,10 +419,11 @@ FurtherWindow beside(const CertifiableWindow& window) {
 /// Each chosen window, certified among those that do not overlap a previously chosen one.
 std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, const Profile& profile,
                                                  Choice choice,
-                                                 const std::optional<SurveyedCourse>& gates) {
+                                                 const std::optional<SurveyedCourse>& gates,
+                                                 std::span<const Contradiction> contradictions) {
     std::vector<CertifiableWindow> certified;
     for (const FoundWindow& found : choice.chosen) {
-        certified.push_back(certifier.certify(profile, found, choice.all, gates));
+        certified.push_back(certifier.certify(profile, found, choice.all, gates, contradictions));
         std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
     }
     return certified;
@@ -479,32 +500,55 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     if (fastest.chosen.empty()) return;
     const Profile& profile = among.profile;
     std::vector<CertifiableWindow> windows =
-        certified_windows(certifier, profile, fastest, among.gates);
-    const Reference reference{.window = windows.front(), .found = fastest.chosen.front()};
-    const Allowance expected = certifier.allowance(profile, reference);
+        certified_windows(certifier, profile, fastest, among.gates, {});
+    const CertifiableWindow first = windows.front();
+    const Reference reference{.window = first, .found = fastest.chosen.front()};
+    const Allowance least = certifier.least_allowance(profile, reference);
     // A window that overlaps one contradicted by a witness contains part of the fault, and no speed
-    // is claimed for it.
+    // is claimed for it. Others of the same motion are suspect.
     std::vector<FoundWindow> wrong;
-    for (std::size_t i = 0; i < windows.size(); ++i)
-        if (contradicted({windows[i]})) wrong.push_back(fastest.chosen[i]);
+    std::vector<Contradiction> contradictions;
     const auto is_wrong = [&](const FoundWindow& one) {
         return std::ranges::any_of(wrong,
                                    [&](const FoundWindow& other) { return overlap(one, other); });
     };
-    const Allowance allowance = [&](const FoundWindow& one) {
-        return is_wrong(one) ? one.speed_m_s : expected(one);
+    const auto learn = [&](const Choice& choice, const std::vector<CertifiableWindow>& from) {
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            if (!contradicted({from[i]})) continue;
+            wrong.push_back(choice.chosen[i]);
+            std::ranges::move(certifier.contradictions_in(profile, choice.chosen[i], from[i]),
+                              std::back_inserter(contradictions));
+        }
     };
-    const Choice proof = better_proof(among, fastest, windows, allowance,
-                                      certifier.least_allowance(profile, reference));
-    if (!proof.chosen.empty() && std::ranges::none_of(proof.chosen, is_wrong)) {
+    learn(fastest, windows);
+    constexpr int most_searches = 5;
+    for (int search = 0; search < most_searches; ++search) {
+        const Allowance expected = certifier.allowance(profile, reference, contradictions);
+        const Allowance allowance = [&](const FoundWindow& one) {
+            return is_wrong(one) ? one.speed_m_s : expected(one);
+        };
+        const Choice proof = better_proof(among, fastest, windows, allowance,
+                                          contradictions.empty() ? least : Allowance{});
+        if (proof.chosen.empty() || std::ranges::any_of(proof.chosen, is_wrong)) break;
         std::vector<CertifiableWindow> proving =
-            certified_windows(certifier, profile, proof, among.gates);
-        if (!contradicted(proving) && hear_the_contradicting(proving, windows) &&
+            certified_windows(certifier, profile, proof, among.gates, contradictions);
+        if (contradicted(proving)) {
+            // What was found there holds for the fastest, too.
+            learn(proof, proving);
+            if (!contradicted(windows)) {
+                windows =
+                    certified_windows(certifier, profile, fastest, among.gates, contradictions);
+                learn(fastest, windows);
+            }
+            continue;
+        }
+        if (hear_the_contradicting(proving, windows) &&
             (contradicted(windows) ||
              proven_m_s(proving, profile) > proven_m_s(windows, profile))) {
             entry.fastest = beside(windows.front());
             windows = std::move(proving);
         }
+        break;
     }
     entry.best = std::move(windows.front());
     for (std::size_t i = 1; i < windows.size(); ++i)

@@ -274,15 +274,100 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     return witnessed;
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                            \
-    template std::string silence_text(const HeardWitness<AXES>&, const TrajectoryTable&,     \
-                                      const std::string&);                                   \
-    template HeardWitnesses<AXES> witnesses_of(const ScreenedTable&, const TrajectoryTable&, \
-                                               const WitnessRecords&, double);               \
-    template double displacement_ratio(const WitnessedMotion<AXES>&,                         \
-                                       const PositionFigures<AXES>&);                        \
-    template std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<AXES>&,        \
-                                                           const PositionFigures<AXES>&);
+template <int Axes>
+PositionVector<Axes> ArcMotion<Axes>::position_at(double time_s) const {
+    const auto position = [](const TrajectoryEpoch& at) {
+        if constexpr (Axes == 1) return PositionVector<1>(*at.up_m);
+        if constexpr (Axes == 2) return PositionVector<2>(*at.east_m, *at.north_m);
+    };
+    const auto velocity = [](const TrajectoryEpoch& at) {
+        if constexpr (Axes == 1) return PositionVector<1>(*at.velocity_up_m_s);
+        if constexpr (Axes == 2)
+            return PositionVector<2>(*at.velocity_east_m_s, *at.velocity_north_m_s);
+    };
+    const auto after = std::ranges::upper_bound(
+        arc_->rows, time_s, {}, [&](std::size_t k) { return trajectory_->rows[k].time.seconds(); });
+    const std::size_t k = std::min(static_cast<std::size_t>(after - arc_->rows.begin()), last());
+    if (k == 0) return position(row(0));
+    const TrajectoryEpoch &a = row(k - 1), &b = row(k);
+    const double step_s = b.time.seconds() - a.time.seconds();
+    const double s = (time_s - a.time.seconds()) / step_s, r = 1.0 - s;
+    return r * r * ((1.0 + 2.0 * s) * position(a) + s * step_s * velocity(a)) +
+           s * s * ((1.0 + 2.0 * r) * position(b) - r * step_s * velocity(b));
+}
+
+template <int Axes>
+std::optional<PositionVector<Axes>> ArcMotion<Axes>::between(double from_s, double to_s) const {
+    if (from_s < covered().first_s || to_s > covered().last_s) return std::nullopt;
+    return PositionVector<Axes>(position_at(to_s) - position_at(from_s));
+}
+
+template <int Axes>
+std::optional<SpanComparedWith> compared_over(const HeardWitness<Axes>& witness,
+                                              const PositionFigures<Axes>& of_window,
+                                              const ArcMotion<Axes>& motion, TimeSpan span) {
+    if (witness.is_copy) return std::nullopt;
+    const bool is_heard = witness.motion->between(span.first_s, span.last_s).has_value();
+    if (!is_heard) {
+        const auto around = witness.motion->enclosing(span.first_s, span.last_s);
+        if (!around) return std::nullopt;
+        span = *around;
+    }
+    const auto moved_m = motion.between(span.first_s, span.last_s);
+    if (!moved_m) return std::nullopt;
+    const double duration_s = span.last_s - span.first_s;
+    const double shorter = (of_window.end_s - of_window.start_s) / duration_s;
+    PositionFigures<Axes> figures = of_window;
+    figures.start_s = span.first_s;
+    figures.end_s = span.last_s;
+    figures.by_path = false;
+    figures.speed_m_s = moved_m->norm() / duration_s;
+    figures.displacement_m = *moved_m;
+    figures.standard_uncertainty_m_s *= shorter;
+    figures.correlated_m_s *= shorter;
+    figures.fault.largest_m_s *= shorter;
+    auto speed = witnessed_speed(witness, figures);
+    if (!speed) return std::nullopt;
+    if (!is_heard) {
+        speed->compared_over_s = duration_s;
+        speed->confirms = false;
+    }
+    return SpanComparedWith{.span = span, .speed = *std::move(speed)};
+}
+
+template <int Axes>
+std::vector<WitnessedSpeed> witnessed_speeds(const HeardWitnesses<Axes>& witnesses,
+                                             const PositionFigures<Axes>& window,
+                                             const ArcMotion<Axes>& motion) {
+    std::vector<WitnessedSpeed> speeds;
+    for (const HeardWitness<Axes>& witness : witnesses) {
+        if (auto speed = witnessed_speed(witness, window)) {
+            speeds.push_back(*std::move(speed));
+            continue;
+        }
+        const TimeSpan span{window.start_s, window.end_s};
+        if (witness.motion->between(span.first_s, span.last_s)) continue;
+        if (auto around = compared_over(witness, window, motion, span))
+            speeds.push_back(std::move(around->speed));
+    }
+    return speeds;
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                                             \
+    template std::string silence_text(const HeardWitness<AXES>&, const TrajectoryTable&,      \
+                                      const std::string&);                                    \
+    template HeardWitnesses<AXES> witnesses_of(const ScreenedTable&, const TrajectoryTable&,  \
+                                               const WitnessRecords&, double);                \
+    template double displacement_ratio(const WitnessedMotion<AXES>&,                          \
+                                       const PositionFigures<AXES>&);                         \
+    template std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<AXES>&,         \
+                                                           const PositionFigures<AXES>&);     \
+    template class ArcMotion<AXES>;                                                           \
+    template std::optional<SpanComparedWith> compared_over(const HeardWitness<AXES>&,         \
+                                                           const PositionFigures<AXES>&,      \
+                                                           const ArcMotion<AXES>&, TimeSpan); \
+    template std::vector<WitnessedSpeed> witnessed_speeds(                                    \
+        const HeardWitnesses<AXES>&, const PositionFigures<AXES>&, const ArcMotion<AXES>&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 #undef RUNCERT_INSTANTIATE

@@ -10,6 +10,7 @@
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
 #include "stages/window/speed_by_definition.h"
+#include "witness/certifiable.h"
 #include "witness/phase_motion.h"
 #include "witness/recorded_velocities.h"
 #include "witness/roster.h"
@@ -97,5 +98,47 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);
+
+/// The smoothed motion along one arc. Between epochs the track follows the cubic through their
+/// positions and velocities.
+template <int Axes>
+class ArcMotion {
+  public:
+    ArcMotion(const TrajectoryTable& trajectory, const ArcRows& arc)
+        : trajectory_(&trajectory), arc_(&arc) {}
+
+    TimeSpan covered() const { return {row(0).time.seconds(), row(last()).time.seconds()}; }
+    /// The displacement between two instants (s). Empty if the arc does not hold both.
+    std::optional<PositionVector<Axes>> between(double from_s, double to_s) const;
+
+  private:
+    std::size_t last() const { return arc_->rows.size() - 1; }
+    const TrajectoryEpoch& row(std::size_t k) const { return trajectory_->rows[arc_->rows[k]]; }
+    PositionVector<Axes> position_at(double time_s) const;
+
+    const TrajectoryTable* trajectory_;
+    const ArcRows* arc_;
+};
+
+/// A comparison of positions and a witness over a span.
+struct SpanComparedWith {
+    TimeSpan span;
+    WitnessedSpeed speed;
+};
+
+/// The same over another span of the arc, from figures of a window: errors at the ends of a span
+/// are taken to be as large as at the window's. Where the witness says nothing of the span, the
+/// comparison is over the nearest that encloses it, and confirms nothing. Empty if there is none in
+/// the arc.
+template <int Axes>
+std::optional<SpanComparedWith> compared_over(const HeardWitness<Axes>& witness,
+                                              const PositionFigures<Axes>& of_window,
+                                              const ArcMotion<Axes>& motion, TimeSpan span);
+
+/// What all witnesses say of a window, or else of a span that encloses it.
+template <int Axes>
+std::vector<WitnessedSpeed> witnessed_speeds(const HeardWitnesses<Axes>& witnesses,
+                                             const PositionFigures<Axes>& window,
+                                             const ArcMotion<Axes>& motion);
 
 }  // namespace runcert

@@ -163,6 +163,26 @@ TEST(Drift, ThatADecisionSurvivesIsSaid) {
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
 }
 
+// A wheel calibrated by drifting positions was said to bound their error.
+TEST(Drift, IsBoundedByWitnessesThatConfirm) {
+    RuleScene scene = above_target(0.14);
+    for (ScreenedEpoch& row : scene.rows())
+        row.detectable.ramp_m_s = 0.05;
+    scene.best().detection_power = 0.8;
+    WitnessedSpeed wheel{.kind = WitnessKind::wheel, .standard_uncertainty_m_s = 0.02};
+    wheel.speed_m_s = scene.best().speed_m_s;
+    wheel.fault_posterior = wheel.chance_error = 0.0;
+    for (const bool confirms : {true, false}) {
+        wheel.confirms = confirms;
+        scene.best().witnesses = {wheel};
+        const std::string reason = scene.verdict().reason;
+        EXPECT_EQ(contains(reason, "beside the speeds of a wheel their error is at most 0.12 m"),
+                  confirms)
+            << reason;
+        EXPECT_EQ(contains(reason, "screening finds a drift of 0.15 m"), !confirms) << reason;
+    }
+}
+
 // Screening finds 0.21 m with a probability of 80 %. By its normal statistic (threshold 4.75 for a
 // test size of 2.03e-6) half of the drifts of 4.75 / (4.75 + 0.84) of that are found, 0.178 m.
 TEST(Drift, ThatScreeningWouldMissIsSaidToBeSo) {

@@ -57,6 +57,23 @@ TEST(SpeedMixture, TellsWhatIsUnderTheSpeedWithASmallRisk) {
     EXPECT_NEAR(under(witness_at(60.0), 1e-4), 0.23, 0.05);
 }
 
+TEST(SpeedMixture, HalfItsWidthHoldsTheProbability) {
+    EXPECT_NEAR(SpeedMixture(positions_at(60.0, 0.0), std::nullopt).half_width(60.0, 0.9545),
+                2.0 * p, 1e-5);
+    for (const double other_m_s : {60.0, 59.9, 59.7, 60.2}) {
+        const SpeedMixture mixture(positions_at(60.0), witness_at(other_m_s));
+        for (const double about_m_s : {60.0, 59.8}) {
+            const double half = mixture.half_width(about_m_s, 0.9545);
+            EXPECT_NEAR(1.0 - mixture.probability_below(about_m_s - half) -
+                            mixture.probability_not_below(about_m_s + half),
+                        0.9545, 1e-9);
+        }
+    }
+    // As likely at fault as not: nine tenths of the largest fault.
+    EXPECT_NEAR(SpeedMixture(positions_at(60.0, 0.5), std::nullopt).half_width(60.0, 0.9545),
+                0.909 * largest, 1e-3);
+}
+
 TEST(SpeedMixture, WhoIsAtFaultIsToldByTheDifference) {
     EXPECT_DOUBLE_EQ(SpeedMixture(positions_at(60.0), std::nullopt).positions_at_fault(), 0.002);
     const SpeedMixture agree(positions_at(60.0), witness_at(60.0));

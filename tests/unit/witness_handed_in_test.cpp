@@ -314,6 +314,13 @@ TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
     EXPECT_GT(along.dot(beside->covariance_m2 * along), along.dot(moved->covariance_m2 * along));
     EXPECT_FALSE(found->between(12.0, 20.0));
     EXPECT_FALSE(found->between(20.0, 20.2));
+    // The passages that enclose other instants.
+    EXPECT_EQ(found->enclosing(11.0, 12.0)->first_s, 10.0);
+    EXPECT_EQ(found->enclosing(11.0, 12.0)->last_s, 20.0);
+    EXPECT_EQ(found->enclosing(20.0, 21.0)->first_s, 20.0);
+    EXPECT_EQ(found->enclosing(19.0, 22.0)->last_s, 23.0);
+    EXPECT_FALSE(found->enclosing(9.0, 12.0));
+    EXPECT_FALSE(found->enclosing(22.0, 24.0));
     EXPECT_EQ(found->covered().first_s, 10.0);
     // One gate, or gates of another time, say nothing.
     EXPECT_FALSE(gate_witness(std::vector<TimedValue>{{10.0, 0.0}}, {}, track_of(run.trajectory)));

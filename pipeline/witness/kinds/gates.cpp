@@ -80,6 +80,15 @@ TimeSpan GateWitness::covered() const {
     return {.first_s = passages_.front().time_s, .last_s = passages_.back().time_s};
 }
 
+std::optional<TimeSpan> GateWitness::enclosing(double from_s, double to_s) const {
+    const auto after = std::ranges::upper_bound(passages_, from_s, {}, &GatePassage::time_s);
+    const auto last = std::ranges::lower_bound(passages_, to_s, {}, &GatePassage::time_s);
+    if (after == passages_.begin() || last == passages_.end()) return std::nullopt;
+    const GatePassage& first = *std::prev(after);
+    if (first.stretch != last->stretch) return std::nullopt;
+    return TimeSpan{first.time_s, last->time_s};
+}
+
 std::optional<double> GateWitness::path_between(double from_s, double to_s) const {
     const auto moved = between(from_s, to_s);
     if (!moved) return std::nullopt;

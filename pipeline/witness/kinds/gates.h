@@ -45,7 +45,8 @@ struct GateErrors {
 
 /// Surveyed timing gates on a straight course as a witness. The displacement is the distance
 /// between the gates nearest to the two instants, at most a quarter of a second away. Speed and
-/// acceleration extend it to the instants. Gates say nothing about motion across the course.
+/// acceleration extend it to the instants. Between other instants the passages that enclose them
+/// are known. Gates say nothing about motion across the course.
 class GateWitness final : public Witness<2> {
   public:
     /// The times of the passages must increase.
@@ -53,6 +54,7 @@ class GateWitness final : public Witness<2> {
 
     std::optional<WitnessedMotion<2>> between(double from_s, double to_s) const override;
     TimeSpan covered() const override;
+    std::optional<TimeSpan> enclosing(double from_s, double to_s) const override;
     std::optional<double> path_between(double from_s, double to_s) const override;
 
     /// Whether the distances between neighbouring gates match those between the positions there too

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stages/window/certify.h"
+
+// A contradiction lasts: where a witness contradicted the positions, they are suspect for the rest
+// of the motion, until the same witness has shown them sound again.
+
+namespace runcert {
+
+/// A window in which a witness contradicts the positions.
+struct Contradiction {
+    std::size_t series = 0;  ///< the arc
+    TimeSpan window;
+    WitnessKind kind = WitnessKind::velocities;
+    std::string receiver = {};
+    double drift_m_s = 0.0;  ///< by how much the displacements differ there
+    /// The last instant before the window, and the first one after it, from which to which and
+    /// beyond the positions are sound again. They are for windows of up to `sound_over_s`.
+    double sound_until_s = 0.0, sound_from_s = 0.0;
+    double sound_over_s = 0.0;
+};
+
+/// The contradictions in a certified window of an arc. Before and after it, this looks for the
+/// nearest span a fifth longer than the window in which the same witness shows the positions sound:
+/// it agrees within the standard uncertainty of the difference, and would have found the same drift
+/// with a probability of 0.8 by a test of size 0.05.
+template <int Axes>
+std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
+                                             const FoundWindow& found,
+                                             const CertifiableWindow& window);
+
+/// The contradiction by which the positions of another window of the arc are suspect. Such a window
+/// lies before the positions were shown to be sound, and the witness (`heard`, with the window's
+/// other ones) does not show it of the window itself. Null if there is none.
+const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
+                                  const FoundWindow& window, std::span<const WitnessedSpeed> heard);
+
+/// Takes the positions of a suspect window to be as likely at fault as not.
+void suspect(const Contradiction& by, WindowFault& fault);
+
+}  // namespace runcert

@@ -10,6 +10,7 @@
 #include "study_witnesses.h"
 #include "supposed_errors.h"
 #include "witness/arcs.h"
+#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -154,8 +155,9 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     run.expanded_m_s = expanded_uncertainty_by_rule_m_s(*best_, profile.coverage_factor);
     const SpeedPosterior speed = *posterior_of(windows.profiles.front());
     run.probability = conformance_probability(speed, {.speed_m_s = true_m_s - limit_m_s});
-    run.tail_m_s = speed.speed_m_s + speed.bias_limit_m_s -
-                   mixture_of(speed, WitnessSet::observed).quantile(1e-4);
+    run.tail_m_s =
+        speed.speed_m_s + speed.bias_limit_m_s -
+        mixture_of(*speed.evidence, speed.speed_m_s, WitnessSet::observed).quantile(1e-4);
     return run;
 }
 

@@ -334,8 +334,9 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         figures_of(choice, at, noise, fault, window.definitions, position_terms(alone));
     const ArcMotion<Axes> motion(estimate.trajectory, rows);
     std::vector<WitnessedSpeed> witnesses = witnessed_speeds(estimate.witnesses, figures, motion);
-    if (const auto* by = suspected_by(choice.contradictions, choice.found, witnesses)) {
-        suspect(*by, fault);
+    const auto* const by = suspected_by(choice.contradictions, choice.found, witnesses);
+    if (by) suspect(*by, fault);
+    if (by || suspect_if_doubted(witnesses, fault)) {
         input.fault = fault;
         alone = budget_of(input);
         figures.fault = fault.prior;

@@ -187,19 +187,18 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
 }
 
 /// Row p: what all recorded speeds have in common. The estimate is taken off.
-BudgetRow scale_row(const SpeedNoise& noise, double speed_m_s) {
-    const SpeedScale& scale = noise.scale;
+BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
+    const SpeedScale scale = found.value_or(SpeedScale{});
     BudgetRow row = speed_row(
         "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s,
         independent_of_other_rows,
-        noise.in_common
-            ? std::string("the positions are not independent of the velocities, and tell nothing "
-                          "of it: it is part of the stated value, which counts whole")
-            : fmt::format("beside the positions, over straight fast spans of 10 s, they are "
+        found
+            ? fmt::format("beside the positions, over straight fast spans of 10 s, they are "
                           "{:+.3f} % too high, with a standard uncertainty of {:.3f} %; weighed "
                           "against what receivers are off by, {:+.3f} % are taken off",
-                          100.0 * scale.shown, 100.0 * scale.shown_uncertainty,
-                          100.0 * scale.value));
+                          100.0 * scale.shown, 100.0 * scale.shown_uncertainty, 100.0 * scale.value)
+            : std::string("the positions tell nothing of it: it is part of the stated value, "
+                          "which counts whole"));
     row.estimate = scale.value;
     row.unit = "1";
     row.standard_uncertainty = scale.uncertainty;
@@ -370,14 +369,14 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
     const StatedSpeedAccuracy stated = stated_accuracy(estimate, profile, found);
     const SpeedNoise noise = noise_of(estimate, profile.dimension, found);
     SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
-    window.speed_m_s *= 1.0 - noise.scale.value;
+    if (noise.scale) window.speed_m_s *= 1.0 - noise.scale->value;
     window.witnesses.push_back(
         by_positions(track_speed(estimate.screened, trajectory, arc, profile, found),
                      window.speed_m_s, duration_of(found), errors.combined()));
     errors.brief_m_s = std::hypot(errors.brief_m_s,
                                   beyond_usual_m_s(noise, window.witnesses.front().difference_m_s));
     add_error_rows(errors, noise, stated, found, window);
-    window.budget.push_back(scale_row(noise, found.speed_m_s));
+    window.budget.push_back(scale_row(noise.scale, found.speed_m_s));
     add_other_rows(estimate, profile, found, window.budget);
     window.budget.push_back(undetected_row(estimate.screened, profile, samples_of(found),
                                            errors.slow, window.witnesses.front()));

@@ -18,6 +18,16 @@ bool is_by(const Contradiction& one, const auto& witness) {
     return one.kind == witness.kind && one.receiver == witness.receiver;
 }
 
+double sigma_of_difference(const WitnessedSpeed& one) {
+    return std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+}
+
+/// Whether chance makes such a difference in fewer than five of a hundred windows.
+bool doubts(const WitnessedSpeed& one) {
+    constexpr double of_95_percent = 1.96;
+    return std::abs(one.difference_m_s) > of_95_percent * sigma_of_difference(one);
+}
+
 /// Whether a witness agrees with the positions, and would have found such a drift of a window of
 /// this length with a probability of 0.8. Its 95 % are not enough: of many spans beside a drift the
 /// search takes the one that barely agrees, which holds some of the drift.
@@ -25,8 +35,7 @@ bool shows_sound(const WitnessedSpeed& one, double drift_m_s, double window_s) {
     constexpr double tested = 1.96, finds = 0.84, agrees = 1.0;
     static const double agrees_in_chance =
         std::sqrt(chi_squared_upper_quantile(0.05, 2) / chi_squared_upper_quantile(1e-3, 2));
-    const double sigma_m_s =
-        std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+    const double sigma_m_s = sigma_of_difference(one);
     const double diluted = one.compared_over_s ? window_s / *one.compared_over_s : 1.0;
     return !contradicts(one) && std::abs(one.difference_m_s) <= agrees * sigma_m_s &&
            one.chance_error.value_or(0.0) <= agrees_in_chance &&
@@ -56,7 +65,7 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
         // What only the suspicion makes a contradiction is no new one.
         const bool is_new =
             evidence.fault_probability < as_likely_as_not || one.chance_error.value_or(0.0) > 1.0;
-        if (!contradicts(one) || !is_new) continue;
+        if (!doubts(one) && !(contradicts(one) && is_new)) continue;
         const double window_s = at.last_s - at.first_s;
         Contradiction& found_here = contradictions.emplace_back(
             Contradiction{.series = found.series,
@@ -109,6 +118,16 @@ const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
         return &one;
     }
     return nullptr;
+}
+
+bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault) {
+    const auto one = std::ranges::find_if(heard, doubts);
+    if (one == heard.end() || std::ranges::any_of(heard, &contradicts)) return false;
+    fault.raise(as_likely_as_not, std::abs(one->difference_m_s),
+                fmt::format("the {} differ from the positions by {:.2f} m/s in this window, more "
+                            "than the uncertainties of both make in 95 of 100",
+                            words_of(one->kind), std::abs(one->difference_m_s)));
+    return true;
 }
 
 void suspect(const Contradiction& by, WindowFault& fault) {

@@ -24,10 +24,11 @@ struct Contradiction {
     double sound_over_s = 0.0;
 };
 
-/// The contradictions in a certified window of an arc. Before and after it, this looks for the
-/// nearest span a fifth longer than the window in which the same witness shows the positions sound:
-/// it agrees within the standard uncertainty of the difference, and would have found the same drift
-/// with a probability of 0.8 by a test of size 0.05.
+/// The contradictions in a certified window of an arc, and differences of more than the 95 %.
+/// Before and after it, this looks for the nearest span a fifth longer than the window in which the
+/// same witness shows the positions sound: it agrees within the standard uncertainty of the
+/// difference, and would have found the same drift with a probability of 0.8 by a test of size
+/// 0.05.
 template <int Axes>
 std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                                              const FoundWindow& found,
@@ -39,7 +40,12 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
 const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
                                   const FoundWindow& window, std::span<const WitnessedSpeed> heard);
 
-/// Takes the positions of a suspect window to be as likely at fault as not.
+/// Takes the positions of a window to be as likely at fault as not where a witness of it (`heard`)
+/// differs from them by more than the 95 % of both, and none contradicts them outright. Returns
+/// whether one does.
+bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault);
+
+/// The same of a suspect window.
 void suspect(const Contradiction& by, WindowFault& fault);
 
 }  // namespace runcert

@@ -46,6 +46,8 @@ struct SpanOfSpeeds {
     double mean_m_s = 0.0;
     double difference_m_s = 0.0;
     bool straight = false;
+
+    double smoothed_m_s() const { return mean_m_s - difference_m_s; }
 };
 
 std::vector<SpanOfSpeeds> spans_of(std::span<const ComparedSpeed> compared, double span_s) {
@@ -188,7 +190,7 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
                        .independent = independent};
 }
 
-SpeedScale speed_scale(std::span<const ComparedSpeed> compared) {
+std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
     struct Prior {
         double probability = 0.0, sigma = 0.0;
     };
@@ -197,36 +199,27 @@ SpeedScale speed_scale(std::span<const ComparedSpeed> compared) {
     const std::vector<SpanOfSpeeds> spans = fast_spans(compared, ten_s);
     double products = 0.0, squares = 0.0, residuals = 0.0;
     for (const SpanOfSpeeds& one : spans) {
-        const double smoothed_m_s = one.mean_m_s - one.difference_m_s;
-        products += one.difference_m_s * smoothed_m_s;
-        squares += square(smoothed_m_s);
+        products += one.difference_m_s * one.smoothed_m_s();
+        squares += square(one.smoothed_m_s());
     }
-    SpeedScale scale;
-    if (squares > 0.0) {
-        scale.shown = products / squares;
-        for (const SpanOfSpeeds& one : spans)
-            residuals +=
-                square(one.difference_m_s - scale.shown * (one.mean_m_s - one.difference_m_s));
-        scale.shown_uncertainty =
-            std::sqrt(spans_alike *
-                      std::max(residuals / static_cast<double>(spans.size() - 1),
-                               square(least_slow_error_m_s)) /
-                      squares);
-    }
+    if (!(squares > 0.0)) return std::nullopt;
+    SpeedScale scale{.shown = products / squares};
+    for (const SpanOfSpeeds& one : spans)
+        residuals += square(one.difference_m_s - scale.shown * one.smoothed_m_s());
+    const double scatter =
+        std::max(residuals / static_cast<double>(spans.size() - 1), square(least_slow_error_m_s));
+    const double variance = spans_alike * scatter / squares;
     double weights = 0.0, values = 0.0, moments = 0.0;
     for (const auto& [probability, sigma] : priors) {
-        const double of_both = square(sigma) + square(scale.shown_uncertainty);
+        const double of_both = square(sigma) + variance;
         const double weight =
-            probability * (squares > 0.0
-                               ? std::exp(-0.5 * square(scale.shown) / of_both) / std::sqrt(of_both)
-                               : 1.0);
-        const double kept = squares > 0.0 ? square(sigma) / of_both : 0.0;
-        const double variance =
-            squares > 0.0 ? kept * square(scale.shown_uncertainty) : square(sigma);
+            probability * std::exp(-0.5 * square(scale.shown) / of_both) / std::sqrt(of_both);
+        const double kept = square(sigma) / of_both;
         weights += weight;
         values += weight * kept * scale.shown;
-        moments += weight * (variance + square(kept * scale.shown));
+        moments += weight * (kept * variance + square(kept * scale.shown));
     }
+    scale.shown_uncertainty = std::sqrt(variance);
     scale.value = values / weights;
     scale.uncertainty = rest_of(std::sqrt(moments / weights), scale.value);
     return scale;
@@ -247,9 +240,9 @@ SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTa
     SpeedNoise noise;
     noise.white = white_noise(compared, start_s, start_s + duration_s);
     noise.scale = speed_scale(compared);
-    noise.over_ten = span_spread(compared, ten_s, noise.scale.value);
-    if (duration_s < ten_s)
-        noise.over_window = span_spread(compared, duration_s, noise.scale.value);
+    const double scale = noise.scale ? noise.scale->value : 0.0;
+    noise.over_ten = span_spread(compared, ten_s, scale);
+    if (duration_s < ten_s) noise.over_window = span_spread(compared, duration_s, scale);
     const double sigma_m = position_sigma_m(screened, dimension);
     noise.positions_m_s = 2.0 * std::numbers::sqrt2 * sigma_m / ten_s;
     const auto& velocity = screened.basis.velocity;
@@ -263,8 +256,12 @@ SpeedNoise speed_noise(std::span<const ComparedSpeed> compared, const ScreenedTa
         if (both->sd_m_s * (1.0 + chance) < noise.white->sd_m_s / std::sqrt(averaged))
             noise.in_common = true;
     }
-    if (noise.in_common) noise.scale.value = noise.scale.uncertainty = 0.0;
+    if (!noise.is_shown(duration_s)) noise.scale.reset();
     return noise;
+}
+
+bool SpeedNoise::is_shown(double duration_s) const {
+    return !in_common && white && over_ten && (duration_s >= ten_s || over_window);
 }
 
 double SpeedErrors::combined() const {
@@ -279,7 +276,7 @@ SpeedErrors speed_errors(const SpeedNoise& noise, const StatedSpeedAccuracy& sta
     errors.mean_white_m_s = std::hypot(errors.white_m_s / (contradicted ? 1.0 : std::sqrt(samples)),
                                        stated.of_worse_m_s);
     const bool is_short = duration_s < ten_s;
-    if (noise.in_common || !noise.white || !noise.over_ten || (is_short && !noise.over_window))
+    if (!noise.is_shown(duration_s))
         return as_stated(stated.claimed ? std::max({stated.sigma_m_s, stated.scatter_m_s,
                                                     least_slow_error_m_s, errors.mean_white_m_s})
                                         : stated.sigma_m_s,

@@ -61,8 +61,8 @@ struct SpeedScale {
 /// The scale of the recorded speeds beside the path of the smoothed track, over spans of 10 s as
 /// for `span_spread`. Neighbouring spans err alike, so that a third of them count as independent.
 /// What they show is weighed against the prior of receivers: normal with a standard deviation of
-/// 0.3 %, and for one receiver in twenty of 2 %. Without five spans the prior alone remains.
-SpeedScale speed_scale(std::span<const ComparedSpeed> compared);
+/// 0.3 %, and for one receiver in twenty of 2 %. Empty without five spans.
+std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared);
 
 /// Root mean square difference between the mean recorded speed over `span_s`, less its `scale`,
 /// and the smoothed path over time. Spans do not overlap, and the craft must move straight (a chord
@@ -76,12 +76,16 @@ struct SpeedNoise {
     std::optional<SpeedSpread> white;
     std::optional<SpeedSpread> over_window;  ///< only for windows shorter than ten seconds
     std::optional<SpeedSpread> over_ten;     ///< over spans of 10 s
-    SpeedScale scale = {};
+    std::optional<SpeedScale> scale = {};    ///< empty if the comparison tells nothing of it
     /// Of the mean speed over 10 s by positions, m/s: what twice their stated standard deviation at
     /// both ends makes. Nearly all that they could err by.
     double positions_m_s = 0.0;
     /// The positions follow the velocities, or the reverse, so that they have errors in common.
     bool in_common = false;
+
+    /// Whether the comparison tells the errors of windows of this length. If not, what is stated
+    /// counts whole.
+    bool is_shown(double duration_s) const;
 };
 
 /// The speed noise for a window from `start_s` over `duration_s`, with `samples` over which white

@@ -514,8 +514,7 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     };
     const auto learn = [&](const Choice& choice, const std::vector<CertifiableWindow>& from) {
         for (std::size_t i = 0; i < from.size(); ++i) {
-            if (!contradicted({from[i]})) continue;
-            wrong.push_back(choice.chosen[i]);
+            if (contradicted({from[i]})) wrong.push_back(choice.chosen[i]);
             std::ranges::move(certifier.contradictions_in(profile, choice.chosen[i], from[i]),
                               std::back_inserter(contradictions));
         }

@@ -87,7 +87,7 @@ Finding computation::acceleration(const Clause& clause, const ClauseContext& con
     // A nod of the head makes more than the limit, but no more than a craft of the class.
     const double possible_m_s2 =
         std::max(*clause.limit, context.input.judged.tests.limits.acceleration_max_m_s2);
-    bool surely = false;  // beyond that by more than the stated accuracy makes
+    bool surely = false;  // beyond that by more than chance
     double largest_m_s2 = 0.0, chance_m_s2 = 0.0;
     std::int64_t epoch = 0;
     for (const std::vector<ScreenedEpoch>& window : windows)
@@ -113,8 +113,8 @@ Finding computation::acceleration(const Clause& clause, const ClauseContext& con
     if (finding.status != RequirementStatus::not_met) return finding;
     if (std::isfinite(chance_m_s2))
         finding.evidence += fmt::format(
-            "; a craft of the class makes {} m/s2, and the samples' stated accuracy {} m/s2 by "
-            "chance",
+            "; a craft of the class makes {} m/s2, and chance {} m/s2 by what the "
+            "samples state",
             significant_text(possible_m_s2, 2), significant_text(chance_m_s2, 2));
     if (surely) return finding;
     finding.status = RequirementStatus::attest;

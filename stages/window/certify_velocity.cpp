@@ -298,7 +298,7 @@ MeanOf mean_of(SpeedDefinition definition) {
 
 /// Subtracts the bias of the choice from the speed, and adds its row.
 void set_choice(const VelocityEstimate& estimate, const Profile& profile, const FoundWindow& found,
-                const std::vector<FoundWindow>& all, const SpeedErrors& errors, bool in_common,
+                const std::vector<FoundWindow>& all, const SpeedErrors& errors,
                 CertifiableWindow& window) {
     std::vector<std::vector<ElapsedTime>> times;
     for (const ArcRows& arc : estimate.rows) {
@@ -306,14 +306,11 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
         for (const std::size_t row : arc.rows)
             of_arc.push_back(estimate.trajectory.rows[row].time);
     }
-    const SpeedChoiceBias bias =
-        speed_choice_bias(times, all, found, mean_of(profile.definition),
-                          {.white_m_s = errors.white_m_s,
-                           // Speeds made of positions err anew in every window.
-                           .brief_m_s = in_common ? errors.slow_m_s : errors.brief_m_s,
-                           .slow_m_s = in_common ? 0.0 : errors.slow_m_s},
-                          selection_width * errors.combined(), estimate.config.selection_samples,
-                          estimate.config.seed);
+    const SpeedChoiceBias bias = speed_choice_bias(
+        times, all, found, mean_of(profile.definition),
+        {.white_m_s = errors.white_m_s, .brief_m_s = errors.brief_m_s, .slow_m_s = errors.slow_m_s},
+        selection_width * errors.combined(), estimate.config.selection_samples,
+        estimate.config.seed);
     const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
     if (getenv("RC_DEBUG"))
         fmt::print(stderr,
@@ -380,7 +377,7 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
     add_other_rows(estimate, profile, found, window.budget);
     window.budget.push_back(undetected_row(estimate.screened, profile, samples_of(found),
                                            errors.slow, window.witnesses.front()));
-    set_choice(estimate, profile, found, all, errors, noise.in_common, window);
+    set_choice(estimate, profile, found, all, errors, window);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;

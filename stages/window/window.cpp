@@ -114,8 +114,8 @@ class Certifier {
                 lasting.size_m_s,
                 lasting.is_scale
                     ? fmt::format("the velocities are {:.2f} % too {}, or the positions drift in "
-                                  "proportion to the speed, which these data cannot tell from such "
-                                  "a scale",
+                                  "proportion to the speed: with these data the two cannot be "
+                                  "separated",
                                   100.0 * std::abs(lasting.scale),
                                   lasting.scale > 0.0 ? "high" : "low")
                     : "one of the two is wrong, and the recording does not tell which"));

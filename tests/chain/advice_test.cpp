@@ -99,7 +99,7 @@ struct Ride {
             const double metres_per_degree = 111'200.0;
             epochs.push_back({time_s, 45.0 + (along_m + 0.5 * random.normal()) / metres_per_degree,
                               9.0 + 0.5 * random.normal() / metres_per_degree / 0.7071,
-                              speed_m_s + 0.1 * random.normal()});
+                              std::max(0.0, speed_m_s + 0.1 * random.normal())});
         }
     }
 };

@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(of_session(10.0, 0.05, 0.0, 1.05, 0.52), of_session(10.0, 0.1, 0.0, 1.05, 0.53),
                     of_session(10.0, 0.3, 0.0, 1.15, 0.63), of_session(1.0, 0.05, 0.0, 1.15, 0.57),
                     of_session(1.0, 0.1, 0.0, 1.25, 0.67), of_session(1.0, 0.3, 0.0, 2.7, 1.45),
-                    of_session(10.0, 0.1, 0.3, 1.17, 0.56), of_session(10.0, 0.3, 0.3, 2.0, 0.85)));
+                    of_session(10.0, 0.1, 0.3, 1.17, 0.56), of_session(10.0, 0.3, 0.3, 2.4, 0.85)));
 
 /// Where the positions follow the velocities nothing is told of lasting errors, and what is stated
 /// counts whole: 0.5 m/s.
@@ -79,7 +79,8 @@ TEST(SpeedsOfRecordedVelocities, CountWholeBesidePositionsThatFollowThem) {
     for (int seed = 1; seed <= draws({.daily = 3, .study = 30}); ++seed)
         for (const CertifiedSpeed& one : certify_speeds(cell, static_cast<std::uint64_t>(seed))) {
             EXPECT_GE(one.expanded, 0.999) << one.rule;
-            EXPECT_LT(one.expanded, 1.1) << one.rule;
+            // Half of the range of the choice's bias beside it, as all of it may differ.
+            EXPECT_LT(one.expanded, 1.6) << one.rule;
             EXPECT_LE(std::abs(one.error()), one.expanded) << one.rule;
         }
 }

@@ -141,6 +141,22 @@ TEST(Contradictions, LastWhereTheWitnessIsTooPoorOrSilent) {
     EXPECT_DOUBLE_EQ(silent.certified_from(200, until).evidence->fault_probability, 0.002);
 }
 
+// A wheel 3.2 standard uncertainties off left U as it was, and an error of 0.2 m/s outside.
+TEST(Contradictions, BeginWithADifferenceBeyondThe95PercentOfBoth) {
+    const Drifting run(0.09, std::make_shared<const TrueMotion>(0.06));
+    const CertifiableWindow window = run.certified_from(420);
+    const WitnessedSpeed& wheel = window.witnesses.front();
+    ASSERT_GT(
+        std::abs(wheel.difference_m_s),
+        1.96 * std::hypot(wheel.standard_uncertainty_m_s, wheel.position_standard_uncertainty_m_s));
+    EXPECT_DOUBLE_EQ(window.evidence->fault_probability, 0.5);
+    EXPECT_NE(row_of(window, "d").note.find("differ from the positions"), std::string::npos);
+    EXPECT_EQ(run.contradictions_from(420).size(), 1U);
+    const Drifting sound(0.0, std::make_shared<const TrueMotion>(0.06));
+    EXPECT_DOUBLE_EQ(sound.certified_from(420).evidence->fault_probability, 0.002);
+    EXPECT_TRUE(sound.contradictions_from(420).empty());
+}
+
 // A search that did not know of it would always prefer the suspect window.
 TEST(Contradictions, CountInTheSearchForABetterProof) {
     const Drifting run(0.4, std::make_shared<const TrueMotion>(0.06));

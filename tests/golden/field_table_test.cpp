@@ -17,9 +17,10 @@ using Names = std::set<std::string>;
 const Names without_unit{
     "correlation_east_north", "correlation_east_up",
     "correlation_north_up",  // a column each
-    "ratio", "statistic", "threshold", "summary.variance_factor", "estimation.variance_factor",
-    "estimation.variance_factor_applied", "profiles[].coverage_factor", "results[].coverage_factor",
-    "accuracy.coverage_factor", "accuracy.limit", "margin.value", "record.speed",
+    "ratio", "statistic", "threshold", "speed_statistic", "speed_threshold",
+    "summary.variance_factor", "estimation.variance_factor", "estimation.variance_factor_applied",
+    "profiles[].coverage_factor", "results[].coverage_factor", "accuracy.coverage_factor",
+    "accuracy.limit", "margin.value", "record.speed",
     "attempt.record.speed",  // unit beside it
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",

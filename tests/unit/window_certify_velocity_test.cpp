@@ -151,8 +151,8 @@ TEST(VelocityBudget, TakesOffTheScaleThatThePositionsShow) {
         *row.recorded_speed_m_s *= 1.015;
     session.all[0] = session.window(1000);
     const CertifiableWindow window = session.certified();
-    EXPECT_NEAR(window.speed_m_s, honest_m_s, 0.02);
-    EXPECT_NEAR(row_of(window, "p").estimate, 0.015, 0.001);
+    EXPECT_NEAR(window.speed_m_s, honest_m_s, 0.05);
+    EXPECT_NEAR(row_of(window, "p").estimate, 0.015, 0.003);
     EXPECT_GT(row_of(window, "p").contribution_m_s, 0.0);
 }
 

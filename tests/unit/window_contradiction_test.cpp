@@ -143,7 +143,7 @@ TEST(Contradictions, LastWhereTheWitnessIsTooPoorOrSilent) {
 
 // A wheel 3.2 standard uncertainties off left U as it was, and an error of 0.2 m/s outside.
 TEST(Contradictions, BeginWithADifferenceBeyondThe95PercentOfBoth) {
-    const Drifting run(0.09, std::make_shared<const TrueMotion>(0.06));
+    const Drifting run(0.055, std::make_shared<const TrueMotion>(0.06));
     const CertifiableWindow window = run.certified_from(420);
     const WitnessedSpeed& wheel = window.witnesses.front();
     ASSERT_GT(

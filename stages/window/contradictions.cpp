@@ -22,10 +22,13 @@ double sigma_of_difference(const WitnessedSpeed& one) {
     return std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
 }
 
-/// Whether chance makes such a difference in fewer than five of a hundred windows.
-bool doubts(const WitnessedSpeed& one) {
-    constexpr double of_95_percent = 1.96;
-    return std::abs(one.difference_m_s) > of_95_percent * sigma_of_difference(one);
+/// Whether chance makes so large a difference of any of `count` witnesses in fewer than five of a
+/// hundred windows.
+bool doubts(const WitnessedSpeed& one, std::size_t count) {
+    constexpr double test_size = 0.05;
+    return std::abs(one.difference_m_s) >
+           -normal_quantile(0.5 * test_size / static_cast<double>(count)) *
+               sigma_of_difference(one);
 }
 
 /// Whether a witness agrees with the positions, and would have found such a drift of a window of
@@ -65,7 +68,7 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
         // What only the suspicion makes a contradiction is no new one.
         const bool is_new =
             evidence.fault_probability < as_likely_as_not || one.chance_error.value_or(0.0) > 1.0;
-        if (!doubts(one) && !(contradicts(one) && is_new)) continue;
+        if (!doubts(one, window.witnesses.size()) && !(contradicts(one) && is_new)) continue;
         const double window_s = at.last_s - at.first_s;
         Contradiction& found_here = contradictions.emplace_back(
             Contradiction{.series = found.series,
@@ -121,7 +124,8 @@ const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
 }
 
 bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault) {
-    const auto one = std::ranges::find_if(heard, doubts);
+    const auto one = std::ranges::find_if(
+        heard, [&](const WitnessedSpeed& each) { return doubts(each, heard.size()); });
     if (one == heard.end() || std::ranges::any_of(heard, &contradicts)) return false;
     fault.raise(as_likely_as_not, std::abs(one->difference_m_s),
                 fmt::format("the {} differ from the positions by {:.2f} m/s in this window, more "

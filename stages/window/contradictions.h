@@ -24,12 +24,11 @@ struct Contradiction {
     double sound_over_s = 0.0;
 };
 
-/// The contradictions in a certified window of an arc, and differences of more than the 95 % of
-/// all witnesses together.
-/// Before and after it, this looks for the nearest span a fifth longer than the window in which the
-/// same witness shows the positions sound: it agrees within the standard uncertainty of the
-/// difference, and would have found the same drift with a probability of 0.8 by a test of size
-/// 0.05.
+/// The contradictions in a certified window of an arc, and differences of more than the 95 % of all
+/// witnesses together. Before and after it, this looks for the nearest span a fifth longer than the
+/// window in which the same witness shows the positions sound: it agrees within the standard
+/// uncertainty of the difference, and would have found the same drift with a probability of 0.8 by
+/// a test of size 0.05.
 template <int Axes>
 std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                                              const FoundWindow& found,

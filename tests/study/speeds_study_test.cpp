@@ -88,14 +88,23 @@ TEST(SpeedsOfRecordedVelocities, CountWholeBesidePositionsThatFollowThem) {
 /// All cells are the study's. Daily, of 10 runs fewer than 8 hold with 0.97 where each does with
 /// 0.5.
 TEST(SpeedsOfRecordedVelocities, HoldTheTruthInEveryCell) {
-    constexpr std::array daily{"honest, 1 Hz", "jitter and gaps, 5 Hz", "low-passed 1.5 s, 1 Hz",
+    constexpr std::array daily{"honest, 1 Hz",
+                               "jitter and gaps, 5 Hz",
+                               "low-passed 1.5 s, 1 Hz",
+                               "errs 0.15 m/s, states 0.08",
+                               "scale +1.5 %",
+                               "spike of +45 %, 10 Hz",
                                "spike of two samples, +25 %"};
+    // Nothing beside the speeds tells that these state too little.
+    constexpr std::array untold{"positions integrated, states 0.15",
+                                "positions integrated, 0.1 m, states 0.15",
+                                "differences of positions", "differences of positions, 0.03 m/s"};
     for (const SpeedsCell& cell : speeds_cells()) {
         if (!is_study() && std::ranges::find(daily, cell.name) == daily.end()) continue;
         SCOPED_TRACE(cell.name);
         for (const SpeedsSummary& one : study(cell, draws({.daily = 10, .study = 100}))) {
             SCOPED_TRACE(one.rule);
-            if (is_study())
+            if (is_study() && std::ranges::find(untold, cell.name) == untold.end())
                 EXPECT_EQ(one.misses(), "");
             else
                 EXPECT_GE(one.held, 0.8);

@@ -251,7 +251,7 @@ TEST(RuleSearch, RulesThatMeanNothingAreRefused) {
           over_time(0.0, displacement), over_distance(500.0, displacement, WindowEnds::any),
           over_distance(500.0, SpeedDefinition::mean_n), over_distance(0.0, path_length)}) {
         EXPECT_THROW(best_windows(series, rule, 1), Failure);
-        EXPECT_THROW(allowed_and_best(series, rule, 1).all, Failure);
+        EXPECT_THROW(allowed_and_best(series, rule, 1), Failure);
     }
 }
 

@@ -312,13 +312,6 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
         selection_width * errors.combined(), estimate.config.selection_samples,
         estimate.config.seed);
     const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
-    if (getenv("RC_DEBUG"))
-        fmt::print(stderr,
-                   "DBG {} white {} meanw {} brief {} slow {} common {} least {} most {} cand {} "
-                   "speed {} stated\n",
-                   profile.id, errors.white_m_s, errors.mean_white_m_s, errors.brief_m_s,
-                   errors.slow_m_s, 0, bias.least_m_s, bias.most_m_s, bias.candidates,
-                   found.speed_m_s);
     // A range wider than the speed is uncertain tells nothing of where in it the bias is: what is
     // certain is taken off, and the rest is allowed for.
     const double half_m_s = 0.5 * (bias.most_m_s - bias.least_m_s);

@@ -180,9 +180,18 @@ std::vector<DueClause> read_due(const Json& predicate) {
 
 }  // namespace
 
-std::vector<DueClause> due_clauses(const ReportFacts& report) {
+std::vector<DueClause> due_clauses(const ReportFacts& report, std::optional<bool> with_files) {
     try {
-        return read_due(report.json->at("predicate"));
+        const Json& predicate = report.json->at("predicate");
+        if (with_files == true) return read_due(predicate.at("with_files"));
+        std::vector<DueClause> due = read_due(predicate);
+        if (with_files == false || !predicate.contains("with_files")) return due;
+        for (DueClause& one : read_due(predicate.at("with_files")))
+            if (std::ranges::none_of(due, [&](const DueClause& known) {
+                    return known.profile == one.profile && known.clause == one.clause;
+                }))
+                due.push_back(std::move(one));
+        return due;
     } catch (const Json::exception& error) {
         throw Failure("report.json",
                       fmt::format("its requirements cannot be read: {}",

@@ -106,9 +106,23 @@ OutcomeState outcome_of(const Json& profile) {
             .rule_altered = overridden || origin != RuleOrigin::built_in};
 }
 
-std::vector<RuleStanding> read_rules(const ReportFacts& report) {
+/// Whether officials of the roster answered for every second file, and none said no. The results
+/// with these files then take the place of those without.
+bool second_files_count(const ReportFacts& report, const Attestations& attestations) {
+    const Json with = report.json->at("predicate").value("with_files", Json::object());
+    if (with.empty()) return false;
+    const Json& files = with.at("second_files");
+    return std::ranges::all_of(due_clauses(report), [&](const DueClause& due) {
+        if (std::find(files.begin(), files.end(), due.clause) == files.end()) return true;
+        const ClauseStanding clause = standing_of(due, attestations);
+        return clause.vouched && !clause.refused;
+    });
+}
+
+std::vector<RuleStanding> read_rules(const ReportFacts& report, bool with_files) {
     std::vector<RuleStanding> rules;
-    for (const Json& profile : report.json->at("predicate").at("profiles"))
+    const Json& predicate = report.json->at("predicate");
+    for (const Json& profile : (with_files ? predicate.at("with_files") : predicate).at("profiles"))
         rules.push_back(
             {.profile = profile.at("profile").get<std::string>(), .state = outcome_of(profile)});
     return rules;
@@ -185,7 +199,8 @@ RunStanding run_standing(const ReportFacts& report, const Attestations& attestat
     const bool vouched = rules.vouches();
     if (vouched) standing.roster_sha256 = sha256_hex(rules.roster->text);
     try {
-        standing.rules = read_rules(report);
+        standing.with_files = second_files_count(report, attestations);
+        standing.rules = read_rules(report, standing.with_files);
     } catch (const Json::exception& error) {
         throw Failure(
             "report.json",
@@ -193,7 +208,7 @@ RunStanding run_standing(const ReportFacts& report, const Attestations& attestat
             "The file was changed or cut off; take the original");
     }
     const SignaturesLeft signatures = signatures_left(report, signers, rules);
-    const std::vector<DueClause> due = due_clauses(report);
+    const std::vector<DueClause> due = due_clauses(report, standing.with_files);
     for (RuleStanding& rule : standing.rules) {
         for (const DueClause& clause : due)
             if (clause.profile == rule.profile)

@@ -23,9 +23,10 @@ struct DueClause {
     RoleSignatures answered_by{};
 };
 
-/// All requirements of a report to be attested, in its order. Failure where its requirements cannot
-/// be read.
-std::vector<DueClause> due_clauses(const ReportFacts& report);
+/// All requirements of a report to be attested, in its order: before second files count, after, or
+/// (without `with_files`) either. Failure where its requirements cannot be read.
+std::vector<DueClause> due_clauses(const ReportFacts& report,
+                                   std::optional<bool> with_files = std::nullopt);
 
 /// One answer of one envelope; "recomputed and agreed" has no clause.
 struct GivenAnswer {
@@ -90,6 +91,7 @@ struct RunStanding {
     std::vector<GivenAnswer> recomputations{};
     std::vector<std::string> faults{};  ///< of attestations
     std::size_t envelopes = 0;
+    bool with_files = false;      ///< officials of the roster answered for all second files
     std::string roster_sha256{};  ///< of the roster that vouches for keys; empty without one
 };
 

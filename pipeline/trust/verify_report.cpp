@@ -160,6 +160,7 @@ void compare_decision(const std::string& rule, const Json& profile, const YamlVa
                        verdict_file);
 }
 
+/// `predicate` has the document in which the profile is shown.
 void compare_profile(const Json& predicate, const Json& profile, const YamlValue& verdict,
                      Comparison& compare) {
     const std::string rule = shown(verdict["profile"].text());
@@ -192,14 +193,21 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
     const std::string where = (run_dir / verdict_file).string();
     const YamlValue verdict(parse_yaml(read_file(where), where), where);
     compare.equal("the attempt's id", report.attempt_id, verdict["attempt"].text(), verdict_file);
-    const auto verdicts = verdict["profiles"].list();
-    const Json& profiles = report.json->at("predicate").at("profiles");
-    if (verdicts.size() != profiles.size())
-        return compare.fail(fmt::format("report.json: it has results by {} rules, {} has {}",
-                                        profiles.size(), verdict_file, verdicts.size()));
-    if (!verdicts.empty()) compare_headline(report.json->at("predicate"), verdicts, compare);
-    for (std::size_t i = 0; i < verdicts.size(); ++i)
-        compare_profile(report.json->at("predicate"), profiles.at(i), verdicts[i], compare);
+    const Json& whole = report.json->at("predicate");
+    for (const char* const list : {"profiles", "with_files"}) {
+        const auto verdicts =
+            verdict[list].exists() ? verdict[list].list() : std::vector<YamlValue>{};
+        const bool with_files = list != std::string_view("profiles");
+        const Json predicate =
+            with_files ? whole.value("with_files", Json{{"profiles", Json::array()}}) : whole;
+        const Json& profiles = predicate.at("profiles");
+        if (verdicts.size() != profiles.size())
+            return compare.fail(fmt::format("report.json: it has results by {} rules, {} has {}",
+                                            profiles.size(), verdict_file, verdicts.size()));
+        if (!verdicts.empty()) compare_headline(predicate, verdicts, compare);
+        for (std::size_t i = 0; i < verdicts.size(); ++i)
+            compare_profile(predicate, profiles.at(i), verdicts[i], compare);
+    }
 }
 
 /// The signatures that rules and attempt ask for: a report cannot ask for fewer.

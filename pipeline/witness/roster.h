@@ -36,7 +36,8 @@ struct HeardWitness {
     std::string note = {};  ///< a sentence on the estimated parameters; empty if there are none
     /// It was made from the positions or from another witness, and says nothing about any window.
     bool is_copy = false;
-    bool confirms = true;  ///< false: it can only contradict
+    bool confirms = true;     ///< false: it can only contradict
+    bool unanswered = false;  ///< because no official has answered for its file
 };
 
 template <int Axes>

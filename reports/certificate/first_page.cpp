@@ -287,6 +287,11 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
     } else {
         add_overview(page, rules);
     }
+    for (const RuleView& rule : rules)
+        if (!rule.verdict.second_files.empty())
+            add(page,
+                paragraph((rule.several ? rule.profile.id + ": " : "") + rule.verdict.second_files,
+                          "caution"));
     add_identity(page, inputs);
     add_small_plots(page, figures);
     if (rules.size() == 1) {

@@ -63,6 +63,7 @@ Json answered(Json block, const RuleStanding& rule) {
     return block;
 }
 
+/// `predicate` has the profiles and the document that are shown.
 void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
     const auto set = [&](const std::string& place, auto change) {
         const std::string slot = fmt::format("{}/{}", place, rule.profile);
@@ -89,18 +90,20 @@ void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
 Json standing_json(const RunStanding& standing, const Json& predicate) {
     if (standing.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
     Json json{{"roster_sha256", standing.roster_sha256}, {"slots", Json::object()}};
+    if (standing.with_files) json["with_files"] = true;
+    const Json& shown = standing.with_files ? predicate.at("with_files") : predicate;
     Json facts = Json::array(
         {fact("Whose word counts", vouched_words(standing) + " The answers are not part of what "
                                                              "the report's signers signed.")});
     for (const RuleStanding& rule : standing.rules) {
-        set_rule(json["slots"], rule, predicate);
+        set_rule(json["slots"], rule, shown);
         add_answers(facts, rule);
     }
     for (const GivenAnswer& one : standing.recomputations)
         facts.push_back(fact("Recomputed", answer_words(one)));
     for (const std::string& fault : standing.faults)
         facts.push_back(fact("Fault", fault));
-    if (const Json* block = block_of(predicate, "answers")) {
+    if (const Json* block = block_of(shown, "answers")) {
         Json& answers = json["slots"]["answers"] = *block;
         answers["facts"] = std::move(facts);
     }

@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
             if (!render_only) {
                 ReportInputs inputs = gather(run);
                 if (!as.empty()) make_as(inputs, as);
-                write_report(run, write_report_json(inputs));
+                write_report(run, write_report_json(std::move(inputs)));
             }
             if (!key.empty())
                 sign_report(run.run_dir(), read_report_facts(run.run_dir()), load_secret_key(key),

@@ -110,6 +110,13 @@ struct ReportInputs {
     std::vector<ReportSubject> subjects;  ///< in the order in which they are to be listed
     ReportProgram program = {};
     std::optional<DrawnFigures> drawn = {};  ///< nothing: they are drawn
+
+    /// Puts the results with second files in the place of those without, or back.
+    void exchange_with_files() {
+        std::swap(verdict.profiles, verdict.with_files);
+        if (Windows& found = receivers.front().windows; !found.with_files.empty())
+            std::swap(found.profiles, found.with_files);
+    }
 };
 
 }  // namespace runcert

@@ -118,7 +118,9 @@ std::string content_of(const std::string& report_text_bytes, const Json& report,
                        const std::vector<SignatureFile>& signatures, const std::string& standing,
                        Medium medium, bool first_page_alone = false) {
     const Json& predicate = report["predicate"];
-    Json document = shown_document(predicate["document"], drawings, Json::parse(standing));
+    const Json answered = Json::parse(standing);
+    const Json& shown = answered.value("with_files", false) ? predicate["with_files"] : predicate;
+    Json document = shown_document(shown["document"], drawings, answered);
     if (first_page_alone)
         document["sections"].erase(document["sections"].begin() + 1, document["sections"].end());
     const std::string sha256 = sha256_hex(report_text_bytes);

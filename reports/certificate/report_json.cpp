@@ -158,7 +158,7 @@ std::string report_id(const std::vector<ReportSubject>& subjects) {
     return sha256_hex(lines).substr(0, 16);
 }
 
-Json report_json(const ReportInputs& inputs) {
+Json report_json(ReportInputs inputs) {
     check_inputs(inputs);
     Json predicate;
     predicate["schema"] = {{"name", report_field_table().name()},
@@ -174,9 +174,18 @@ Json report_json(const ReportInputs& inputs) {
     if (Json amends = amends_json(inputs.attempt); !amends.is_null())
         predicate["amends"] = std::move(amends);
     predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
-    predicate["profiles"] = Json::array();
-    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
-        predicate["profiles"].push_back(profile_json(inputs, i));
+    // What second files change stands there twice.
+    const auto in_both = [&](auto set) {
+        set(predicate);
+        if (inputs.verdict.with_files.empty()) return;
+        inputs.exchange_with_files();
+        set(predicate["with_files"]);
+        inputs.exchange_with_files();
+    };
+    in_both([&](Json& predicate_of) {
+        for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+            predicate_of["profiles"].push_back(profile_json(inputs, i));
+    });
     set_origins(predicate, inputs.verdict);
     predicate["statements"] = inputs.verdict.statements;
     predicate["attestations"] = attestations_json(inputs.verdict);
@@ -191,8 +200,12 @@ Json report_json(const ReportInputs& inputs) {
     const DrawnFigures drawn = inputs.drawn ? *inputs.drawn : drawn_here(predicate);
     for (std::size_t i = 0; i < predicate["figures"].size(); ++i)
         predicate["figures"][i]["drawing_sha256"] = i < drawn.sha256.size() ? drawn.sha256[i] : "";
-    predicate["document"] = members_json(certificate_document(
-        inputs, predicate["report_id"].get<std::string>(), predicate["figures"]));
+    in_both([&](Json& predicate_of) {
+        predicate_of["document"] = members_json(certificate_document(
+            inputs, predicate["report_id"].get<std::string>(), predicate["figures"]));
+    });
+    if (!inputs.verdict.with_files.empty())
+        predicate["with_files"]["second_files"] = inputs.verdict.second_files;
     predicate["page"] = page_parts_json();
     predicate["page"]["drawn_by_sha256"] = drawn.by_sha256;
     predicate["files"] = files_json(inputs.subjects);

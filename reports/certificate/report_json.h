@@ -12,7 +12,7 @@ namespace runcert {
 /// predicate, `reports/certificate/v1.yaml`, holds everything that the HTML and the PDF show. The
 /// same inputs give the same report: no clock, host, user or path is in it. Failure where the
 /// inputs do not belong together, and where the predicate deviates from its field table.
-nlohmann::ordered_json report_json(const ReportInputs& inputs);
+nlohmann::ordered_json report_json(ReportInputs inputs);
 
 /// What a report says of the program that made it, and of its drawings. Throws nlohmann's exception
 /// where it does not say that.

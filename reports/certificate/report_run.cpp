@@ -15,8 +15,8 @@ namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
-std::string write_report_json(const ReportInputs& inputs) {
-    return report_text_of(report_json(inputs));
+std::string write_report_json(ReportInputs inputs) {
+    return report_text_of(report_json(std::move(inputs)));
 }
 
 namespace {

@@ -11,7 +11,7 @@
 namespace runcert {
 
 /// The bytes of report.json, which are what gets signed.
-std::string write_report_json(const ReportInputs& inputs);
+std::string write_report_json(ReportInputs inputs);
 
 struct RenderOptions {
     std::vector<SignatureFile> signatures;  ///< none: every page says UNSIGNED

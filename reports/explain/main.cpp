@@ -62,6 +62,7 @@ void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what)
     const RunStanding standing =
         stated_standing(options.run_dir, read_report_facts(options.run_dir), std::move(roster));
     what.vouched = !standing.roster_sha256.empty();
+    if (standing.with_files) verdict.profiles = verdict.with_files;
     for (const RuleStanding& rule : standing.rules) {
         for (ProfileVerdict& profile : verdict.profiles)
             if (profile.profile == rule.profile) profile.standing = rule.state.standing;

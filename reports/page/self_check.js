@@ -49,7 +49,8 @@ function comparePage(json, predicate, signatureFiles, standing) {
   const page = document.documentElement;
   const script = embeddedText("page-script");
   const { sources, faults } = signedPictures(page, predicate.figures);
-  const made = renderPage(predicate, signersOf(signatureFiles), sources,
+  const shown = standing.with_files === true ? { ...predicate, document: predicate.with_files.document } : predicate;
+  const made = renderPage(shown, signersOf(signatureFiles), sources,
     { report_json: json, signature_files: embeddedText("signature-files"), standing: embeddedText("standing"), script },
     standing.slots || {});
   if (hexOf(nobleHashes.sha256(utf8Bytes(script))) !== predicate.page.script_sha256)

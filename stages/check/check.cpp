@@ -428,9 +428,9 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
                                           .refusals = indicated->refusals};
 }
 
-ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
-    const ClauseContext context =
-        gather_context(input, profile, windows_of(input.judged.windows, profile));
+ProfileVerdict judge(const CheckInput& input, const Profile& profile, const ProfileWindows& windows,
+                     bool files_answered) {
+    const ClauseContext context = gather_context(input, profile, windows, files_answered);
     ProfileVerdict verdict;
     verdict.profile = profile.id;
     verdict.rule = {
@@ -449,6 +449,59 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
     return verdict;
 }
 
+/// The clauses in which officials answer for the second files of an attempt: what was handed in,
+/// but for what the positions are computed with, and a current, which its rule alone counts.
+std::vector<std::string> second_files(const Attempt& attempt) {
+    std::vector<std::string> files{"", "base-station", "current-as-measured"};
+    const auto others = std::ssize(files);
+    for (const AttemptInput& input : attempt.inputs)
+        if (input.origin.origin == to_text(InputOrigin::handed_in) &&
+            std::ranges::count(files, input.origin.clause) == 0)
+            files.push_back(input.origin.clause);
+    files.erase(files.begin(), files.begin() + others);
+    return files;
+}
+
+std::string second_files_text(const std::vector<std::string>& files, const ProfileVerdict& other,
+                              bool answered) {
+    return fmt::format(
+        "{} ({}). {} them: {}{}.",
+        answered ? "Officials have answered for the second files, which therefore count"
+                 : "Second files can only contradict until officials have answered for them",
+        fmt::join(files, ", "), answered ? "Without" : "With",
+        other.shown ? measured_speed_text(*other.shown) + "; " : "", words_of(other.outcome));
+}
+
+/// Gives the verdicts with second files beside those without. Files that contradict one another
+/// need no answer.
+void add_verdicts_with_files(const CheckInput& input, Verdict& verdict) {
+    const Windows& windows = input.judged.windows;
+    bool differ = false;
+    for (std::size_t i = 0; i < input.profiles.size(); ++i) {
+        const Profile& profile = input.profiles[i];
+        ProfileVerdict& without = verdict.profiles[i];
+        ProfileVerdict& with = verdict.with_files.emplace_back(
+            judge(input, profile, windows_of(windows, profile, true), true));
+        if (with.outcome == Outcome::not_certifiable) {
+            without.outcome = with.outcome;
+            without.reason = with.reason;
+        }
+        if (with.outcome == without.outcome && with.speed_m_s == without.speed_m_s &&
+            with.expanded_uncertainty_m_s == without.expanded_uncertainty_m_s &&
+            std::ranges::equal(with.requirements, without.requirements, {}, &Requirement::status,
+                               &Requirement::status))
+            continue;
+        differ = true;
+        without.second_files = second_files_text(verdict.second_files, with, false);
+        with.second_files = second_files_text(verdict.second_files, without, true);
+        for (ProfileVerdict* const one : {&without, &with})
+            one->notes.insert(one->notes.begin(), one->second_files);
+    }
+    if (differ) return;
+    verdict.with_files.clear();
+    verdict.second_files.clear();
+}
+
 /// Keeps the row where the window holds it. The rows are in order of time, which need not be that
 /// of their numbers.
 void keep_inside(const WindowSpan& window, const ScreenedEpoch& row,
@@ -462,14 +515,18 @@ void keep_inside(const WindowSpan& window, const ScreenedEpoch& row,
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
-    for (const ProfileWindows& entry : windows.profiles) {
-        if (!entry.best) continue;
-        keep_inside(entry.best->span, row, window_epochs[entry.profile]);
-        auto& others = further_epochs[entry.profile];
+    const auto keep = [&](const ProfileWindows& entry, const std::string& key) {
+        if (!entry.best) return;
+        keep_inside(entry.best->span, row, window_epochs[key]);
+        auto& others = further_epochs[key];
         others.resize(entry.further.size());
         for (std::size_t i = 0; i < others.size(); ++i)
             keep_inside(entry.further[i].span, row, others[i]);
-    }
+    };
+    for (const ProfileWindows& entry : windows.profiles)
+        keep(entry, entry.profile);
+    for (const ProfileWindows& entry : windows.with_files)
+        keep(entry, key_with_files(entry.profile));
 }
 
 Verdict check(const CheckInput& input) {
@@ -480,8 +537,11 @@ Verdict check(const CheckInput& input) {
     if (input.attempt.record) verdict.record = record_to_beat(*input.attempt.record);
     verdict.origins = verdict_inputs(input);
     verdict.statements = statements_of(input);
+    verdict.second_files = second_files(input.attempt);
     for (const Profile& profile : input.profiles)
-        verdict.profiles.push_back(judge(input, profile));
+        verdict.profiles.push_back(judge(input, profile, windows_of(input.judged.windows, profile),
+                                         verdict.second_files.empty()));
+    if (!verdict.second_files.empty()) add_verdicts_with_files(input, verdict);
     if (std::string compared = compared_rules(input.profiles, verdict.profiles); !compared.empty())
         verdict.statements.push_back(std::move(compared));
     return verdict;

@@ -17,6 +17,11 @@
 
 namespace runcert {
 
+/// Key of the epochs of a profile's windows with second files; of others it is the profile's id.
+inline std::string key_with_files(const std::string& profile) {
+    return profile + " with files";
+}
+
 /// The earlier stages' findings on one receiver.
 struct ReceiverFindings {
     std::string receiver;
@@ -36,14 +41,14 @@ struct ReceiverFindings {
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
     std::vector<TrajectoryEpoch> trajectory = {};
     std::optional<CourseGround> ground = std::nullopt;  ///< if a surface was handed in
-    /// The screened epochs of each profile's best window, by the profile's id.
+    /// The screened epochs of each profile's best window, by the profile's id or `key_with_files`.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
     /// The same of each of the windows that make the figure with it.
     std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs = {};
 
-    const std::vector<ScreenedEpoch>& epochs_of(const std::string& profile) const {
+    const std::vector<ScreenedEpoch>& epochs_of(const std::string& key) const {
         static const std::vector<ScreenedEpoch> none;
-        const auto found = window_epochs.find(profile);
+        const auto found = window_epochs.find(key);
         return found == window_epochs.end() ? none : found->second;
     }
 };
@@ -51,7 +56,7 @@ struct ReceiverFindings {
 /// Data gathered from the screened epochs, one by one.
 struct ScreenedSelection {
     ScreeningSummary summary;
-    /// The epochs of each profile's best window, by the profile's id.
+    /// The epochs of each profile's best window, by the profile's id or `key_with_files`.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
     /// The same of each of the windows that make the figure with it.
     std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs;
@@ -72,6 +77,9 @@ struct CheckInput {
 /// Every requirement of each profile (met, not met or to be attested), and the outcome.
 ///
 /// A profile's clauses are complemented by those of the program itself (`own_clauses`).
+///
+/// Until officials have answered for second files these can only contradict. The verdict with them
+/// is given beside that one where it differs. One with a worse outcome stands at once.
 ///
 /// The outcome is not_certifiable in any of these cases:
 /// - a requirement that the data decide, other than the margin, is not met;

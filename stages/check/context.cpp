@@ -117,7 +117,7 @@ void set_drift(ClauseContext& context) {
         context.decision->drift_survived_m =
             above_m_s * context.windows.best->span.duration.seconds();
     double found_m_s = 0.0;
-    for (const ScreenedEpoch& row : context.input.judged.epochs_of(context.profile.id))
+    for (const ScreenedEpoch& row : context.epochs())
         found_m_s = std::max(found_m_s, row.detectable.ramp_m_s.value_or(0.0));
     if (found_m_s > 0.0) context.decision->drift_found_m_s = found_m_s;
 }
@@ -196,7 +196,8 @@ bool is_observed(const WitnessedSpeed& one) {
 /// count.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses) {
-        if (contradicts(one) || is_unfit(one, context) || one.compared_over_s) continue;
+        if (contradicts(one) || is_unfit(one, context) || one.compared_over_s || one.unanswered)
+            continue;
         const bool sure = confirms(one, context);
         (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one, context));
         context.observed = context.observed || (sure && is_observed(one));
@@ -309,8 +310,10 @@ std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
     return ramp->size;
 }
 
-const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
-    for (const ProfileWindows& entry : windows.profiles)
+const ProfileWindows& windows_of(const Windows& windows, const Profile& profile, bool with_files) {
+    const bool has_both = !windows.with_files.empty();
+    for (const ProfileWindows& entry :
+         (with_files && has_both) ? windows.with_files : windows.profiles)
         if (entry.profile == profile.id && entry.rule == rule_of(profile)) return entry;
     throw Failure("5-windows of receiver " + windows.receiver,
                   "the windows were not searched for the profile " + profile.id + " as it is now",
@@ -325,11 +328,12 @@ std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings&
 }
 
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
-                             const ProfileWindows& windows) {
+                             const ProfileWindows& windows, bool files_answered) {
     ClauseContext context{.input = input,
                           .profile = profile,
                           .windows = windows,
-                          .coverage_factor = profile.coverage_factor};
+                          .coverage_factor = profile.coverage_factor,
+                          .files_answered = files_answered};
     if (const auto& best = windows.best) {
         context.course = course_of(input.judged, profile, *best);
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);

@@ -215,7 +215,7 @@ Finding computation::current(const Clause& clause, const ClauseContext& context)
 
 /// Decides by the largest time between neighbouring epochs of the window.
 Finding computation::sampling_rate(const Clause& clause, const ClauseContext& context) {
-    const auto& rows = context.input.judged.epochs_of(context.profile.id);
+    const auto& rows = context.epochs();
     if (rows.size() < 2) return unknown("there is no certifiable window");
     double longest_s = 0.0;
     double before_s = rows.front().time.seconds();
@@ -233,7 +233,7 @@ Finding computation::sampling_rate(const Clause& clause, const ClauseContext& co
 /// over the window from two positions with an epoch's stated standard deviations, the other that of
 /// its recorded velocity, if stated.
 Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& context) {
-    const auto& rows = context.input.judged.epochs_of(context.profile.id);
+    const auto& rows = context.epochs();
     if (rows.size() < 2) return unknown("there is no certifiable window");
     const double of_two = std::numbers::sqrt2 / context.windows.best->span.duration.seconds();
     double of_positions = 0.0;

@@ -216,7 +216,7 @@ void add_mean_of_samples(const ClauseContext& context, Notes& notes) {
     say(notes,
         "The rule counts the mean of the {} {}, not the mean over time. The smoothed track gives "
         "{} {} by such samples and {} {} over time ({} {}).",
-        context.input.judged.epochs_of(profile.id).size() - (both_ends ? 0 : 1),
+        context.epochs().size() - (both_ends ? 0 : 1),
         profile.speed_source == SpeedSource::velocity ? "recorded speeds" : "speeds at its epochs",
         of_samples, context.shown->unit, over_time, context.shown->unit,
         signed_difference(over_time, of_samples), context.shown->unit);

@@ -217,7 +217,7 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
                                         to_text(*best->bound->floor_fix), best->bound->floor_m)
                                   : "";
     if (source == SolutionSource::attempt) {
-        const auto& rows = context.input.judged.epochs_of(context.profile.id);
+        const auto& rows = context.epochs();
         const std::string kind =
             rows.empty() ? std::string("the fix type") : std::string(to_text(rows[0].fix));
         return {

@@ -73,7 +73,15 @@ struct ClauseContext {
     /// accurate enough to confirm it, and those that agree and are not.
     std::vector<std::string> witnesses = {};
     std::vector<std::string> unsure_witnesses = {};
-    bool observed = false;  ///< whether `witnesses` includes a receiver's recording
+    bool observed = false;       ///< whether `witnesses` includes a receiver's recording
+    bool files_answered = true;  ///< whether officials answered for second files
+    /// Key of the window's epochs.
+    std::string key() const {
+        return files_answered && !input.judged.windows.with_files.empty()
+                   ? key_with_files(profile.id)
+                   : profile.id;
+    }
+    const std::vector<ScreenedEpoch>& epochs() const { return input.judged.epochs_of(key()); }
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
@@ -81,7 +89,7 @@ struct ClauseContext {
 /// Gathers a profile's figures: its windows, the record and the required speed, the conformance
 /// probability, course and craft, wind and current, second methods.
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
-                             const ProfileWindows& windows);
+                             const ProfileWindows& windows, bool files_answered);
 
 /// A speed as it stands beside the measured one, in the rule's unit: "216.00 km/h".
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s,
@@ -137,7 +145,8 @@ std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 
 /// The windows of a profile in 5-windows. Failure if they were searched under another rule than
 /// the profile now has.
-const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
+const ProfileWindows& windows_of(const Windows& windows, const Profile& profile,
+                                 bool with_files = false);
 
 /// The speed by the rule's own arithmetic, why it differs from the measured one, or why there is
 /// none.

@@ -18,8 +18,8 @@ namespace {
 /// The epochs of each window that makes the figure, out of those out of time.
 std::vector<std::vector<ScreenedEpoch>> samples_of(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
-    std::vector<std::vector<ScreenedEpoch>> windows{judged.epochs_of(context.profile.id)};
-    if (const auto others = judged.further_epochs.find(context.profile.id);
+    std::vector<std::vector<ScreenedEpoch>> windows{context.epochs()};
+    if (const auto others = judged.further_epochs.find(context.key());
         others != judged.further_epochs.end())
         windows.insert(windows.end(), others->second.begin(), others->second.end());
     for (std::vector<ScreenedEpoch>& window : windows)

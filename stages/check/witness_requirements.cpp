@@ -237,11 +237,15 @@ DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMet
 
 Finding computation::secondary_method(const Clause& clause, const ClauseContext& context) {
     const bool declared = context.input.attempt.secondary_method.has_value();
-    if (!context.input.secondary && !declared) return by_own_witnesses(clause, context);
-    if (!declared) return by_receiver(context);
-    Finding finding = by_declaration(context);
-    if (!context.input.secondary) return finding;
+    if (!context.input.secondary)
+        return declared ? by_declaration(context) : by_own_witnesses(clause, context);
     Finding other = by_receiver(context);
+    if (!context.files_answered && other.status == RequirementStatus::met)
+        other = {RequirementStatus::attest,
+                 other.evidence + "; this counts once an official has answered for its file",
+                 std::move(other.figures)};
+    if (!declared) return other;
+    Finding finding = by_declaration(context);
     finding.observed = other.status == RequirementStatus::met;
     if (finding.status != RequirementStatus::not_met) finding.status = other.status;
     finding.evidence += "; " + other.evidence;

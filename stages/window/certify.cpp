@@ -333,14 +333,17 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     PositionFigures<Axes> figures =
         figures_of(choice, at, noise, fault, window.definitions, position_terms(alone));
     const ArcMotion<Axes> motion(estimate.trajectory, rows);
-    std::vector<WitnessedSpeed> witnesses = witnessed_speeds(estimate.witnesses, figures, motion);
+    const auto heard_by = [&] {
+        return witnessed_speeds(heard(estimate, choice.files_answered), figures, motion);
+    };
+    std::vector<WitnessedSpeed> witnesses = heard_by();
     const auto* const by = suspected_by(choice.contradictions, choice.found, witnesses);
     if (by) suspect(*by, fault);
     if (by || suspect_if_doubted(witnesses, choice.found.speed_m_s, estimate.lasting, fault)) {
         input.fault = fault;
         alone = budget_of(input);
         figures.fault = fault.prior;
-        witnesses = witnessed_speeds(estimate.witnesses, figures, motion);
+        witnesses = heard_by();
     }
     for (WitnessedSpeed& one : witnesses)
         one.confirms = one.confirms && !choice.by_positions_alone;
@@ -422,10 +425,16 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
                                 .rows = arcs_in(trajectory),
                                 .times = {},
                                 .witnesses = {},
+                                .unanswered = {},
                                 .stands = {},
                                 .lasting = {}};
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
+    estimate.unanswered = estimate.witnesses;
+    for (HeardWitness<Axes>& one : estimate.unanswered) {
+        one.unanswered = is_second_file(one.kind, beside);
+        one.confirms = one.confirms && !one.unanswered;
+    }
     const auto velocities =
         std::ranges::find(estimate.witnesses, WitnessKind::velocities, &HeardWitness<Axes>::kind);
     estimate.lasting = lasting_difference<Axes>(

@@ -28,9 +28,16 @@ struct AxesEstimate {
     std::vector<ArcRows> rows;                    ///< each arc's rows in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
     HeardWitnesses<Axes> witnesses;
+    HeardWitnesses<Axes> unanswered;  ///< the same while nobody has answered for second files
     std::vector<Stand> stands;
     LastingDifference lasting;  ///< as from `lasting_difference`
 };
+
+/// The witnesses that are heard before officials have answered for second files, or after.
+template <int Axes>
+const HeardWitnesses<Axes>& heard(const AxesEstimate<Axes>& estimate, bool files_answered) {
+    return files_answered ? estimate.witnesses : estimate.unanswered;
+}
 
 /// Gathers these data. Heights must have been measured for Axes 1. Failure if the trajectory
 /// does not have the arcs of the screened epochs, or does not state the noise with which it was
@@ -51,6 +58,7 @@ struct WindowChoice {
     std::optional<CraftCorrection> craft = std::nullopt;
     /// Whether witnesses can only contradict: they do not reduce the uncertainty.
     bool by_positions_alone = false;
+    bool files_answered = true;  ///< whether an official has answered for second files
     /// Where witnesses contradict other windows, which makes this one suspect.
     std::span<const Contradiction> contradictions = {};
 };

@@ -263,19 +263,20 @@ CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profil
 
 void add_craft_speeds(const InertialSolution& solution, const std::vector<Profile>& profiles,
                       Windows& windows) {
-    for (ProfileWindows& found : windows.profiles) {
-        const auto profile = std::ranges::find(profiles, found.profile, &Profile::id);
-        if (profile == profiles.end()) continue;
-        const auto set = [&](auto& window) {
-            window.points =
-                craft_speeds(solution, *profile, window.span, window.speed_m_s,
-                             2.0 * window.standard_uncertainty_m_s + window.bias_limit_m_s);
-        };
-        if (found.best) set(*found.best);
-        if (found.fastest) set(*found.fastest);
-        for (FurtherWindow& further : found.further)
-            set(further);
-    }
+    for (auto* const list : {&windows.profiles, &windows.with_files})
+        for (ProfileWindows& found : *list) {
+            const auto profile = std::ranges::find(profiles, found.profile, &Profile::id);
+            if (profile == profiles.end()) continue;
+            const auto set = [&](auto& window) {
+                window.points =
+                    craft_speeds(solution, *profile, window.span, window.speed_m_s,
+                                 2.0 * window.standard_uncertainty_m_s + window.bias_limit_m_s);
+            };
+            if (found.best) set(*found.best);
+            if (found.fastest) set(*found.fastest);
+            for (FurtherWindow& further : found.further)
+                set(further);
+        }
 }
 
 }  // namespace runcert

@@ -107,7 +107,8 @@ WitnessRecords beside(StageRun& run, const std::vector<ReceiverTables>& tables, 
     WitnessRecords all{.phases = tables[own].phases,
                        .first_of_phases = tables[own].first_of_phases,
                        .inertial = tables[own].inertial,
-                       .still_by_imu = tables[own].still};
+                       .still_by_imu = tables[own].still,
+                       .own_phases = run.attempt().receivers[own].phase.empty()};
     // Series handed in belong to the first receiver's craft and use its time.
     if (own == 0)
         all.handed_in = {run.attempt(),

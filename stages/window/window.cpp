@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <map>
@@ -62,20 +63,22 @@ class Certifier {
     const std::vector<Stand>& stands() const { return horizontal_.stands; }
 
     /// Predicts the uncertainty of other windows from a certified one.
-    Allowance allowance(const Profile& profile, const Reference& reference,
+    Allowance allowance(const Profile& profile, const Reference& reference, bool files_answered,
                         std::span<const Contradiction> contradictions) const {
         if (profile.speed_source == SpeedSource::velocity)
             return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
-        return by_positions(profile, reference, AskedWitnesses::all, contradictions);
+        return by_positions(profile, reference, AskedWitnesses::all, files_answered,
+                            contradictions);
     }
 
     /// The same without witnesses that can only contradict a window: the same or less. Empty if
     /// there are none of them.
-    Allowance least_allowance(const Profile& profile, const Reference& reference) const {
+    Allowance least_allowance(const Profile& profile, const Reference& reference,
+                              bool files_answered) const {
         if (profile.speed_source == SpeedSource::velocity ||
-            std::ranges::all_of(horizontal_.witnesses, &HeardWitness<2>::confirms))
+            std::ranges::all_of(heard(horizontal_, files_answered), &HeardWitness<2>::confirms))
             return {};
-        return by_positions(profile, reference, AskedWitnesses::those_that_confirm);
+        return by_positions(profile, reference, AskedWitnesses::those_that_confirm, files_answered);
     }
 
     /// The trajectory in which a profile's windows are searched.
@@ -97,6 +100,21 @@ class Certifier {
                      "(receivers[].imu), or bounds of the antenna's motion "
                      "(receivers[].antenna_motion)";
     }
+
+    /// Whether second files can change what is certified under the profile.
+    bool depends_on_files(const Profile& profile) const {
+        using Heard = HeardWitness<2>;
+        return profile.speed_source != SpeedSource::velocity &&
+               (counts_craft(profile) ||
+                !std::ranges::equal(horizontal_.witnesses, horizontal_.unanswered, {},
+                                    &Heard::confirms, &Heard::confirms));
+    }
+
+    /// Whether windows are those of the reference point by the IMU.
+    bool counts_craft(const Profile& profile) const {
+        return inertial_ && profile.speed_of == SpeedOf::reference_point;
+    }
+
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
     /// Notes on the witnesses of horizontal motion: those that were not used, the parameters
@@ -145,12 +163,12 @@ class Certifier {
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
-                              const std::optional<SurveyedCourse>& gates,
+                              const std::optional<SurveyedCourse>& gates, bool files_answered,
                               std::span<const Contradiction> contradictions) const {
         if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
         if (profile.window_kind == WindowKind::course)
-            return certify_course(profile, found, all, *gates, contradictions);
+            return certify_course(profile, found, all, *gates, files_answered, contradictions);
         const auto choice = [&](Dimension dimension) {
             return WindowChoice{.profile = profile,
                                 .found = found,
@@ -160,6 +178,7 @@ class Certifier {
                                 // Of the two parts of a speed in space a witness may have heard
                                 // one, and each budget counts its own share of it.
                                 .by_positions_alone = profile.dimension == Dimension::space,
+                                .files_answered = files_answered,
                                 .contradictions = contradictions};
         };
         if (profile.dimension == Dimension::vertical)
@@ -181,16 +200,12 @@ class Certifier {
 
   private:
     Allowance by_positions(const Profile& profile, const Reference& reference, AskedWitnesses asked,
+                           bool files_answered,
                            std::span<const Contradiction> contradictions = {}) const {
         static const HeardWitnesses<1> none;
-        return expected_allowance(screened_, trajectory_, rows(), profile, reference,
-                                  horizontal_.witnesses, vertical_ ? vertical_->witnesses : none,
-                                  asked, contradictions);
-    }
-
-    /// Whether windows are those of the reference point by the IMU.
-    bool counts_craft(const Profile& profile) const {
-        return inertial_ && profile.speed_of == SpeedOf::reference_point;
+        return expected_allowance(
+            screened_, trajectory_, rows(), profile, reference, heard(horizontal_, files_answered),
+            vertical_ ? heard(*vertical_, files_answered) : none, asked, contradictions);
     }
 
     std::optional<CraftCorrection> craft_of(const Profile& profile, const FoundWindow& found,
@@ -212,6 +227,7 @@ class Certifier {
     /// lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
                                      std::vector<FoundWindow> all, const SurveyedCourse& gates,
+                                     bool files_answered,
                                      std::span<const Contradiction> contradictions) const {
         const auto same = [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
@@ -248,6 +264,7 @@ class Certifier {
                           .quantity = quantity,
                           .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
                           .craft = craft_of(profile, found, Dimension::horizontal),
+                          .files_answered = files_answered,
                           .contradictions = contradictions});
     }
 
@@ -280,6 +297,7 @@ struct Candidates {
     const std::optional<SurveyedCourse>& gates;
     WindowCriteria rule;
     std::vector<SampleSeries> series;
+    bool files_answered = true;  ///< whether second files count
 };
 
 Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -417,13 +435,13 @@ FurtherWindow beside(const CertifiableWindow& window) {
 }
 
 /// Each chosen window, certified among those that do not overlap a previously chosen one.
-std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, const Profile& profile,
-                                                 Choice choice,
-                                                 const std::optional<SurveyedCourse>& gates,
+std::vector<CertifiableWindow> certified_windows(const Certifier& certifier,
+                                                 const Candidates& among, Choice choice,
                                                  std::span<const Contradiction> contradictions) {
     std::vector<CertifiableWindow> certified;
     for (const FoundWindow& found : choice.chosen) {
-        certified.push_back(certifier.certify(profile, found, choice.all, gates, contradictions));
+        certified.push_back(certifier.certify(among.profile, found, choice.all, among.gates,
+                                              among.files_answered, contradictions));
         std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
     }
     return certified;
@@ -499,11 +517,10 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
                   ProfileWindows& entry) {
     if (fastest.chosen.empty()) return;
     const Profile& profile = among.profile;
-    std::vector<CertifiableWindow> windows =
-        certified_windows(certifier, profile, fastest, among.gates, {});
+    std::vector<CertifiableWindow> windows = certified_windows(certifier, among, fastest, {});
     const CertifiableWindow first = windows.front();
     const Reference reference{.window = first, .found = fastest.chosen.front()};
-    const Allowance least = certifier.least_allowance(profile, reference);
+    const Allowance least = certifier.least_allowance(profile, reference, among.files_answered);
     // A window that overlaps one contradicted by a witness contains part of the fault, and no speed
     // is claimed for it. Others of the same motion are suspect.
     std::vector<FoundWindow> wrong;
@@ -522,7 +539,8 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     learn(fastest, windows);
     constexpr int most_searches = 5;
     for (int search = 0; search < most_searches; ++search) {
-        const Allowance expected = certifier.allowance(profile, reference, contradictions);
+        const Allowance expected =
+            certifier.allowance(profile, reference, among.files_answered, contradictions);
         const Allowance allowance = [&](const FoundWindow& one) {
             return is_wrong(one) ? one.speed_m_s : expected(one);
         };
@@ -530,13 +548,12 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
                                           contradictions.empty() ? least : Allowance{});
         if (proof.chosen.empty() || std::ranges::any_of(proof.chosen, is_wrong)) break;
         std::vector<CertifiableWindow> proving =
-            certified_windows(certifier, profile, proof, among.gates, contradictions);
+            certified_windows(certifier, among, proof, contradictions);
         if (contradicted(proving)) {
             // What was found there holds for the fastest, too.
             learn(proof, proving);
             if (!contradicted(windows)) {
-                windows =
-                    certified_windows(certifier, profile, fastest, among.gates, contradictions);
+                windows = certified_windows(certifier, among, fastest, contradictions);
                 learn(fastest, windows);
             }
             continue;
@@ -597,9 +614,50 @@ std::optional<RuleScore> score_of(const Candidates& certifiable, const WindowCon
     return score;
 }
 
-ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                          const Certifier& certifier, const Profile& profile,
-                          const WindowConfig& config, const std::optional<SurveyedCourse>& gates) {
+/// The windows of a rule before officials have answered for second files, and after.
+using BothWindows = std::array<ProfileWindows, 2>;
+
+/// These windows, in which no second file confirms anything.
+ProfileWindows unanswered(ProfileWindows windows, const WitnessRecords& beside) {
+    const auto mark = [&](auto& window) {
+        for (WitnessedSpeed& one : window.witnesses)
+            if ((one.unanswered = is_second_file(one.kind, beside))) one.confirms = false;
+    };
+    if (windows.best) mark(*windows.best);
+    std::ranges::for_each(windows.further, mark);
+    return windows;
+}
+
+/// Certifies twice only where second files have a share in the result, or an IMU carries it. Of the
+/// two results the one that proves less stands before officials have answered.
+BothWindows certify_both(const Certifier& certifier, Candidates among, const Choice& fastest,
+                         const ProfileWindows& entry, const WitnessRecords& beside) {
+    BothWindows both{entry, entry};
+    auto& [before, after] = both;
+    certify_best(certifier, among, fastest, after);
+    if (!certifier.depends_on_files(among.profile)) return {after, after};
+    if (certifier.counts_craft(among.profile)) {
+        before.missing =
+            "the rule counts the speed of the craft's reference point, which the IMU alone gives: "
+            "an official must first answer for the IMU's file (imu-as-measured)";
+        return both;
+    }
+    among.files_answered = false;
+    certify_best(certifier, among, fastest, before);
+    const auto proven_m_s = [&](const ProfileWindows& one) {
+        const auto figure = figure_of(one);
+        return figure ? figure->speed_m_s -
+                            expanded_uncertainty_by_rule_m_s(*figure, among.profile.coverage_factor)
+                      : 0.0;
+    };
+    if (proven_m_s(after) < proven_m_s(before)) before = unanswered(after, beside);
+    return both;
+}
+
+BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                       const Certifier& certifier, const Profile& profile,
+                       const WindowConfig& config, const std::optional<SurveyedCourse>& gates,
+                       const WitnessRecords& beside) {
     ProfileWindows entry{.profile = profile.id,
                          .rule = rule_of(profile),
                          .candidates = 0,
@@ -613,18 +671,18 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
     entry.indicated = fastest_indicated(screened, profile, config, gates, entry.part);
     if (entry.part && !entry.part->from) {
         entry.missing = fmt::format("{}", fmt::join(entry.part->missing, "; "));
-        return entry;
+        return {entry, entry};
     }
     if (profile.dimension != Dimension::horizontal && !certifier.has_heights()) {
         entry.missing = "the recording has no heights that could be estimated";
-        return entry;
+        return {entry, entry};
     }
     if (std::string unknown = certifier.craft_is_unknown(profile, config); !unknown.empty()) {
         entry.missing = std::move(unknown);
-        return entry;
+        return {entry, entry};
     }
     entry.missing = constant_speed_text(screened, trajectory, profile);
-    if (!entry.missing.empty()) return entry;
+    if (!entry.missing.empty()) return {entry, entry};
     const Candidates among = candidates_of(screened, certifier.trajectory_for(profile),
                                            certifier.rows(), profile, config, gates, entry.part);
     entry.score = score_of(among, config, entry.part);
@@ -638,14 +696,13 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
-    certify_best(certifier, among, choice, entry);
-    return entry;
+    return certify_both(certifier, among, choice, entry, beside);
 }
 
 /// Profiles are certified in parallel. Which of several failures is reported must not depend on
 /// timing.
 struct ProfileOrFailure {
-    std::optional<ProfileWindows> windows;
+    std::optional<BothWindows> windows;
     std::exception_ptr failure;
 };
 
@@ -695,13 +752,18 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
             if (profile.window_kind == WindowKind::course && !gates)
                 throw Failure("attempt", "the profile " + profile.id + " needs a course",
                               "Run runcert-import again, with the same attempt");
-            return windows_of(screened, trajectory, certifier, profile, config, gates);
+            return windows_of(screened, trajectory, certifier, profile, config, gates, beside);
         });
     };
     for (ProfileOrFailure& entry : results_of(std::ssize(profiles), threads_allowed(), one)) {
         if (entry.failure) std::rethrow_exception(entry.failure);
-        windows.profiles.push_back(std::move(*entry.windows));
+        windows.profiles.push_back(std::move(entry.windows->front()));
+        windows.with_files.push_back(std::move(entry.windows->back()));
     }
+    const auto depends = [&](const Profile& profile) {
+        return certifier.depends_on_files(profile);
+    };
+    if (std::ranges::none_of(profiles, depends)) windows.with_files.clear();
     set_courses(trajectory, windows);
     windows.stands = certifier.stands();
     windows.witness_notes = certifier.witness_notes(profiles, windows.profiles, beside);

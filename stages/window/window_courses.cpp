@@ -29,12 +29,13 @@ std::optional<CourseDirections> course_between(const PlaceFrames& frames,
 /// Calls `set` for each window that has a course.
 template <class Set>
 void for_each_window(Windows& windows, const Set& set) {
-    for (ProfileWindows& found : windows.profiles) {
-        if (found.best) set(*found.best);
-        if (found.fastest) set(*found.fastest);
-        for (FurtherWindow& further : found.further)
-            set(further);
-    }
+    for (auto* const list : {&windows.profiles, &windows.with_files})
+        for (ProfileWindows& found : *list) {
+            if (found.best) set(*found.best);
+            if (found.fastest) set(*found.fastest);
+            for (FurtherWindow& further : found.further)
+                set(further);
+        }
 }
 
 }  // namespace

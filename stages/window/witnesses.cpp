@@ -270,6 +270,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     witnessed.undetected_m_s =
         std::min(positions.fault.largest_m_s,
                  found_in_units * std::hypot(positions.standard_uncertainty_m_s, uncertainty_m_s));
+    witnessed.unanswered = witness.unanswered;
     witnessed.confirms = witness.confirms && moved->confirms;
     return witnessed;
 }

@@ -35,9 +35,15 @@ struct WitnessRecords {
     std::vector<StillSpan> still_by_imu = {};  ///< where that IMU felt that the craft stood
     std::vector<OtherReceiver> receivers = {};
     HandedIn handed_in = {};
+    bool own_phases = false;  ///< the phases are the recording's own, as of RINEX
     /// Bounds of the antenna's motion against the craft, where there is no such IMU.
     std::optional<AntennaMotion> antenna_motion = std::nullopt;
 };
+
+/// Whether a witness comes from a file beside the recording that is judged.
+inline bool is_second_file(WitnessKind kind, const WitnessRecords& beside) {
+    return kind != WitnessKind::velocities && !(kind == WitnessKind::phases && beside.own_phases);
+}
 
 /// A sentence for each part of a series that was left out, and for each series that gave no
 /// witness.

@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -85,6 +86,7 @@ BatchOrder order_of(const BatchOptions& options) {
     KeptRecordKey kept = record_key_in(state_folder());
     context.record_key = kept.key;
     order.passing_key = std::move(kept.passing);
+    context.latest = end_of_tomorrow(std::time(nullptr));
     context.force = options.force;
     context.from = options.from;
     context.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));

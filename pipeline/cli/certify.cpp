@@ -243,6 +243,7 @@ int certify(const CertifyOptions& options) {
                                      .pdf = !options.no_pdf,
                                      .brief = options.brief,
                                      .signer = options.key},
+                          .latest = end_of_tomorrow(started),
                           .sign = [&] {
                               return sign_report(staging.path(), read_report_facts(staging.path()),
                                                  *key, role);

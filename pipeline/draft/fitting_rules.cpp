@@ -31,11 +31,8 @@ bool is_of_day(const std::string& rule, const std::string& day) {
     const std::string_view text = builtin_profile(rule);
     if (text.empty()) return true;
     const Profile profile = read_profile(text, rule);
-    if (!profile.valid_from.empty()) return !(day < profile.valid_from);
-    if (profile.superseded_by.empty()) return true;
-    const Profile next =
-        read_profile(builtin_profile(profile.superseded_by), profile.superseded_by);
-    return day < next.valid_from;
+    return day >= profile.valid_from &&
+           (profile.superseded_by.empty() || day < profile.superseded_from);
 }
 
 }  // namespace

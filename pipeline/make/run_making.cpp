@@ -89,6 +89,7 @@ void RunMaking::make() {
                      .stop = stop_,
                      .most_output = most_output_of_step,
                      .own_group = true},
+         .latest = context_.latest,
          .sign = [this] { return sign(); }},
         [&](const Step& step) {
             step_ = step.name;

@@ -31,6 +31,7 @@ struct BatchContext {
     unsigned threads = 1;                                             ///< that a step may use
     /// Seals the records of the runs; a record that it did not seal is ignored.
     RecordKey record_key = {};
+    std::optional<GpsTime> latest = std::nullopt;  ///< no recording may begin later
 };
 
 /// What became of a run.

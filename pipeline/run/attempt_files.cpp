@@ -72,38 +72,6 @@ void require_course(const Profile& profile, const Attempt& attempt, const Attemp
                       "Use a profile of that length, or correct length_m");
 }
 
-/// The rule that replaces another; empty where it is not at hand.
-std::optional<Profile> successor_of(const Profile& profile, const std::string& claimed,
-                                    const AttemptSource& source) {
-    const std::string& id = profile.superseded_by;
-    if (const std::string_view text = builtin_profile(id); !text.empty())
-        return read_profile(text, id + ".yaml");
-    const fs::path beside = fs::path(claimed).parent_path() / (id + ".yaml");
-    const fs::path path = inside_folder(beside.string(), source, source.file.string());
-    if (!fs::exists(path)) return std::nullopt;
-    return read_profile(read_handwritten(path), path.string());
-}
-
-/// A new attempt is judged by the rule that was in force on its day.
-void require_in_force(const Profile& profile, const std::string& claimed, const Attempt& attempt,
-                      const AttemptSource& source) {
-    if (profile.superseded_by.empty() || source.earlier_run) return;
-    const std::optional<Profile> successor = successor_of(profile, claimed, source);
-    const std::string from = successor ? successor->valid_from : std::string();
-    if (!from.empty() && !attempt.date.empty() && attempt.date < from) return;
-    throw Failure(
-        source.file.string(),
-        fmt::format("the rule {} is superseded by {}{}{}", profile.id, profile.superseded_by,
-                    from.empty() ? "" : fmt::format(", which holds for runs from {}", from),
-                    attempt.date.empty() ? ", and the attempt names no date"
-                                         : fmt::format("; the run is of {}", attempt.date)),
-        from.empty()
-            ? fmt::format("Claim {} in profiles", profile.superseded_by)
-            : fmt::format(
-                  "Claim {} in profiles; for a run before {}, name its date: in the attempt",
-                  profile.superseded_by, from));
-}
-
 }  // namespace
 
 std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
@@ -203,7 +171,6 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         const std::string profile = find_profile(claimed, source);
         Profile& rule = rules.emplace_back(read_profile(profile, claimed));
         require_own_id(rule, claimed);
-        require_in_force(rule, claimed, attempt, source);
         rule = with_replaced_figures(std::move(rule), attempt);
         if (!rule.evidence) require_course(rule, attempt, source);
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);

@@ -8,6 +8,9 @@
 #include "core/failure.h"
 #include "core/rounding.h"
 #include "core/text.h"
+#include "schemas/common/product_files.h"
+#include "schemas/observations/recording_facts.h"
+#include "store/ecsv.h"
 #include "store/program.h"
 #include "store/yaml_output.h"
 
@@ -69,7 +72,28 @@ StageDone make_step(const Step& step, const RunInMaking& run) {
     return done;
 }
 
+/// Refuses tables of recordings that begin after an instant.
+void require_recorded(const fs::path& folder, const std::vector<std::string>& tables,
+                      GpsTime latest) {
+    for (const std::string& name : tables) {
+        if (!name.starts_with(products::observations.stem)) continue;
+        const std::string text = read_file(folder / name);
+        const EcsvReader table(text, name);
+        const auto first = read_members<RecordingFacts>(YamlValue(table.meta(), name)).first_epoch;
+        if (first && *first > latest)
+            throw Failure(name,
+                          "the recording begins later than tomorrow: " + to_utc_iso(*first, 0),
+                          "Set this computer's clock, or hand in a recording with true times");
+    }
+}
+
 }  // namespace
+
+GpsTime end_of_tomorrow(std::time_t now) {
+    constexpr std::time_t gps_epoch_s = 315'964'800, day_s = 86'400;
+    return GpsTime().plus_nanoseconds(((now - gps_epoch_s) / day_s + 2) *
+                                      GpsTime::nanoseconds_per_day);
+}
 
 std::string message_of(const StageFailed& failed) {
     const ProcessResult& result = failed.result;
@@ -100,8 +124,13 @@ StageDone run_step(std::string_view step, const StepCall& call, const ProcessOpt
 
 void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
               const std::function<void(const StageDone&)>& done) {
-    for (const Step& step : steps())
-        if (is_step_of(step, run.report) && !stays(step)) done(make_step(step, run));
+    for (const Step& step : steps()) {
+        if (!is_step_of(step, run.report) || stays(step)) continue;
+        const StageDone made = make_step(step, run);
+        if (step.name == "import" && run.latest)
+            require_recorded(run.folder, made.wrote, *run.latest);
+        done(made);
+    }
 }
 
 std::string run_times_text(std::time_t started, const std::vector<StageDone>& stages) {

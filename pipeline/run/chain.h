@@ -51,11 +51,16 @@ struct RunInMaking {
     std::filesystem::path programs = program_folder();
     /// How the programs are run. What they write is synced by the caller.
     ProcessOptions process = {.environment = {synced_by_caller()}};
-    std::function<std::string()> sign = {};  ///< signs the report; the signature's name
+    std::optional<GpsTime> latest = std::nullopt;  ///< no recording may begin later
+    std::function<std::string()> sign = {};        ///< signs the report; the signature's name
 };
 
+/// The end of tomorrow by the computer's clock, but for the leap seconds.
+GpsTime end_of_tomorrow(std::time_t now);
+
 /// Makes a run by the table of steps: each that is part of a run reported so and of which `stays`
-/// is false. `done` is called after each. Throws what the steps throw.
+/// is false. `done` is called after each. Throws what the steps throw; Failure where a recording
+/// begins after `latest`, before any other step.
 void make_run(const RunInMaking& run, const std::function<bool(const Step&)>& stays,
               const std::function<void(const StageDone&)>& done);
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "schemas/enu/declared.h"
@@ -26,6 +28,17 @@ double least_displacement_m(double speed_m_s, double time_s);
 
 /// Time (s) from an earlier epoch to a later one, for any time stamps.
 double seconds_between(const EnuEpoch& earlier, const EnuEpoch& later);
+
+/// By how much the steps of these rows lead away, in sum, from whole intervals (s).
+template <class Rows>
+double beyond_whole_intervals_s(const Rows& rows, double interval_s) {
+    double sum_s = 0.0;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const double step_s = rows[i].time.seconds() - rows[i - 1].time.seconds();
+        sum_s += step_s - interval_s * std::max(1.0, std::round(step_s / interval_s));
+    }
+    return std::abs(sum_s);
+}
 
 /// The velocity (m/s) between two positions: east, north and up, where up is 0 without heights.
 /// Empty if a position is missing, or the time between them is not above 0 and at most

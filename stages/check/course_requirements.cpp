@@ -44,6 +44,22 @@ Finding by_the_ground(Finding finding, const ClauseContext& context) {
     return finding;
 }
 
+/// Heights that do not scatter as stated are typed, smoothed or of a formula. What follows from
+/// them was not measured.
+Finding by_the_heights(const Compared& figure, const Clause& clause, const ClauseContext& context) {
+    Finding finding = against_limit(figure, clause);
+    constexpr double too_smooth = 0.3;
+    const auto& models = context.input.judged.tests.models;
+    const auto model = std::ranges::find(models, TestedAxes::vertical, &ScreeningModel::axes);
+    if (finding.status != RequirementStatus::met || model == models.end()) return finding;
+    if (model->noise == NoiseBasis::fitted && model->white_scale >= too_smooth) return finding;
+    finding.status = RequirementStatus::attest;
+    finding.evidence += fmt::format(
+        "; but the heights were not shown to scatter as stated (noise: {}, {:.2g} times as stated)",
+        to_text(model->noise), model->white_scale);
+    return finding;
+}
+
 /// The finding from the facts about the course, or that there are none.
 template <class Find>
 Finding with_facts(const ClauseContext& context, Find&& find) {
@@ -111,8 +127,9 @@ Finding computation::flatness(const Clause& clause, const ClauseContext& context
                     clause),
                 context);
         if (!facts.height_difference_m) return unknown("not every epoch of the run has a height");
-        return against_limit(
-            compared("highest less lowest height of the run", *facts.height_difference_m), clause);
+        return by_the_heights(
+            compared("highest less lowest height of the run", *facts.height_difference_m), clause,
+            context);
     });
 }
 
@@ -128,8 +145,9 @@ Finding computation::slope(const Clause& clause, const ClauseContext& context) {
                     clause),
                 context);
         if (!facts.slope) return unknown("the window's ends have no heights");
-        return against_limit(
-            compared("slope of the window, without sign", *facts.slope, 100.0, true), clause);
+        return by_the_heights(
+            compared("slope of the window, without sign", *facts.slope, 100.0, true), clause,
+            context);
     });
 }
 
@@ -158,6 +176,10 @@ Finding computation::standing_start(const Clause&, const ClauseContext& context)
                                      .value = speed.value,
                                      .unit = "m/s",
                                      .expanded_uncertainty = speed.expanded_uncertainty}};
+        if (facts.standing_start && speed.value + speed.expanded_uncertainty.value_or(1.0) >
+                                        CourseErrors{}.moving_above_m_s)
+            return {RequirementStatus::attest,
+                    words + ", too uncertain to tell standing from moving", std::move(figures)};
         if (facts.standing_start)
             return {RequirementStatus::met,
                     words +

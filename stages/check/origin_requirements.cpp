@@ -9,6 +9,7 @@
 #include "reports/words/recording.h"
 #include "stages/check/course.h"
 #include "stages/check/requirements.h"
+#include "witness/going_on.h"
 
 namespace runcert {
 namespace {
@@ -68,17 +69,34 @@ std::string evidence_of_measuring(const ClauseContext& context) {
 }
 
 /// How the steps of the time stamps differ from a receiver's. Empty if they do not.
-std::string unusual_steps(const ReceiverFindings& judged) {
+std::string unusual_steps(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
     const TimeStampSummary& time = judged.tests.time;
-    constexpr double allowed_s = 2e-3;
-    if (!time.departure_s ||
-        *time.departure_s <= allowed_s + judged.facts.time_resolution_s.value_or(0.0))
-        return {};
+    if (!time.departure_s) return {};
+    const double allowed_s = 2e-3 + judged.facts.time_resolution_s.value_or(0.0);
+    if (*time.departure_s <= allowed_s) {
+        double in_sum_s = 0.0;
+        for (const std::vector<ScreenedEpoch>& window : samples_of(context))
+            in_sum_s = std::max(in_sum_s, beyond_whole_intervals_s(window, *time.usual_interval_s));
+        if (in_sum_s <= allowed_s) return {};
+        return fmt::format(
+            "over the window the steps lead, in sum, {:.4f} s away from {:.6g} s, the nearest "
+            "interval that receivers are set to",
+            in_sum_s, *time.usual_interval_s);
+    }
     return fmt::format(
         "steps in a row lead {:.3f} s away from {:.6g} s, the nearest interval that receivers are "
         "set to (mean step {:.6g} s): somebody must show by the receiver's settings that it "
         "recorded at such steps",
         *time.departure_s, *time.usual_interval_s, *time.interval_s);
+}
+
+/// Whether a wrong rate of the stamps would have shown: positions solved here from raw measurements
+/// hold at the true times alone, and what a receiver records beside them has another speed.
+bool could_show_rate(const Clause& clause, const ClauseContext& context) {
+    if (context.profile.speed_source == SpeedSource::velocity)
+        return computation::recorded_speeds(clause, context).status == RequirementStatus::met;
+    return context.observed || context.input.judged.format == "rinex";
 }
 
 double days_of(double seconds) {
@@ -96,9 +114,9 @@ double days_there(const GpsTime& time, double longitude_deg) {
 Finding computation::recording_date(const Clause&, const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const std::string& named = context.input.attempt.date;
-    if (named.empty()) return unknown("the attempt names no date");
     if (!judged.facts.first_epoch || judged.trajectory.empty())
-        return {RequirementStatus::attest, "the recording has no date; the attempt names " + named};
+        return {RequirementStatus::attest, "the recording has no date; the attempt names " +
+                                               (named.empty() ? std::string("none") : named)};
     const TrajectoryEpoch& middle = judged.trajectory[judged.trajectory.size() / 2];
     const double longitude_deg =
         judged.facts.georeferenced && judged.origin
@@ -106,22 +124,40 @@ Finding computation::recording_date(const Clause&, const ClauseContext& context)
             : 0.0;
     const double there = days_there(
         judged.facts.first_epoch->plus_nanoseconds(middle.time.nanoseconds), longitude_deg);
-    const double days =
-        there - days_of(parse_gps_iso(named + "T00:00:00").seconds_since(GpsTime()));
     const CalendarTime day =
         GpsTime().plus_nanoseconds(std::llround(there) * GpsTime::nanoseconds_per_day).calendar();
     const std::string date = fmt::format("{:04}-{:02}-{:02}", day.year, day.month, day.day);
-    const std::string what = fmt::format("the recording is of {}, the attempt of {}", date, named);
-    if (std::abs(days) <= 1.0) return {RequirementStatus::met, what};
-    constexpr double rollover_days = 1024.0 * 7.0;
-    const double rollovers = std::round(days / rollover_days);
-    const bool rolled = rollovers != 0.0 && std::abs(days - rollovers * rollover_days) <= 1.0;
-    return {RequirementStatus::not_met,
-            fmt::format("{}: {:.0f} days apart{}", what, std::abs(days),
-                        rolled ? ", which is the rollover of the GPS week after 1024 weeks: the "
-                                 "receiver's firmware, or what converted its file, is older than "
-                                 "the day; hand in what a current version writes"
-                               : "; hand in the recording of that day, or name its day")};
+    const std::string what =
+        fmt::format("the recording is of {}, the attempt {}", date,
+                    named.empty() ? std::string("names no date") : "of " + named);
+    const double days =
+        named.empty()
+            ? 0.0
+            : there - days_of(parse_gps_iso(named + "T00:00:00").seconds_since(GpsTime()));
+    if (std::abs(days) > 1.0) {
+        constexpr double rollover_days = 1024.0 * 7.0;
+        const double rollovers = std::round(days / rollover_days);
+        const bool rolled = rollovers != 0.0 && std::abs(days - rollovers * rollover_days) <= 1.0;
+        return {RequirementStatus::not_met,
+                fmt::format("{}: {:.0f} days apart{}", what, std::abs(days),
+                            rolled ? ", which is the rollover of the GPS week after 1024 weeks: "
+                                     "the receiver's firmware, or what converted its file, is "
+                                     "older than the day; hand in what a current version writes"
+                                   : "; hand in the recording of that day, or name its day")};
+    }
+    const Profile& rule = context.profile;
+    const auto in_force = [&](const std::string& on) {
+        return on >= rule.valid_from && (rule.superseded_by.empty() || on < rule.superseded_from);
+    };
+    if (!named.empty() && in_force(named) != in_force(date))
+        return {RequirementStatus::attest, what + ": on one of them the rule was not in force"};
+    if (date < rule.valid_from)
+        return {RequirementStatus::attest,
+                what + "; the rule holds from " + rule.valid_from + " on"};
+    if (!in_force(date))
+        return {RequirementStatus::not_met,
+                fmt::format("{}; by then {} had replaced the rule", what, rule.superseded_by)};
+    return {named.empty() ? RequirementStatus::attest : RequirementStatus::met, what};
 }
 
 Finding computation::calibration(const Clause&, const ClauseContext& context) {
@@ -150,7 +186,7 @@ Finding computation::claims(const Clause& clause, const ClauseContext& context) 
     return {RequirementStatus::attest, stated_text(inputs_answered_in(clause, context))};
 }
 
-Finding computation::time_scale(const Clause&, const ClauseContext& context) {
+Finding computation::time_scale(const Clause& clause, const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
@@ -160,11 +196,20 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                                        .unit = "",
                                        .expanded_uncertainty = std::nullopt,
                                        .note = "in millionths"}};
-    const std::string steps = unusual_steps(judged);
+    const std::string steps = unusual_steps(context);
+    if (source == "satellites" && !steps.empty())
+        return {RequirementStatus::attest, what + ", by the format; but " + steps, figures};
+    // Even steps prove no rate: whoever writes stamps anew writes even ones.
+    if (source == "satellites" && !could_show_rate(clause, context))
+        return {RequirementStatus::attest,
+                what +
+                    ", by the format; no witness shares the stamps, so nothing shows their rate "
+                    "(recorded velocities, phases, a second receiver or the receiver's raw "
+                    "measurements would)",
+                figures};
     if (source == "satellites")
-        return steps.empty() ? Finding{RequirementStatus::met, what, figures}
-                             : Finding{RequirementStatus::attest,
-                                       what + ", by the format; but " + steps, figures};
+        return {RequirementStatus::met,
+                what + "; at another rate the witnesses would contradict the speed", figures};
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
         return {

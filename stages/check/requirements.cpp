@@ -17,7 +17,6 @@ bool asks(const std::vector<Clause>& clauses, Computation computation) {
 
 /// Whether the data allow a clause of the program's own to be computed.
 bool is_computed(const Clause& own, const Profile& profile, const Attempt& attempt) {
-    if (own.decided_by == Computation::recording_date) return !attempt.date.empty();
     if (own.decided_by == Computation::recorded_speeds)
         return profile.speed_source == SpeedSource::velocity;
     if (own.decided_by == Computation::speed_of)

@@ -111,6 +111,9 @@ std::optional<SubtractedCurrent> subtracted_current(const ClauseContext& context
 /// figure.
 std::string second_method_text(const ClauseContext& context);
 
+/// The epochs of each window that makes the figure, without those out of time.
+std::vector<std::vector<ScreenedEpoch>> samples_of(const ClauseContext& context);
+
 /// The runs of a recording under the profile's thresholds.
 std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
 

@@ -15,18 +15,6 @@
 namespace runcert {
 namespace {
 
-/// The epochs of each window that makes the figure, out of those out of time.
-std::vector<std::vector<ScreenedEpoch>> samples_of(const ClauseContext& context) {
-    const ReceiverFindings& judged = context.input.judged;
-    std::vector<std::vector<ScreenedEpoch>> windows{context.epochs()};
-    if (const auto others = judged.further_epochs.find(context.key());
-        others != judged.further_epochs.end())
-        windows.insert(windows.end(), others->second.begin(), others->second.end());
-    for (std::vector<ScreenedEpoch>& window : windows)
-        std::erase_if(window, is_out_of_time);
-    return windows;
-}
-
 /// The recorded horizontal speed; NaN if the recording has none.
 double recorded_speed_m_s(const ScreenedEpoch& row) {
     if (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s)
@@ -75,6 +63,17 @@ double stated_sigma_m_s(const ScreenedEpoch& row) {
 }
 
 }  // namespace
+
+std::vector<std::vector<ScreenedEpoch>> samples_of(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    std::vector<std::vector<ScreenedEpoch>> windows{context.epochs()};
+    if (const auto others = judged.further_epochs.find(context.key());
+        others != judged.further_epochs.end())
+        windows.insert(windows.end(), others->second.begin(), others->second.end());
+    for (std::vector<ScreenedEpoch>& window : windows)
+        std::erase_if(window, is_out_of_time);
+    return windows;
+}
 
 Finding computation::acceleration(const Clause& clause, const ClauseContext& context) {
     const auto windows = samples_of(context);

@@ -11,6 +11,7 @@
 #include "reports/words/screening.h"
 #include "stages/window/reliability.h"
 #include "witness/antenna_swing.h"
+#include "witness/going_on.h"
 
 namespace runcert {
 namespace {
@@ -117,14 +118,24 @@ bool stamps_are_regular(const BudgetInput& input) {
 BudgetRow time_row(const BudgetInput& input) {
     const double resolution_s = time_resolution_s(input);
     const bool regular = stamps_are_regular(input);
+    const auto rows = std::span(input.trajectory.rows)
+                          .subspan(input.first_row, input.last_row - input.first_row + 1);
+    const double wander_s = regular || input.mean_interval_s == 0.0
+                                ? 0.0
+                                : beyond_whole_intervals_s(rows, input.mean_interval_s);
+    const bool wanders = wander_s > resolution_s;
     // The errors of both ends are independent.
-    const double half_width_s = regular ? 0.0 : 0.5 * resolution_s * std::numbers::sqrt2;
+    const double rounding_s = regular ? 0.0 : 0.5 * resolution_s * std::numbers::sqrt2;
+    const double half_width_s = wanders ? wander_s : rounding_s;
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
         -input.noise.speed.speed_m_s / input.duration_s,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
-                : fmt::format("stamps are irregular, with a resolution of {:g} s", resolution_s));
+        : wanders ? fmt::format("the steps lead, in sum, {:.4f} s away from the mean interval of "
+                                "the recording",
+                                wander_s)
+                  : fmt::format("stamps are irregular, with a resolution of {:g} s", resolution_s));
     row.estimate = input.duration_s;
     return row;
 }

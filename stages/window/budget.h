@@ -31,7 +31,8 @@ struct BudgetInput {
     std::size_t last_row = 0;
     /// Duration of the window, above 0.
     double duration_s = 0.0;
-    bool vertical = false;  ///< the speed comes from heights alone
+    double mean_interval_s = 0.0;  ///< of the recording's regular steps; 0 where it is not known
+    bool vertical = false;         ///< the speed comes from heights alone
     /// Set where the speed is a surveyed length over time.
     std::optional<SurveyedLength> length = std::nullopt;
     std::vector<UndetectedError> reliability = {};  ///< largest first

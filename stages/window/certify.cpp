@@ -175,6 +175,7 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
             .first_row = arc.rows[choice.found.first],
             .last_row = arc.rows[choice.found.last],
             .duration_s = duration_s,
+            .mean_interval_s = estimate.screened.basis.time.interval_s.value_or(0.0),
             .vertical = Axes == 1,
             .length = choice.profile.window_kind == WindowKind::course
                           ? std::optional(SurveyedLength{choice.quantity.length_m,

@@ -254,14 +254,16 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
     const PositionNoise speed{.speed = {.speed_m_s = found.speed_m_s}};
     const ErrorBound none;
     const SelectionBias no_selection;
-    const BudgetInput input{.trajectory = estimate.trajectory,
-                            .config = estimate.config,
-                            .noise = speed,
-                            .bound = none,
-                            .selection = no_selection,
-                            .first_row = arc.rows[found.first],
-                            .last_row = arc.rows[found.last],
-                            .duration_s = duration_of(found)};
+    const BudgetInput input{
+        .trajectory = estimate.trajectory,
+        .config = estimate.config,
+        .noise = speed,
+        .bound = none,
+        .selection = no_selection,
+        .first_row = arc.rows[found.first],
+        .last_row = arc.rows[found.last],
+        .duration_s = duration_of(found),
+        .mean_interval_s = estimate.screened.basis.time.interval_s.value_or(0.0)};
     const bool by_places = profile.window_kind == WindowKind::alpha;
     const auto recorded = [&](std::size_t k) {
         return recorded_speed(estimate.screened.rows[arc.rows[k]], profile.dimension)->speed_m_s;

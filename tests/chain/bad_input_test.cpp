@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <regex>
+
 #include "chain_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {
@@ -99,6 +101,10 @@ std::vector<BadInput> bad_recordings() {
         {"header only", good_attempt, pos_header, {"recording.pos", "epochs"}},
         {"UTF-16, cut", good_attempt, std::string("\xff\xfe%\0 ", 5), {"recording.pos", "UTF-16"}},
         {"binary", good_attempt, std::string("\x00\x01\x02\x03", 4), {"recording.pos"}},
+        {"of a day to come, which chose the rule in force",
+         good_attempt,
+         std::regex_replace(recording_with(0, ""), std::regex("2022/03"), "2089/03"),
+         {"1-observations.ecsv", "2089-03-18", "later than tomorrow"}},
     };
 }
 

@@ -293,6 +293,7 @@ TEST(GoldenProfile, WhereItIsKnownFromAndHowLongItHolds) {
     EXPECT_EQ(profile.looked_at, "2026-11-27");
     EXPECT_EQ(profile.valid_from, "2025-03-01");
     EXPECT_EQ(profile.superseded_by, "my-next-rule");
+    EXPECT_EQ(profile.superseded_from, "2027-01-01");
     EXPECT_EQ(profile.clauses.at(0).edition, "2026");
     EXPECT_EQ(profile.clauses.at(0).where, "2.3.1");
     EXPECT_EQ(profile.clauses.at(0).looked_at, "2026-11-20");

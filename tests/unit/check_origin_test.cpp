@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
+#include <sstream>
 
+#include "approved.h"
 #include "check_rules_support.h"
 
 // The program's own requirements, under every rule: whose clock, whose positions, whose fix type.
@@ -11,7 +14,7 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-using test::clause_text, test::contains, test::profile_text, test::RuleScene;
+using test::clause_text, test::contains, test::profile_text, test::RuleScene, test::text_of_file;
 
 /// A run whose recording, in a table without a word on its origin, was screened and is good.
 RuleScene scene() {
@@ -26,8 +29,8 @@ RuleScene scene() {
 TEST(OwnClauses, StandUnderEveryRuleBesideItsOwn) {
     const ProfileVerdict verdict = scene().verdict();
     // The last of what the attempt states: its class of craft, and that one attempt was made.
-    const char* own[] = {"time-scale", "positions-as-measured", "kind-of-solution",
-                         "craft-and-attempts"};
+    const char* own[] = {"time-scale", "date-of-the-recording", "positions-as-measured",
+                         "kind-of-solution", "craft-and-attempts"};
     ASSERT_EQ(verdict.requirements.size(), 1U + std::size(own));
     EXPECT_EQ(verdict.requirements[0].clause, "margin");
     for (std::size_t i = 0; i < std::size(own); ++i) {
@@ -37,11 +40,38 @@ TEST(OwnClauses, StandUnderEveryRuleBesideItsOwn) {
     }
 }
 
+/// Every computation that decides a clause stands in the method's table, with what makes it fail.
+TEST(OwnClauses, AndAllOthersSayInTheMethodWhatMakesThemFail) {
+    const std::string method =
+        text_of_file(std::filesystem::path(RUNCERT_SOURCE_DIR) / "reports/METHOD.md");
+    const std::string head = "| computation | what makes it fail | by how much |\n|---|---|---|\n";
+    const std::size_t begins = method.find(head);
+    ASSERT_NE(begins, std::string::npos);
+    std::istringstream rows(method.substr(begins + head.size()));
+    std::vector<std::string> named;
+    for (std::string row; std::getline(rows, row) && !row.empty();) {
+        std::vector<std::string> cells;
+        std::istringstream parts(row.substr(1));
+        for (std::string cell; std::getline(parts, cell, '|');)
+            cells.push_back(cell);
+        ASSERT_EQ(cells.size(), 3U) << row;
+        EXPECT_GT(std::min(cells[1].size(), cells[2].size()), 4U) << row;
+        named.push_back(cells[0]);
+    }
+    std::vector<std::string> computations;
+#define RUNCERT_NAME(word) computations.emplace_back(" `" #word "` ");
+    RUNCERT_EACH_COMPUTATION(RUNCERT_NAME)
+#undef RUNCERT_NAME
+    std::ranges::sort(named);
+    std::ranges::sort(computations);
+    EXPECT_EQ(named, computations);
+}
+
 TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
     RuleScene other = scene();
     other.use(profile_text(clause_text("time_scale") + clause_text("margin")));
     const ProfileVerdict verdict = other.verdict();
-    EXPECT_EQ(verdict.requirements.size(), 5U);
+    EXPECT_EQ(verdict.requirements.size(), 6U);
     EXPECT_EQ(
         std::ranges::count(verdict.requirements, Computation::time_scale, &Requirement::decided_by),
         1);
@@ -50,7 +80,10 @@ TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
 
 TEST(RecordingDate, IsComparedWithThatOfTheAttempt) {
     RuleScene dated = scene();
-    EXPECT_EQ(dated.clause("date-of-the-recording").clause, "") << "the attempt names no date";
+    // Without a date the clause did not stand at all.
+    const Requirement undated = dated.clause("date-of-the-recording");
+    EXPECT_EQ(undated.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(undated.evidence, "the recording is of 2022-03-07")) << undated.evidence;
     // GPS week 2200 began on Sunday, 2022-03-06; the recording is of Monday.
     dated.attempt.date = "2022-03-07";
     EXPECT_EQ(dated.clause("date-of-the-recording").status, RequirementStatus::met);
@@ -72,6 +105,39 @@ TEST(RecordingDate, IsComparedWithThatOfTheAttempt) {
     EXPECT_EQ(dated.clause("date-of-the-recording").status, RequirementStatus::attest);
 }
 
+/// The claimed day chose the rule: a day before the other's first one kept the rule that had ended.
+TEST(RecordingDate, DecidesWhichRuleIsInForceAndTheClaimedDayDoesNot) {
+    const auto asked = [](const std::string& from, const std::string& until,
+                          const std::string& named) {
+        RuleScene dated = scene();  // of 2022-03-07
+        dated.use(profile_text(
+            clause_text("margin"),
+            (from.empty() ? "" : "valid_from: " + from + "\n") +
+                (until.empty() ? "" : "superseded_by: next\nsuperseded_from: " + until + "\n")));
+        dated.attempt.date = named;
+        return dated.clause("date-of-the-recording");
+    };
+    EXPECT_EQ(asked("", "2022-03-08", "2022-03-07").status, RequirementStatus::met);
+    EXPECT_EQ(asked("2022-03-07", "", "2022-03-07").status, RequirementStatus::met);
+    const Requirement too_late = asked("", "2022-03-07", "2022-03-07");
+    EXPECT_EQ(too_late.status, RequirementStatus::not_met);
+    EXPECT_TRUE(contains(too_late.evidence, "by then next had replaced the rule"))
+        << too_late.evidence;
+    EXPECT_EQ(asked("", "2022-03-07", "").status, RequirementStatus::not_met);
+    RuleScene gone = scene();  // no day ends it: it is replaced on all of them
+    gone.use(profile_text(clause_text("margin"), "superseded_by: next\n"));
+    EXPECT_EQ(gone.clause("date-of-the-recording").status, RequirementStatus::not_met);
+    EXPECT_EQ(asked("2022-03-08", "", "2022-03-07").status, RequirementStatus::attest);
+    EXPECT_EQ(asked("2022-03-08", "", "").status, RequirementStatus::attest);
+    for (const Requirement& parted :
+         {asked("", "2022-03-07", "2022-03-06"), asked("", "2022-03-08", "2022-03-08"),
+          asked("2022-03-07", "", "2022-03-06"), asked("2022-03-08", "", "2022-03-08")}) {
+        EXPECT_EQ(parted.status, RequirementStatus::attest) << parted.evidence;
+        EXPECT_TRUE(contains(parted.evidence, "on one of them the rule was not in force"))
+            << parted.evidence;
+    }
+}
+
 TEST(RecordingDate, IsThatOfThePlace) {
     // Monday 23:00 GPS time: in New Zealand it is Tuesday; two days before is Sunday.
     RuleScene far = scene();
@@ -87,13 +153,34 @@ TEST(RecordingDate, IsThatOfThePlace) {
     EXPECT_EQ(far.clause("date-of-the-recording").status, RequirementStatus::met);
 }
 
-TEST(TimeScale, OfSatellitesIsMet) {
+/// What the recorded velocities say of the window.
+void set_velocities(RuleScene& scene, double speed_m_s, double normalised_error = 0.0) {
+    WitnessedSpeed witnessed;
+    witnessed.speed_m_s = speed_m_s;
+    witnessed.standard_uncertainty_m_s = 0.05;
+    witnessed.difference_m_s = 60.0 - speed_m_s;
+    witnessed.normalised_error = normalised_error;
+    scene.judged.windows.profiles[0].best->witnesses = {witnessed};
+}
+
+/// 10 Hz stamped as 12 Hz: even stamps met the clause at any rate, and made a fifth more speed.
+TEST(TimeScale, OfSatellitesIsMetOnlyWhereAWitnessWouldHaveShownAWrongRate) {
     RuleScene stamped = scene();
     stamped.judged.facts.time_source = "satellites";
     stamped.judged.time_origin = "GPS time of the receiver's measurements";
+    const Requirement alone = stamped.clause("time-scale");
+    EXPECT_EQ(alone.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(alone.evidence, "no witness shares the stamps")) << alone.evidence;
+    set_velocities(stamped, 60.0);
     EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::met);
-    EXPECT_EQ(stamped.clause("time-scale").evidence, "GPS time of the receiver's measurements");
+    EXPECT_TRUE(contains(stamped.clause("time-scale").evidence, "at another rate"));
     EXPECT_EQ(stamped.clause("time-scale").decided_by, Computation::time_scale);
+    // Velocities that would have agreed with any rate show none.
+    stamped.best().witnesses[0].standard_uncertainty_m_s = 3.0;
+    EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::attest);
+    stamped.best().witnesses.clear();
+    stamped.judged.format = "rinex";
+    EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::met);
 }
 
 /// What screening says of stamps whose steps lead so far away from the nearest usual interval.
@@ -123,10 +210,32 @@ TEST(TimeScale, OfStampsInHundredthsIsNotBlamedForTheirRounding) {
     RuleScene stamped = scene();
     stamped.judged.facts.time_source = "satellites";
     stamped.judged.facts.time_resolution_s = 0.01;
+    set_velocities(stamped, 60.0);
     set_steps(stamped, 0.0999, 0.1, 0.0119);
     EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::met);
     set_steps(stamped, 0.0999, 0.1, 0.0121);
     EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::attest);
+}
+
+/// Steps that alternate were looked at one by one: 20 ms of 3 s, 0.7 % of the speed, went unseen.
+TEST(TimeScale, OfAWindowWhoseStepsLeadAwayInSumIsToAttestHoweverTheyAlternate) {
+    RuleScene stamped = scene();
+    set_velocities(stamped, 60.0);
+    stamped.judged.facts.time_source = "satellites";
+    stamped.judged.facts.time_resolution_s = 0.001;
+    set_steps(stamped, 0.1, 0.1, 0.0);
+    const auto lead_away = [&](double sum_s) {
+        RuleScene other = stamped;
+        for (std::size_t k = 0; k < other.rows().size(); ++k)
+            other.rows()[k].time.nanoseconds -= std::llround(
+                (static_cast<double>(k) / 30.0 * sum_s + (k % 2 == 1 ? 0.004 : 0.0)) * 1e9);
+        return other.clause("time-scale");
+    };
+    EXPECT_EQ(lead_away(0.0029).status, RequirementStatus::met);
+    EXPECT_EQ(lead_away(-0.0031).status, RequirementStatus::attest);
+    const Requirement twenty = lead_away(0.02);
+    EXPECT_EQ(twenty.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(twenty.evidence, "in sum, 0.0200 s away from 0.1 s")) << twenty.evidence;
 }
 
 TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {
@@ -187,16 +296,6 @@ TEST(TimeScale, IsNotBlamedForWhatTheScatterOfTheStepsMakesByChance) {
     EXPECT_EQ(jittery.clause("time-scale").status, RequirementStatus::attest);
     jittery.judged.tests.time.rate_deviation = -1.001 * by_chance;
     EXPECT_EQ(jittery.clause("time-scale").status, RequirementStatus::not_met);
-}
-
-/// What the recorded velocities say of the window.
-void set_velocities(RuleScene& scene, double speed_m_s, double normalised_error = 0.0) {
-    WitnessedSpeed witnessed;
-    witnessed.speed_m_s = speed_m_s;
-    witnessed.standard_uncertainty_m_s = 0.05;
-    witnessed.difference_m_s = 60.0 - speed_m_s;
-    witnessed.normalised_error = normalised_error;
-    scene.judged.windows.profiles[0].best->witnesses = {witnessed};
 }
 
 TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone) {

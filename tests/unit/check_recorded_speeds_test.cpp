@@ -55,12 +55,50 @@ TEST(RecordedSpeeds, AreToBeAttestedWherePositionsAgreeWithAnything) {
     EXPECT_TRUE(contains(scene.asked().evidence, "too uncertain to confirm"));
     // Changes of speed over a stretch that holds the window tell that they are of its moments.
     scene.judged.tests.velocity->delays = {{.first_epoch = 1, .last_epoch = 400, .delay_s = 0.0}};
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest) << "nothing showed their scale";
+    scene.judged.tests.velocity->ratio = 1.002;
+    scene.judged.tests.velocity->sigma_ratio = 0.0005;
     EXPECT_EQ(scene.asked().status, RequirementStatus::met) << scene.asked().evidence;
     EXPECT_TRUE(contains(scene.asked().evidence, "0 s behind the positions"));
     scene.judged.tests.velocity->delays[0].first_epoch = 270;
     EXPECT_EQ(scene.asked().status, RequirementStatus::attest);
     scene.judged.tests.velocity->delays[0] = {
         .first_epoch = 1, .last_epoch = 400, .delay_s = 43.0, .beyond = true};
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest);
+}
+
+/// Positions of ± 3.5 km/h met it beside speeds of ± 1.3 km/h that were 1 % too high.
+TEST(RecordedSpeeds, OfAWindowAreMetOnlyWhereOnePerCentWouldShow) {
+    SpeedScene scene(by_positions(60.0, 0.5, 0.2));
+    scene.best().standard_uncertainty_m_s = 0.4;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest) << scene.asked().evidence;
+    scene.best().witnesses[0].standard_uncertainty_m_s = 0.2;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::met) << scene.asked().evidence;
+    scene.best().witnesses[0].position_standard_uncertainty_m_s = 0.1;  // 2.84 x 0.22 m/s
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest) << scene.asked().evidence;
+}
+
+/// Velocities times 1.01 beside positions of 2 m met the clause because their delay was known.
+TEST(RecordedSpeeds, OfAKnownDelayAreMetOnlyWhereTheirScaleWasSeen) {
+    SpeedScene scene(by_positions(60.01, 2.0, 0.2));
+    VelocityComparison& velocity = *scene.judged.tests.velocity;
+    velocity.delays = {{.first_epoch = 1, .last_epoch = 400, .delay_s = 0.0}};
+    velocity.ratio = 1.01;
+    velocity.sigma_ratio = 0.0005;
+    const Requirement apart = scene.asked();
+    EXPECT_EQ(apart.status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(apart.evidence, "the speeds are 1.0100 ± 0.0061 times")) << apart.evidence;
+    velocity.ratio = 0.99;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest);
+    // Positions that would not show 1 % in the whole recording either confirm nothing.
+    velocity.ratio = 1.0;
+    velocity.sigma_ratio = 0.0019;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::attest);
+    velocity.sigma_ratio = 0.0017;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::met) << scene.asked().evidence;
+    velocity.ratio = 1.0068;
+    EXPECT_EQ(scene.asked().status, RequirementStatus::met);
+    velocity.ratio = 1.0070;
     EXPECT_EQ(scene.asked().status, RequirementStatus::attest);
 }
 

@@ -193,6 +193,28 @@ TEST(Heights, ThatAreMissingLeaveFlatnessAndSlopeToAPerson) {
     EXPECT_TRUE(contains(scene.clause("slope").evidence, "the window's ends have no heights"));
 }
 
+/// Constant, typed and computed heights met both clauses.
+TEST(Heights, ThatDoNotScatterAsStatedLeaveFlatnessAndSlopeToAPerson) {
+    for (const auto& [computation, limit, unit] :
+         {std::tuple{"flatness", 1.0, "m"}, {"slope", 3.0, "%"}}) {
+        RuleScene scene(with_limit(computation, limit, unit));
+        ScreeningModel& model = scene.judged.tests.models.emplace_back();
+        model = {.axes = TestedAxes::vertical, .noise = NoiseBasis::fitted, .white_scale = 0.31};
+        EXPECT_EQ(scene.clause(computation).status, RequirementStatus::met);
+        model.white_scale = 0.29;
+        const Requirement smooth = scene.clause(computation);
+        EXPECT_EQ(smooth.status, RequirementStatus::attest);
+        EXPECT_TRUE(contains(smooth.evidence, "fitted, 0.29 times")) << smooth.evidence;
+        model.noise = NoiseBasis::constant_positions;
+        EXPECT_TRUE(contains(scene.clause(computation).evidence, "constant_positions"));
+        model.noise = NoiseBasis::too_few_epochs;
+        EXPECT_EQ(scene.clause(computation).status, RequirementStatus::attest);
+        // What is too steep by such heights is so all the same.
+        scene.row(25.0).up_m = 30.0;
+        EXPECT_EQ(scene.clause(computation).status, RequirementStatus::not_met);
+    }
+}
+
 /// A slope of `slope` towards north under the whole scene, its vertices good to 1 cm.
 CourseGround ground_under_the_scene(double slope, double until_m = 3000.0) {
     SurfaceMesh mesh;
@@ -273,15 +295,25 @@ TEST(StandingStart, IsMetNotMetOrNotSeen) {
     RuleScene scene(profile_text(clause_text("standing_start")));
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.00 m/s ± 0.10 m/s"));
+    // Speeds of ± 1.02 m/s met it, though the craft may have rolled.
+    RuleScene coarse = scene;
+    for (TrajectoryEpoch& row : coarse.judged.trajectory)
+        row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = 0.51;
+    EXPECT_EQ(coarse.clause("standing_start").status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(coarse.clause("standing_start").evidence, "too uncertain to tell"));
     // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "moving when the run began"));
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
-    // The same with 0.4 m/s of uncertainty (0.6 / 0.4 = 1.5, squared 2.25, at most 5.99).
+    // With 0.4 m/s of uncertainty (0.6 / 0.4 = 1.5, squared 2.25, at most 5.99) it may have stood,
+    // and may have rolled at 1.4 m/s.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = 0.4;
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::attest);
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        if (*row.velocity_north_m_s < 0.7) row.velocity_north_m_s = 0.19;
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
 }
 
@@ -290,7 +322,8 @@ TEST(StandingStart, OfTheCraftIsForAPersonWhereTheAntennaSwings) {
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::attest);
-    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "of the antenna, which may swing"));
+    EXPECT_TRUE(
+        contains(scene.clause("standing_start").evidence, "of the antenna, which may swing"));
 }
 
 TEST(StandingStart, ThatTheRecordingDoesNotHoldIsForAPerson) {

@@ -262,6 +262,7 @@ TEST(BuiltinProfiles, SpeedSkydivingOf2026) {
     const Profile score = builtin("fai-speed-skydiving-2026");
     EXPECT_EQ(builtin("fai-speed-skydiving").superseded_by, score.id);
     EXPECT_EQ(score.valid_from, "2026-03-01");
+    EXPECT_EQ(builtin("fai-speed-skydiving").superseded_from, score.valid_from);
     ASSERT_TRUE(score.within);
     EXPECT_EQ(score.within->from.event, WindowEvent::exit);
     EXPECT_EQ(score.within->from.speed_m_s, 10.0);

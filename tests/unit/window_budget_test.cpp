@@ -58,10 +58,12 @@ struct Scene {
                 .first_row = 0,
                 .last_row = 30,
                 .duration_s = 3.0,
+                .mean_interval_s = mean_interval_s,
                 .reliability = reliability,
                 .detection_power = 0.8,
                 .fault = fault};
     }
+    double mean_interval_s = 0.0;
     std::vector<UndetectedError> reliability;
     WindowFault fault;
     std::vector<BudgetRow> rows() const { return budget_of(input()); }
@@ -223,6 +225,20 @@ TEST(Budget, RegularTimeStampsAreOffByTheSame) {
     EXPECT_EQ(scene.row("t").contribution_m_s, 0.0);
     scene.trajectory.rows[30].time.nanoseconds += 1'000'000;  // one stamp alone
     EXPECT_GT(scene.row("t").contribution_m_s, 0.008);
+}
+
+/// Steps that alternated lost 20 ms of 3 s without a trace in row t.
+TEST(Budget, WhatTheStampsOfTheWindowWanderIsInTheirRow) {
+    Scene scene;
+    scene.trajectory.facts.time_resolution_s = 0.001;
+    scene.mean_interval_s = 0.1;
+    for (std::size_t k = 1; k <= 30; ++k)
+        scene.trajectory.rows[k].time.nanoseconds -=
+            (k < 30 && k % 2 == 1 ? 6'000'000 : 0) + static_cast<std::int64_t>(k) * 666'667;
+    EXPECT_NEAR(scene.row("t").standard_uncertainty, 0.02 / std::sqrt(3.0), 1e-6);
+    EXPECT_NE(scene.row("t").note.find("in sum, 0.0200 s away"), std::string::npos);
+    scene.mean_interval_s = 0.1 - 666'667e-9;  // a recording of such steps wanders nowhere
+    EXPECT_NEAR(scene.row("t").standard_uncertainty, 0.408248e-3, 1e-9);
 }
 
 TEST(Budget, ResolutionOfTheCoordinates) {

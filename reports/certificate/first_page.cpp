@@ -287,6 +287,8 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
     } else {
         add_overview(page, rules);
     }
+    add(page, paragraph("Neither answered nor closed when this report was made.", "note"));
+    page.blocks.back().slot = "closing";
     add_identity(page, inputs);
     add_small_plots(page, figures);
     if (rules.size() == 1) {

@@ -87,7 +87,7 @@ void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
 }  // namespace
 
 Json standing_json(const RunStanding& standing, const Json& predicate) {
-    if (standing.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
+    if (standing.given.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
     Json json{{"roster_sha256", standing.roster_sha256}, {"slots", Json::object()}};
     Json facts = Json::array(
         {fact("Whose word counts", vouched_words(standing) + " The answers are not part of what "
@@ -96,10 +96,15 @@ Json standing_json(const RunStanding& standing, const Json& predicate) {
         set_rule(json["slots"], rule, predicate);
         add_answers(facts, rule);
     }
-    for (const GivenAnswer& one : standing.recomputations)
-        facts.push_back(fact("Recomputed", answer_words(one)));
-    for (const std::string& fault : standing.faults)
+    for (const GivenAnswer& one : standing.given.whole)
+        facts.push_back(fact("Of the whole report", answer_words(one)));
+    for (const std::string& fault : standing.given.faults)
         facts.push_back(fact("Fault", fault));
+    if (const Json* block = block_of(predicate, "closing")) {
+        json["slots"]["closing"] = *block;
+        json["slots"]["closing"]["text"] =
+            fmt::format("{} {}", vouched_words(standing), fmt::join(standing.closing, " "));
+    }
     if (const Json* block = block_of(predicate, "answers")) {
         Json& answers = json["slots"]["answers"] = *block;
         answers["facts"] = std::move(facts);

@@ -33,10 +33,10 @@ struct AttestOptions {
     std::vector<std::string> clauses;
     std::string profile, role, key, statement, paper, roster;
     std::vector<std::string> evidence;
-    bool no = false, withdraw = false, recomputed = false, yes = false;
+    bool no = false, withdraw = false, recomputed = false, close = false, yes = false;
     bool render = false, no_render = false;
 
-    bool signs() const { return !clauses.empty() || recomputed; }
+    bool signs() const { return !clauses.empty() || recomputed || close; }
     std::string_view answer() const {
         return withdraw ? answer_withdrawn : no ? answer_no : answer_yes;
     }
@@ -115,12 +115,18 @@ bool is_confirmed(const AttestOptions& options, const std::vector<DueClause>& ch
     return word == "y" || word == "Y" || word == "yes";
 }
 
-/// The rules that a recomputation went by.
-std::vector<EvidenceFile> policies_of(const ReportFacts& report) {
-    std::vector<EvidenceFile> policies;
-    for (const std::string& name : report.subject_names)
-        if (name.starts_with("profile.")) policies.push_back({name, report.subjects.at(name)});
-    return policies;
+UtcSecond now() {
+    return std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+/// Where the run stands by the roster given, as of now.
+RunStanding standing_now(const AttestOptions& options, const ReportFacts& report) {
+    std::optional<Roster> roster = read_roster(options.roster);
+    if (options.close && (!roster || roster->closing_role() != options.role))
+        throw Failure("--close", "the role that closes, and what counts, are the roster's to say",
+                      fmt::format("Give the body's --roster, and --role {}",
+                                  roster.value_or(Roster{}).closing_role()));
+    return stated_standing(options.run_dir, report, std::move(roster), now());
 }
 
 Attestation statement_of(const AttestOptions& options, const ReportFacts& report,
@@ -137,6 +143,13 @@ Attestation statement_of(const AttestOptions& options, const ReportFacts& report
                                 .shown = clause.shown,
                                 .answer = std::string(options.answer())});
     if (options.recomputed) said.policies = policies_of(report);
+    if (!options.close) return said;
+    const RunStanding standing = standing_now(options, report);
+    for (const std::string& line : standing_lines(standing, true))
+        fmt::print("{}\n", plain_text(line));
+    said.closes = standing.to_close;
+    for (const EvidenceFile& file : said.closes)
+        fmt::print("closes  {}\n", plain_text(file.name));
     return said;
 }
 
@@ -161,16 +174,18 @@ std::string sign_and_write(const AttestOptions& options, const ReportFacts& repo
         throw Failure((fs::path(options.run_dir) / "report.json").string(),
                       "the report was changed after it was shown; nothing was signed",
                       "Find out who writes into the folder, and answer again");
-    const Attestations there = judge_attestations(options.run_dir, report, {});
-    if (!there.faults.empty())
-        throw Failure(options.run_dir, there.faults.front(),
+    const RunStanding standing = standing_now(options, report);
+    if (!standing.given.faults.empty())
+        throw Failure(options.run_dir, standing.given.faults.front(),
                       "Nothing was signed. Bring back the original, or move it away");
-    require_sense(options, chosen, there, ssh_key_text(ssh_key_of(public_key.key)));
-    for (const EnvelopeFile& file : envelope_files(options.run_dir))
-        said.after.push_back(envelope_id(file));
+    require_sense(options, chosen, standing.given, ssh_key_text(ssh_key_of(public_key.key)));
+    if (options.close && (said.closes.empty() || said.closes != standing.to_close))
+        throw Failure(options.run_dir,
+                      "there is nothing to close, or it changed while it was shown",
+                      "Nothing was signed. See what lies there, and close again");
+    if (!options.close) said.after = standing.given.before;  // a close names them as files
     said.key = public_key_line(public_key);
-    said.time =
-        iso_text(std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
+    said.time = iso_text(now());
     return write_attestation(options.run_dir, said, bytes, key);
 }
 
@@ -189,19 +204,21 @@ int sign_answers(const AttestOptions& options) {
         chosen_clauses(report, options.clauses, options.profile, options.role);
     if (options.recomputed)
         require_passed(run_dir, verify_recomputation(run_dir, report), bring_back);
+    const Attestation said = statement_of(options, report, chosen);
     if (!is_confirmed(options, chosen)) {
         fmt::print("nothing was signed\n");
         return 1;
     }
-    const std::string file =
-        sign_and_write(options, report, chosen, statement_of(options, report, chosen));
+    const std::string file = sign_and_write(options, report, chosen, said);
     fmt::print("signed  report {} of {}, as {}\nfile    {}\n", report.report_id, report.attempt_id,
                options.role, (run_dir / file).string());
     return options.no_render ? 0 : render_pages(run_dir, options.roster, "the answer is signed");
 }
 
 int attest(const AttestOptions& options) {
-    require_own_roster(options.roster, options.run_dir);
+    require_own_roster(
+        options.roster, options.run_dir,
+        options.signs() ? !options.no_render : options.render && options.roster.empty());
     if (options.signs()) return sign_answers(options);
     if (options.render) return render_pages(options.run_dir, options.roster, "nothing is lost");
     return list_clauses(options.run_dir, options.roster);
@@ -231,6 +248,11 @@ void add_options(CLI::App& command, AttestOptions& options) {
         .add_flag("--recomputed", options.recomputed,
                   "run every stage again, and sign that all is the same")
         ->excludes(clauses);
+    command
+        .add_flag("--close", options.close,
+                  "sign the list of all answers and signatures: only then is a run complete")
+        ->excludes(clauses, no, withdraw)
+        ->excludes("--recomputed");
     command.add_flag("--yes", options.yes, "do not ask before signing");
     command.add_option("--roster", options.roster,
                        "whose answers and signatures list and pages count; verify with it too");
@@ -251,7 +273,9 @@ void add_attest(CLI::App& app, Command& chosen) {
         "hash of\nreport.json, with evidence beside it. report.json never changes: where the run "
         "stands is computed from\nit and from what lies beside it. A no is a no; --withdraw takes "
         "an "
-        "answer back, which is signed too.\n"
+        "answer back, which is signed too.\nOnly a closed run is complete (--close, by the board "
+        "or "
+        "by the roster's line #runcert close ROLE).\n"
         "Exit status: 0 signed or listed, 1 not confirmed, 2 it could not be done.");
     command->callback([&chosen, options] { chosen = [options] { return attest(*options); }; });
 }

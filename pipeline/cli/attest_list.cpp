@@ -8,7 +8,6 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "store/atomic_file.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
 
@@ -98,9 +97,7 @@ std::vector<DueClause> chosen_clauses(const ReportFacts& report,
 
 int list_clauses(const std::filesystem::path& run_dir, const std::string& roster) {
     const ReportFacts report = read_report_facts(run_dir);
-    std::optional<Roster> keys;
-    if (!roster.empty()) keys = parse_roster(read_handwritten(roster), roster);
-    const RunStanding standing = stated_standing(run_dir, report, std::move(keys));
+    const RunStanding standing = stated_standing(run_dir, report, read_roster(roster));
     std::vector<std::string> roles;
     for (const DueClause& clause : due_clauses(report))
         if (std::ranges::find(roles, clause.answered_by.role) == roles.end())
@@ -108,9 +105,9 @@ int list_clauses(const std::filesystem::path& run_dir, const std::string& roster
     fmt::print("report  {} of {}\n\n", report.report_id, report.attempt_id);
     for (const std::string& role : roles)
         print_role(standing, role, run_dir);
-    for (const GivenAnswer& one : standing.recomputations)
+    for (const GivenAnswer& one : standing.given.whole)
         fmt::print("{}\n", plain_text(answer_words(one)));
-    for (const std::string& fault : standing.faults)
+    for (const std::string& fault : standing.given.faults)
         fmt::print("{}\n", plain_text(fault));
     for (const std::string& line : standing_lines(standing, true))
         fmt::print("{}\n", plain_text(line));

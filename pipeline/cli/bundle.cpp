@@ -25,6 +25,7 @@ struct BundleOptions {
 };
 
 int bundle(const BundleOptions& options) {
+    require_own_roster(options.roster, options.run_dir, true);
     BundleInput input{.run_dir = options.run_dir};
     input.public_keys.assign(options.public_keys.begin(), options.public_keys.end());
     if (!options.roster.empty()) input.roster = options.roster;

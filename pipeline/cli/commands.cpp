@@ -5,9 +5,12 @@
 #include <algorithm>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
+#include "store/atomic_file.h"
 #include "store/process.h"
+#include "store/sha256.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
 
@@ -57,10 +60,17 @@ bool lies_in(const fs::path& file, const fs::path& run_dir) {
     return std::ranges::mismatch(outer, inner).in1 == outer.end();
 }
 
-void require_own_roster(const std::string& roster, const fs::path& run_dir) {
-    if (roster.empty() || !lies_in(roster, run_dir)) return;
-    throw Failure(roster, "this roster lies in the run, and vouches for nothing",
-                  "Give the roster that you have from the body itself");
+void require_own_roster(const std::string& roster, const fs::path& run_dir, bool for_pages) {
+    if (!roster.empty() && lies_in(roster, run_dir))
+        throw Failure(roster, "this roster lies in the run, and vouches for nothing",
+                      "Give the roster that you have from the body itself");
+    const std::string shown_by = for_pages ? roster_of_pages(run_dir) : "";
+    if (shown_by.empty() || (!roster.empty() && sha256_hex(read_handwritten(roster)) == shown_by))
+        return;
+    throw Failure((run_dir / "report.html").string(),
+                  "the pages go by the roster with the SHA-256 " + shown(shown_by),
+                  "Give that one with --roster; or first make them again by yours: runcert attest "
+                  "RUN --render --roster ROSTER");
 }
 
 }  // namespace runcert

@@ -55,6 +55,8 @@ int render_pages(const std::filesystem::path& run_dir, const std::string& roster
 bool lies_in(const std::filesystem::path& file, const std::filesystem::path& run_dir);
 
 /// Failure where the roster named lies in the run: pages go by the reader's own. Empty is none.
-void require_own_roster(const std::string& roster, const std::filesystem::path& run_dir);
+/// Also, for what makes or packs pages, where they go by a roster already, and this is not it.
+void require_own_roster(const std::string& roster, const std::filesystem::path& run_dir,
+                        bool for_pages = false);
 
 }  // namespace runcert

@@ -36,9 +36,7 @@ struct VerifyOptions {
 };
 
 std::optional<Roster> read_keys(const VerifyOptions& options) {
-    if (!options.roster.empty())
-        return parse_roster(read_handwritten(options.roster), options.roster);
-    std::optional<Roster> roster;
+    std::optional<Roster> roster = read_roster(options.roster);
     for (const std::string& given : options.public_keys) {
         const std::string role = given.substr(0, given.find('='));
         const bool for_a_role = role.size() < given.size() && is_role(role);
@@ -295,8 +293,9 @@ int verify(const VerifyOptions& options) {
     result.standing = std::move(attestations.standing);
     add_long_layer(result, options.keep_going, "drawings",
                    [&] { return verify_drawings(run_dir, report); });
-    add_long_layer(result, options.keep_going, "pages",
-                   [&] { return verify_pages(run_dir, report, rules); });
+    add_long_layer(result, options.keep_going, "pages", [&] {
+        return verify_pages(run_dir, report, rules, result.standing.value_or(RunStanding{}));
+    });
     if (options.recompute)
         add_long_layer(result, options.keep_going, "recompute",
                        [&] { return verify_recomputation(run_dir, report); });
@@ -357,7 +356,9 @@ void add_verify(CLI::App& app, Command& chosen) {
         "else in the local time of\nthe computer that verifies. Keys of type ssh-ed25519 serve for "
         "minisign's signatures too, others for\nthose of ssh-keygen alone.\n"
         "A line \"#runcert signatures judge=2,measurer\" in it asks for these signatures, whatever "
-        "rule and\nattempt ask for; of each role the most counts.\n"
+        "rule and\nattempt ask for; of each role the most counts. \"#runcert close judge\" says "
+        "who "
+        "closes a run\n(default: the board).\n"
         "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
@@ -370,7 +371,8 @@ void add_verify(CLI::App& app, Command& chosen) {
         bundle_limits_words() +
         "\nThe standing counts answers (runcert attest) and signatures by keys of the roster: it "
         "is "
-        "complete where\neach requirement is met or attested and all signatures stand. A roster "
+        "complete where\neach requirement is met or attested, all signatures stand, and the close "
+        "(attest --close) lists them all. A roster\n"
         "that lies in the run vouches\nfor nothing. What is open, or was answered no, does not "
         "change the exit status; an attestation that\nis not as it was signed does.\n"
         "Exit status: 0 verified, or signed and not recomputed; 1 not verified; 2 not checkable, "

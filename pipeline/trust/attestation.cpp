@@ -19,9 +19,10 @@ using OrderedJson = nlohmann::ordered_json;
 
 using signature_text::data_of;
 
-/// Types of what is said of the report: answers, and a board's "recomputed and agreed", which is
-/// in-toto's simple verification result.
+/// Types of what is said of the report: answers, the files that a closing statement names, and a
+/// board's "recomputed and agreed", which is in-toto's simple verification result.
 constexpr std::string_view answers_type = "urn:runcert:attestation:1.0";
+constexpr std::string_view closing_type = "urn:runcert:closing:1.0";
 constexpr std::string_view recomputed_type = "https://in-toto.io/attestation/svr/v0.2";
 
 std::string envelope_text(const Envelope& envelope) {
@@ -62,10 +63,13 @@ std::vector<EvidenceFile> read_files(const OrderedJson& json) {
 
 /// What both kinds say besides: in a simple verification result it is an extension.
 OrderedJson signer_json(const Attestation& attestation) {
-    return {{"report_id", attestation.report_id}, {"attempt", attestation.attempt_id},
-            {"role", attestation.role},           {"key", attestation.key},
-            {"statement", attestation.statement}, {"evidence", files_json(attestation.evidence)},
-            {"after", attestation.after}};
+    return {{"report_id", attestation.report_id},
+            {"attempt", attestation.attempt_id},
+            {"role", attestation.role},
+            {"key", attestation.key},
+            {"statement", attestation.statement},
+            {"evidence", files_json(attestation.evidence)},
+            {"after", files_json(attestation.after)}};
 }
 
 void read_signer(const OrderedJson& json, Attestation& attestation) {
@@ -75,14 +79,14 @@ void read_signer(const OrderedJson& json, Attestation& attestation) {
     json.at("key").get_to(attestation.key);
     json.at("statement").get_to(attestation.statement);
     attestation.evidence = read_files(json.at("evidence"));
-    json.at("after").get_to(attestation.after);
+    attestation.after = read_files(json.at("after"));
 }
 
 OrderedJson answers_json(const Attestation& attestation) {
     OrderedJson json = signer_json(attestation);
     json["time"] = attestation.time;
     if (attestation.on_paper) json["on_paper"] = file_json(*attestation.on_paper);
-    json["answers"] = OrderedJson::array();
+    if (attestation.is_closing()) json["closes"] = files_json(attestation.closes);
     for (const Answer& one : attestation.answers)
         json["answers"].push_back({{"profile", one.profile},
                                    {"clause", one.clause},
@@ -95,7 +99,8 @@ OrderedJson answers_json(const Attestation& attestation) {
 void read_answers(const OrderedJson& json, Attestation& attestation) {
     json.at("time").get_to(attestation.time);
     if (json.contains("on_paper")) attestation.on_paper = read_file_entry(json.at("on_paper"));
-    for (const OrderedJson& one : json.at("answers"))
+    if (json.contains("closes")) attestation.closes = read_files(json.at("closes"));
+    for (const OrderedJson& one : json.value("answers", OrderedJson::array()))
         attestation.answers.push_back({.profile = one.at("profile").get<std::string>(),
                                        .clause = one.at("clause").get<std::string>(),
                                        .text = one.at("text").get<std::string>(),
@@ -174,7 +179,9 @@ std::string statement_text(const Attestation& attestation) {
     const OrderedJson statement{
         {"_type", statement_type},
         {"subject", OrderedJson::array({file_json({"report.json", attestation.report_sha256})})},
-        {"predicateType", recomputed ? recomputed_type : answers_type},
+        {"predicateType", recomputed                 ? recomputed_type
+                          : attestation.is_closing() ? closing_type
+                                                     : answers_type},
         {"predicate", recomputed ? recomputed_json(attestation) : answers_json(attestation)}};
     return statement.dump();
 }

@@ -11,9 +11,10 @@
 #include "store/folder.h"
 #include "trust/signature.h"
 
-// What an official signs for: answers to requirements of a report, or that it was recomputed. It is
-// an in-toto statement (https://in-toto.io/Statement/v1) whose subject is report.json, signed in a
-// DSSE envelope (https://github.com/secure-systems-lab/dsse/blob/master/protocol.md).
+// What an official signs for: answers to requirements of a report, that it was recomputed, or which
+// answers and signatures there are (a closing statement). It is an in-toto statement
+// (https://in-toto.io/Statement/v1) whose subject is report.json, signed in a DSSE envelope
+// (https://github.com/secure-systems-lab/dsse/blob/master/protocol.md).
 
 namespace runcert {
 
@@ -75,15 +76,17 @@ struct Attestation {
     std::string time{};  ///< by the signer's clock, "2026-11-21T20:41:50Z"
     std::string report_id{};
     std::string attempt_id{};
-    std::vector<Answer> answers{};  ///< none of "recomputed and agreed"
+    std::vector<Answer> answers{};  ///< none of the other two kinds
     std::string statement{};        ///< in the signer's words; may be empty
     std::vector<EvidenceFile> evidence{};
     std::optional<EvidenceFile>
-        on_paper{};                    ///< the sheet that was signed by hand, and is answered for
-    std::vector<std::string> after{};  ///< ids of the envelopes that lay there when it was signed
+        on_paper{};                     ///< the sheet that was signed by hand, and is answered for
+    std::vector<EvidenceFile> after{};  ///< envelopes that lay there: signers' keys, and ids
     std::vector<EvidenceFile> policies{};  ///< of "recomputed and agreed" alone: the rules
+    std::vector<EvidenceFile> closes{};    ///< of a closing statement alone: all files that count
 
-    bool is_recomputed() const { return answers.empty(); }
+    bool is_closing() const { return !closes.empty(); }
+    bool is_recomputed() const { return answers.empty() && !is_closing(); }
     bool operator==(const Attestation&) const = default;
 };
 
@@ -114,11 +117,7 @@ struct EnvelopeFile {
     std::string text{};
 };
 
-/// The id of the statement in it. Failure where it is no envelope.
-std::string envelope_id(const EnvelopeFile& file);
-
-/// All envelopes of a run, by name; none where there is no folder. Failure where there are more
-/// than can be looked at, and where one is too long to be one.
+/// All envelopes of a run, by name; none without the folder. Failure where one is far too long.
 std::vector<EnvelopeFile> envelope_files(const std::filesystem::path& run_dir);
 
 /// The files in the folder that belong there, from the run folder on: envelopes, and the evidence

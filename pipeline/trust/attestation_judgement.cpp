@@ -10,7 +10,6 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "schemas/profile/profile.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -27,6 +26,7 @@ using Json = nlohmann::json;
 /// An envelope whose signature holds.
 struct SignedAnswers {
     std::string file{};
+    std::string sha256{};  ///< of the file
     std::string id{};
     Attestation said{};
     Signer signer{};  ///< with the roster's word on it
@@ -41,44 +41,42 @@ std::string shown_of(const Json& requirement) {
     return shown;
 }
 
-/// Who must answer for a requirement. In a report from before rules said so, the one who answers
-/// where a rule is silent.
-RoleSignatures answered_by(const Json& requirement) {
-    const Answerer usual;  // where the rule is silent
-    if (!requirement.contains("answered_by")) return {.role = usual.role, .count = usual.count};
-    const Json& stated = requirement.at("answered_by");
-    return {.role = stated.at("role").get<std::string>(),
-            .count = stated.at("count").get<std::int64_t>()};
-}
-
-/// Takes an envelope apart. Failure where it is not one of this report.
-SignedAnswers open_envelope(const EnvelopeFile& file, const ReportFacts& report) {
-    SignedAnswers opened{.file = fmt::format("{}/{}", attestations_folder, file.name)};
+/// Takes an envelope apart. Failure where its signature does not hold, and, of keys that the roster
+/// has, where it is not one of this report, whose hash is given.
+SignedAnswers open_envelope(const EnvelopeFile& file, const ReportFacts& report,
+                            const std::string& report_sha256, const SignatureRules& rules) {
+    SignedAnswers opened{.file = fmt::format("{}/{}", attestations_folder, file.name),
+                         .sha256 = sha256_hex(file.text)};
     const auto refuse = [&](const std::string& problem) {
         throw Failure(opened.file, problem, "Move it away, or bring back the original");
     };
     const Envelope envelope = read_envelope(file.text, opened.file);
-    opened.said = read_statement(envelope.payload, opened.file);
+    Attestation& said = opened.said = read_statement(envelope.payload, opened.file);
     opened.id = attestation_id(envelope.payload);
-    const PublicKey key = parse_public_key(opened.said.key, opened.file);
+    const PublicKey key = parse_public_key(said.key, opened.file);
     if (!envelope_holds(envelope, key) || envelope.key_id != key_id_text(key))
         refuse("it was not signed by the key that it names, or was changed since");
     if (file.name != envelope_name(opened.id)) refuse("it has another name than its statement");
-    if (opened.said.report_sha256 != sha256_hex(report.text) ||
-        opened.said.report_id != report.report_id || opened.said.attempt_id != report.attempt_id)
-        refuse(fmt::format(
-            "it was signed for another report ({}, attempt {}), and is replayed here",
-            escape_for_message(opened.said.report_id), escape_for_message(opened.said.attempt_id)));
-    if (!is_role(opened.said.role)) refuse("it states no role to answer in");
-    if (!parse_iso_utc(opened.said.time)) refuse("the time that its signer states cannot be read");
     opened.key = ssh_key_of(key.key);
+    opened.signer = judge_by_roster(
+        {.file = opened.file, .role = said.role, .key = said.key, .stated_time = said.time},
+        opened.key, std::nullopt, rules);
+    if (!opened.signer.known) return opened;
+    if (said.report_sha256 != report_sha256 || said.report_id != report.report_id ||
+        said.attempt_id != report.attempt_id)
+        refuse(
+            fmt::format("it was signed for another report ({}, attempt {}), and is replayed here",
+                        escape_for_message(said.report_id), escape_for_message(said.attempt_id)));
+    if (!is_role(said.role)) refuse("it states no role to answer in");
+    if (!parse_iso_utc(said.time)) refuse("the time that its signer states cannot be read");
     return opened;
 }
 
-/// Notes evidence that is missing or changed, and envelopes that lay there when this one was signed
-/// and are gone.
+/// Notes evidence that is missing or changed, and envelopes by known keys that lay there when this
+/// one was signed and are gone.
 void check_surroundings(const fs::path& run_dir, const SignedAnswers& one,
-                        const std::set<std::string>& ids, std::vector<std::string>& faults) {
+                        const std::set<std::string>& ids, const SignatureRules& rules,
+                        std::vector<std::string>& faults) {
     std::vector<EvidenceFile> evidence = one.said.evidence;
     if (one.said.on_paper) evidence.push_back(*one.said.on_paper);
     for (const EvidenceFile& file : evidence) {
@@ -89,8 +87,11 @@ void check_surroundings(const fs::path& run_dir, const SignedAnswers& one,
             faults.push_back(fmt::format("{}: its evidence {} is {}", one.file, shown(file.name),
                                          there ? "changed" : "missing"));
     }
-    const auto gone = std::ranges::count_if(
-        one.said.after, [&](const std::string& id) { return !ids.contains(id); });
+    const auto gone = std::ranges::count_if(one.said.after, [&](const EvidenceFile& earlier) {
+        if (ids.contains(earlier.sha256)) return false;
+        const SshPublicKey key = ssh_key_of(parse_public_key(earlier.name, one.file).key);
+        return judge_by_roster({}, key, std::nullopt, rules).known;
+    });
     if (gone > 0)
         faults.push_back(fmt::format("{}: when it was signed there {} {} more, now deleted",
                                      one.file, gone == 1 ? "was" : "were",
@@ -107,7 +108,8 @@ TakenBack taken_back(const std::vector<SignedAnswers>& all) {
             if (answer.answer != answer_withdrawn) continue;
             for (const SignedAnswers& earlier : all)
                 if (earlier.key == later.key &&
-                    std::ranges::find(later.said.after, earlier.id) != later.said.after.end())
+                    std::ranges::find(later.said.after, earlier.id, &EvidenceFile::sha256) !=
+                        later.said.after.end())
                     taken[{earlier.id, answer.profile, answer.clause}] = later.said.time;
         }
     return taken;
@@ -129,37 +131,59 @@ std::string objection_to(const Answer& answer, const SignedAnswers& one,
     return {};
 }
 
-GivenAnswer given(const SignedAnswers& one, const SignatureRules& rules) {
+/// Why a statement does not count, whatever it answers; empty where it does.
+std::string objection_to(const SignedAnswers& one, const ReportFacts& report,
+                         const SignatureRules& rules) {
+    if (const auto& until = report.recorded_until;
+        until && *parse_iso_utc(one.said.time) + clock_tolerance < *until)
+        return "dated before the end of the recording, " + iso_text(*until);
+    if (one.said.is_recomputed() && one.said.policies != policies_of(report))
+        return "it recomputed by other rules than those of this report";
+    const std::string closes = rules.roster ? rules.roster->closing_role() : one.said.role;
+    if (one.said.is_closing() && one.said.role != closes)
+        return fmt::format("{} closes a run, not {}", closes, one.said.role);
+    return rules.roster ? one.signer.reason : "";
+}
+
+void object(GivenAnswer& answer, std::string objection) {
+    if (objection.empty()) return;
+    answer.counts = answer.vouched = false;
+    answer.reason = std::move(objection);
+}
+
+GivenAnswer given(const SignedAnswers& one, const ReportFacts& report,
+                  const SignatureRules& rules) {
     GivenAnswer answer{.file = one.file,
+                       .sha256 = one.sha256,
+                       .answer = one.said.is_closing() ? "closed" : "recomputed and agreed",
                        .role = one.said.role,
                        .who = one.signer.who,
                        .key = ssh_key_text(one.key),
                        .time = one.said.time,
                        .statement = one.said.statement,
+                       .closes = one.said.closes,
                        .on_paper = one.said.on_paper.has_value(),
-                       .counts = one.signer.valid || !rules.roster,
-                       .vouched = one.signer.valid && rules.vouches(),
-                       .reason = rules.roster ? one.signer.reason : ""};
+                       .counts = true,
+                       .vouched = rules.vouches()};
+    object(answer, objection_to(one, report, rules));
     for (const EvidenceFile& file : one.said.evidence)
         answer.evidence.push_back(file.name);
     return answer;
 }
 
-void add_answers(const SignedAnswers& one, const std::vector<DueClause>& due,
-                 const TakenBack& taken, const SignatureRules& rules, Attestations& result) {
-    if (one.said.is_recomputed()) {
-        result.recomputations.push_back(given(one, rules));
-        result.recomputations.back().answer = "recomputed and agreed";
-    }
+void add_answers(const SignedAnswers& one, const ReportFacts& report,
+                 const std::vector<DueClause>& due, const TakenBack& taken,
+                 const SignatureRules& rules, Attestations& result) {
+    const GivenAnswer whole = given(one, report, rules);
+    result.files.push_back({one.file, one.sha256});
+    result.before.push_back({one.said.key, one.id});
+    if (one.said.answers.empty()) result.whole.push_back(whole);
     for (const Answer& said : one.said.answers) {
-        GivenAnswer answer = given(one, rules);
+        GivenAnswer answer = whole;
         answer.profile = said.profile;
         answer.clause = said.clause;
         answer.answer = said.answer;
-        if (std::string objection = objection_to(said, one, due, taken); !objection.empty()) {
-            answer.counts = answer.vouched = false;
-            answer.reason = std::move(objection);
-        }
+        object(answer, objection_to(said, one, due, taken));
         result.answers.push_back(std::move(answer));
     }
 }
@@ -169,11 +193,13 @@ std::vector<DueClause> read_due(const Json& predicate) {
     for (const Json& profile : predicate.at("profiles"))
         for (const Json& requirement : profile.at("requirements")) {
             if (requirement.at("status") != "attest") continue;
+            const Json& answerer = requirement.at("answered_by");
             due.push_back({.profile = profile.at("profile").get<std::string>(),
                            .clause = requirement.at("clause").get<std::string>(),
                            .text = requirement.at("text").get<std::string>(),
                            .shown = shown_of(requirement),
-                           .answered_by = answered_by(requirement)});
+                           .answered_by = {answerer.at("role").get<std::string>(),
+                                           answerer.at("count").get<std::int64_t>()}});
         }
     return due;
 }
@@ -200,6 +226,13 @@ std::vector<DueClause> due_clauses(const ReportFacts& report, std::optional<bool
     }
 }
 
+std::vector<EvidenceFile> policies_of(const ReportFacts& report) {
+    std::vector<EvidenceFile> policies;
+    for (const std::string& name : report.subject_names)
+        if (name.starts_with("profile.")) policies.push_back({name, report.subjects.at(name)});
+    return policies;
+}
+
 std::string answer_words(const GivenAnswer& answer) {
     std::string words = answer.answer;
     if (answer.on_paper) words += " on paper, entered";
@@ -218,17 +251,16 @@ Attestations judge_attestations(const fs::path& run_dir, const ReportFacts& repo
     Attestations result;
     std::vector<SignedAnswers> all;
     std::set<std::string> ids;
+    const std::string report_sha256 = sha256_hex(report.text);
     for (const EnvelopeFile& file : envelope_files(run_dir)) {
         ++result.envelopes;
         try {
-            all.push_back(open_envelope(file, report));
-            SignedAnswers& one = all.back();
+            SignedAnswers one = open_envelope(file, report, report_sha256, rules);
             ids.insert(one.id);
-            one.signer = judge_by_roster({.file = one.file,
-                                          .role = one.said.role,
-                                          .key = one.said.key,
-                                          .stated_time = one.said.time},
-                                         one.key, std::nullopt, rules);
+            if (one.signer.known)
+                all.push_back(std::move(one));
+            else
+                result.strangers.push_back(one.file);
         } catch (const Failure& failure) {
             result.faults.push_back(
                 fmt::format("{}/{}: {}", attestations_folder, file.name, failure.problem()));
@@ -237,15 +269,13 @@ Attestations judge_attestations(const fs::path& run_dir, const ReportFacts& repo
     std::ranges::stable_sort(all, {}, [](const SignedAnswers& one) { return one.said.time; });
     const TakenBack taken = taken_back(all);
     for (const SignedAnswers& one : all) {
-        check_surroundings(run_dir, one, ids, result.faults);
-        add_answers(one, due, taken, rules, result);
+        check_surroundings(run_dir, one, ids, rules, result.faults);
+        add_answers(one, report, due, taken, rules, result);
     }
     if (!result.faults.empty())
-        for (auto* answers : {&result.answers, &result.recomputations})
-            for (GivenAnswer& answer : *answers) {
-                answer.counts = answer.vouched = false;
-                answer.reason = "the attestations here are not as they were signed";
-            }
+        for (auto* answers : {&result.answers, &result.whole})
+            for (GivenAnswer& answer : *answers)
+                object(answer, "the attestations here are not as they were signed");
     return result;
 }
 

@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/role_signatures.h"
+#include "store/atomic_file.h"
 #include "store/pattern.h"
 #include "trust/signature_text.h"
 
@@ -134,17 +135,20 @@ RosterEntry read_line(std::string_view rest, std::size_t number, const std::stri
 
 constexpr std::string_view own_comment = "#runcert";
 
-/// "#runcert signatures judge=2,measurer": a comment to ssh-keygen. One that is not understood is
-/// refused: who wrote it relies on it.
-void read_required(std::vector<RoleSignatures>& required, std::string_view line,
-                   const std::string& where) {
+/// "#runcert signatures judge=2,measurer" or "#runcert close judge": comments to ssh-keygen. One
+/// that is not understood is refused: who wrote it relies on it.
+void read_policy(Roster& roster, std::string_view line, const std::string& where) {
     constexpr std::int64_t most = 99;
-    const char* const remedy = "Write it as #runcert signatures ROLE=COUNT,ROLE=COUNT";
+    const char* const remedy = "Write #runcert signatures ROLE=COUNT,... or #runcert close ROLE";
+    std::vector<RoleSignatures>& required = roster.required;
     line.remove_prefix(own_comment.size());
-    const bool understood =
-        line.find_first_of(blanks) == 0 && take_word(line, where) == "signatures";
-    const std::string_view list = understood ? take_word(line, where) : "";
-    if (list.empty() || !line.empty())
+    const std::string_view policy = line.find_first_of(blanks) == 0 ? take_word(line, where) : "";
+    const std::string_view list = take_word(line, where);
+    if (policy == "close" && line.empty() && is_role(list) && !roster.closed_by) {
+        roster.closed_by = list;
+        return;
+    }
+    if (policy != "signatures" || list.empty() || !line.empty())
         refuse_line(where, "this line for runcert is not understood", remedy);
     for (std::size_t at = 0; at <= list.size();) {
         const std::string_view entry = list.substr(at, list.find(',', at) - at);
@@ -195,7 +199,7 @@ Roster parse_roster(std::string_view text, const std::string& where) {
         std::string_view line = lines[i];
         skip_blanks(line);
         const std::string place = fmt::format("{}, line {}", where, i + 1);
-        if (line.starts_with(own_comment)) read_required(roster.required, line, place);
+        if (line.starts_with(own_comment)) read_policy(roster, line, place);
         if (line.empty() || line.starts_with('#')) continue;
         if (!is_printable_line(line))
             refuse_line(place, "the line holds characters that do not print");
@@ -205,6 +209,11 @@ Roster parse_roster(std::string_view text, const std::string& where) {
         refuse_line(where, "the roster names no key",
                     "Write a line for each key whose signature counts");
     return roster;
+}
+
+std::optional<Roster> read_roster(const std::string& file) {
+    if (file.empty()) return std::nullopt;
+    return parse_roster(read_handwritten(file), file);
 }
 
 Roster roster_of_public_key(std::string_view text, const std::string& who, const std::string& where,

@@ -43,11 +43,17 @@ struct Roster {
     /// What the roster asks for, whatever rules and attempts do: its lines "#runcert signatures
     /// judge=2,measurer", which ssh-keygen takes for comments.
     std::vector<RoleSignatures> required{};
+    /// Who closes a run, by its line "#runcert close judge".
+    std::string closing_role() const { return closed_by.value_or("board"); }
+    std::optional<std::string> closed_by{};
 };
 
 /// Reads a roster. Failure with the line where one is malformed, of an unknown type of key or
 /// option, or names a certificate authority: certificates are not read here.
 Roster parse_roster(std::string_view text, const std::string& where);
+
+/// The roster of a file; none where no file is named. Failures as of parse_roster.
+std::optional<Roster> read_roster(const std::string& file);
 
 /// A roster of one public key that may sign at any time in the roles (a pattern, "*" for every
 /// one): the text of a file in minisign's or in OpenSSH's form. `who` names it. Failure where the

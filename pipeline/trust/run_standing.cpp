@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -70,7 +71,74 @@ SignaturesLeft signatures_left(const ReportFacts& report, const std::vector<Sign
     return {.missing = missing + broken, .unvouched = vouched ? 0 : all - missing};
 }
 
-Standing summed(const std::vector<ClauseStanding>& clauses, const SignaturesLeft& signatures) {
+/// Sets whether the statements of these keys close the run, and what they say otherwise than it is.
+void set_closing(RunStanding& standing, const std::vector<Signer>& signers, const Roster& roster) {
+    standing.roster_sha256 = sha256_hex(roster.text);
+    const std::vector<GivenAnswer>& all = standing.given.whole;
+    std::vector<EvidenceFile>& there = standing.to_close = standing.given.files;
+    for (const Signer& signer : signers)
+        if (signer.valid) there.push_back({signer.file, signer.sha256});
+    const auto has = [](const std::vector<EvidenceFile>& files, const std::string& sha256) {
+        return std::ranges::find(files, sha256, &EvidenceFile::sha256) != files.end();
+    };
+    std::vector<const GivenAnswer*> latest;
+    for (const GivenAnswer& one : all)
+        if (one.vouched && !one.closes.empty() &&
+            std::ranges::none_of(all, [&](const GivenAnswer& other) {
+                return other.vouched && has(other.closes, one.sha256);
+            }))
+            latest.push_back(&one);
+    std::vector<std::string>& words = standing.closing;
+    if (latest.empty())
+        words = {"Not closed: " + roster.closing_role() +
+                 " closes it, runcert attest RUN --close."};
+    if (latest.size() > 1)
+        words = {"Several closing statements, of which none names the others: close again."};
+    if (latest.size() != 1) return;
+    const GivenAnswer& by = *latest.front();
+    for (const EvidenceFile& file : there)
+        if (file.sha256 != by.sha256 && !has(by.closes, file.sha256))
+            words.push_back(shown(file.name) +
+                            " lies here, but the close does not list it: close again.");
+    for (const EvidenceFile& file : by.closes)
+        if (!has(there, file.sha256))
+            words.push_back(shown(file.name) +
+                            " is listed by the close, but is missing, changed or not counted.");
+    standing.closed = words.empty();
+    if (standing.closed)
+        words = {
+            fmt::format("Closed by {} ({}), {}, with the key {}. Later answers show only where "
+                        "the body keeps them.",
+                        by.role, by.who, by.time, by.key)};
+}
+
+/// Sets whose keys fill which roles. Returns by whose roster they do, for the headline.
+std::string set_roles(RunStanding& standing, const std::vector<Signer>& signers) {
+    std::map<std::string, std::set<std::string>> holders_of, roles_of;
+    const auto add = [&](const std::string& role, const std::string& who, const std::string& key) {
+        holders_of[role].insert(who.empty() ? key : who);
+        roles_of[key].insert(role);
+    };
+    for (const auto* list : {&standing.given.answers, &standing.given.whole})
+        for (const GivenAnswer& one : *list)
+            if (one.vouched) add(one.role, one.who, one.key);
+    for (const Signer& signer : signers)
+        if (signer.valid) add(signer.role, signer.who, key_identity(signer));
+    for (const auto& [role, who] : holders_of)
+        standing.roles += fmt::format("{} {} {}", standing.roles.empty() ? ":" : ",", role,
+                                      listed({who.begin(), who.end()}));
+    std::string shared;
+    for (const auto& [key, roles] : roles_of)
+        if (roles.size() > 1)
+            shared += fmt::format("; one key is {}", listed({roles.begin(), roles.end()}));
+    standing.roles += shared;
+    return fmt::format("by the roster {} {}: compare it with your body's{}",
+                       standing.roster_sha256.substr(0, 4), standing.roster_sha256.substr(4, 4),
+                       shared);
+}
+
+Standing summed(const std::vector<ClauseStanding>& clauses, const SignaturesLeft& signatures,
+                bool closed) {
     std::int64_t open = 0, refused = 0, unvouched = signatures.unvouched;
     for (const ClauseStanding& clause : clauses) {
         if (clause.refused)
@@ -86,6 +154,10 @@ Standing summed(const std::vector<ClauseStanding>& clauses, const SignaturesLeft
     standing.state = refused > 0                                 ? StandingState::refused
                      : open + signatures.missing + unvouched > 0 ? StandingState::awaiting
                                                                  : StandingState::complete;
+    if (standing.state == StandingState::complete && !closed) {
+        standing.state = StandingState::awaiting;
+        standing.unclosed = 1;
+    }
     return standing;
 }
 
@@ -97,9 +169,7 @@ OutcomeState outcome_of(const Json& profile) {
         return value;
     };
     const auto outcome = read(profile.at("outcome"), Outcome{});
-    // Reports of revision 1.0 call it rule_identity.
-    const char* const rule = profile.contains("rule") ? "rule" : "rule_identity";
-    const auto origin = read(profile.at(rule).at("origin"), RuleOrigin{});
+    const auto origin = read(profile.at("rule").at("origin"), RuleOrigin{});
     const bool overridden = profile.contains("overrides") && !profile.at("overrides").empty();
     return {.outcome = outcome,
             .record_named = profile.contains("record"),
@@ -139,8 +209,9 @@ std::ptrdiff_t superseded_answers(const fs::path& run_dir) {
 
 VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
     VerificationStep step{.what = "attestations"};
-    if (standing.envelopes > 0) step.answer = LayerAnswer::verified;
-    for (const std::string& fault : standing.faults)
+    const Attestations& given = standing.given;
+    if (given.envelopes > 0) step.answer = LayerAnswer::verified;
+    for (const std::string& fault : given.faults)
         step.fail(fault);
     std::int64_t due = 0, open = 0;
     for (const RuleStanding& rule : standing.rules)
@@ -151,7 +222,7 @@ VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
             for (const std::string& words : clause_words(clause))
                 step.details.push_back(fmt::format("{}: {}", name, words));
         }
-    for (const GivenAnswer& one : standing.recomputations)
+    for (const GivenAnswer& one : given.whole)
         step.details.push_back(fmt::format("{}: {}", one.file, answer_words(one)));
     if (const auto count = superseded_answers(run_dir); count > 0)
         step.details.push_back(
@@ -161,10 +232,10 @@ VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
         step.is(LayerAnswer::not_verified)
             ? "not all are there as they were signed"
             : fmt::format("{}; {} of {} open",
-                          step.answer ? counted(static_cast<std::int64_t>(standing.envelopes),
-                                                "attestation") +
-                                            ", as signed"
-                                      : "there are none",
+                          step.answer
+                              ? counted(static_cast<std::int64_t>(given.envelopes), "attestation") +
+                                    ", as signed"
+                              : "there are none",
                           counted(open), counted(due, "requirement") + " to be attested");
     return step;
 }
@@ -193,11 +264,14 @@ std::vector<std::string> clause_words(const ClauseStanding& clause) {
 
 RunStanding run_standing(const ReportFacts& report, const Attestations& attestations,
                          const std::vector<Signer>& signers, const SignatureRules& rules) {
-    RunStanding standing{.recomputations = attestations.recomputations,
-                         .faults = attestations.faults,
-                         .envelopes = attestations.envelopes};
-    const bool vouched = rules.vouches();
-    if (vouched) standing.roster_sha256 = sha256_hex(rules.roster->text);
+    RunStanding standing{.given = attestations};
+    if (rules.vouches()) set_closing(standing, signers, *rules.roster);
+    const std::string vouched_by = rules.vouches() ? set_roles(standing, signers) : "";
+    if (const auto& strangers = attestations.strangers; !strangers.empty())
+        standing.closing.push_back(
+            fmt::format("{} by keys that are not on the roster, not counted: {}{}.",
+                        counted(std::ssize(strangers), "attestation"), strangers.front(),
+                        strangers.size() > 1 ? " and others" : ""));
     try {
         standing.with_files = second_files_count(report, attestations);
         standing.rules = read_rules(report, standing.with_files);
@@ -213,26 +287,27 @@ RunStanding run_standing(const ReportFacts& report, const Attestations& attestat
         for (const DueClause& clause : due)
             if (clause.profile == rule.profile)
                 rule.clauses.push_back(standing_of(clause, attestations));
-        rule.state.standing = summed(rule.clauses, signatures);
-        rule.state.vouched = vouched;
+        rule.state.standing = summed(rule.clauses, signatures, standing.closed);
+        rule.state.vouched_by = vouched_by;
     }
     return standing;
 }
 
 RunStanding stated_standing(const std::filesystem::path& run_dir, const ReportFacts& report,
-                            std::optional<Roster> roster) {
+                            std::optional<Roster> roster, std::optional<UtcSecond> at) {
     const auto latest = [](UtcSecond& time, const std::string& text) {
         if (const auto stated = parse_iso_utc(text)) time = std::max(time, *stated);
     };
-    SignatureRules rules;
+    SignatureRules rules{.roster = std::move(roster)};
     UtcSecond time{std::chrono::days(1)};  // the first that ssh-keygen takes
     rules.present = rules.at = time;
-    for (const GivenAnswer& answer : judge_attestations(run_dir, report, rules).answers)
-        latest(time, answer.time);
+    const Attestations all = judge_attestations(run_dir, report, rules);
+    for (const auto* list : {&all.answers, &all.whole})
+        for (const GivenAnswer& answer : *list)
+            latest(time, answer.time);
     for (const Signer& signer : verify_signatures(run_dir, report, rules).signers)
-        latest(time, signer.stated_time);
-    rules.roster = std::move(roster);
-    rules.present = rules.at = time;
+        if (signer.known) latest(time, signer.stated_time);
+    rules.present = rules.at = at.value_or(time);
     return run_standing(report, judge_attestations(run_dir, report, rules),
                         verify_signatures(run_dir, report, rules).signers, rules);
 }
@@ -246,13 +321,15 @@ std::vector<std::string> standing_lines(const RunStanding& standing, bool all_ho
                               outcome_words(rule.state).title, standing_text(rule.state.standing))
                 : fmt::format("{}: no standing, since not all above holds.", rule.profile));
     lines.push_back(vouched_words(standing));
+    lines.insert(lines.end(), standing.closing.begin(), standing.closing.end());
     return lines;
 }
 
 std::string vouched_words(const RunStanding& standing) {
     if (standing.roster_sha256.empty())
         return "No roster was given: nobody vouches for the keys of who answered or signed.";
-    return fmt::format("Keys of the roster with the SHA-256 {} count.", standing.roster_sha256);
+    return fmt::format("Keys of the roster with the SHA-256 {} count{}.", standing.roster_sha256,
+                       standing.roles);
 }
 
 AttestationLayer verify_attestations(const fs::path& run_dir, const ReportFacts& report,

@@ -3,6 +3,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/role_signatures.h"
+#include "store/sha256.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
 #include "trust/verification.h"
@@ -83,6 +84,7 @@ void note_times(Signer& signer, const SignatureCase& one, const ReportFacts& rep
 Signer apply_roster(Signer signer, const SshPublicKey& key, const SignatureCase& one,
                     const SignatureRules& rules) {
     const auto entries = entries_of(key, rules);
+    signer.known = !rules.roster || !entries.empty();
     if (!rules.roster) return not_counted(std::move(signer), "no key was given to compare with");
     if (entries.empty())
         return not_counted(std::move(signer), rules.by_public_keys
@@ -190,6 +192,8 @@ Signer judge_ssh(const SignatureCase& one, const ReportFacts& report, const Sign
     const std::string& name_space = signature.name_space;
     const std::string role = name_space.substr(0, name_space.find('@'));
     const UtcSecond time = one.stamped.value_or(rules.at);
+    if (rules.roster && entries_of(signature.key, rules).empty())  // of these there may be many
+        return apply_roster(std::move(signer), signature.key, one, rules);
     if (!is_role(role) || name_space != signature_namespace(role))
         return not_counted(std::move(signer),
                            fmt::format("it was made for \"{}\", not for ROLE@runcert: sign with "
@@ -228,7 +232,7 @@ Signer judge_by_roster(Signer signer, const SshPublicKey& key, std::optional<Utc
 
 Signer judge_signature(const SignatureCase& one, const ReportFacts& report,
                        const SignatureRules& rules) {
-    Signer signer{.file = one.file.name};
+    Signer signer{.file = one.file.name, .sha256 = sha256_hex(one.file.text)};
     signer.time = iso_text(one.stamped.value_or(rules.at));
     signer.time_source = one.stamped ? "time stamp" : rules.at_was_given ? "given" : "present";
     try {

@@ -50,6 +50,8 @@ struct ReportFacts {
 /// newer version of the report's schema than this program knows: what it asks for is unknown.
 ReportFacts read_report_facts(const std::filesystem::path& run_dir);
 
+struct RunStanding;
+
 enum class LayerAnswer {
     verified,
     not_verified,
@@ -126,6 +128,7 @@ struct SignatureRules {
 /// One signature file, as judged.
 struct Signer {
     std::string file{};
+    std::string sha256{};         ///< of the signature file
     std::string role{};           ///< "" where the signature states none
     std::string key{};            ///< one line: base64 as `minisign -P` takes it, or "TYPE BASE64"
     std::string who{};            ///< as the roster calls the key's holder
@@ -133,6 +136,7 @@ struct Signer {
     std::string stated_time{};    ///< when the signer says it was made
     std::string time{};           ///< the time that the key's validity is judged by
     std::string time_source{};    ///< "time stamp", "present" or "given"
+    bool known = false;           ///< the roster, if there is one, has its key, in whatever role
     bool valid = false;           ///< it holds, and counts
     bool broken = false;   ///< it is not a signature of this report: tampered with, or replayed
     std::string reason{};  ///< why it does not count
@@ -145,6 +149,9 @@ struct SignatureLayers {
     VerificationStep signatures;
     std::vector<Signer> signers{};
 };
+
+/// "TYPE BASE64" of its key, in whichever form the signature is.
+std::string key_identity(const Signer& signer);
 
 /// Judges every signature and time stamp of the folder, and whether there are all that the report
 /// states it needs by rules and attempt, and all that the roster asks for (for each role, the
@@ -166,9 +173,13 @@ VerificationStep verify_drawings(const std::filesystem::path& run_dir, const Rep
 /// Drawings are taken from report.html where they have the hashes that report.json names, and drawn
 /// again else. Not checkable: pages of another program, and what gnuplot, WeasyPrint or poppler are
 /// needed for where they are missing, or are others than made it. Of such a PDF, what it carries is
-/// checked, and what its first page says. Not verified where the pages go by an unknown roster.
+/// checked, and what its first page says. Not verified where the pages go by an unknown roster, and
+/// where a rule's standing is another on them than was `found` by the roster given.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report,
-                              const SignatureRules& rules);
+                              const SignatureRules& rules, const RunStanding& found);
+
+/// The SHA-256 of the roster that report.html was made with, as it says; empty where it names none.
+std::string roster_of_pages(const std::filesystem::path& run_dir);
 
 /// A signature to be judged; `stamped` is the time of its time stamp where that holds.
 struct SignatureCase {

@@ -20,6 +20,7 @@
 #include "store/sha256.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
+#include "trust/run_standing.h"
 #include "trust/seal.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
@@ -147,14 +148,6 @@ std::vector<std::string> signatures_in(const std::string& page) {
         if (entry.is_object() && entry.contains("file") && entry["file"].is_string())
             names.push_back(entry["file"].get<std::string>());
     return names;
-}
-
-/// The hash of the roster that a page's standing goes by; empty where it goes by none.
-std::string roster_of(const std::string& page) {
-    const auto standing = nlohmann::json::parse(carried(page, "standing"), nullptr, false);
-    if (!standing.is_object()) return {};
-    const auto roster = standing.find("roster_sha256");
-    return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
 }
 
 /// The folder's report, with those of its signatures that the page was made with, or all of them.
@@ -311,6 +304,15 @@ std::string finding_of(const VerificationStep& step, const char* verified, const
 
 }  // namespace
 
+std::string roster_of_pages(const fs::path& run_dir) {
+    if (!fs::is_regular_file(fs::symlink_status(run_dir / html_file))) return {};
+    const auto standing =
+        nlohmann::json::parse(carried(read_file(run_dir / html_file), "standing"), nullptr, false);
+    if (!standing.is_object()) return {};
+    const auto roster = standing.find("roster_sha256");
+    return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
+}
+
 std::string drawing_file_name(std::size_t figure) {
     return fmt::format("drawing.{}.svg", figure);
 }
@@ -363,7 +365,7 @@ bool is_first_page_alone(const fs::path& pdf) {
 }
 
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
-                              const SignatureRules& rules) {
+                              const SignatureRules& rules, const RunStanding& found) {
     VerificationStep step{.what = "pages"};
     const auto is_there = [&](const char* name) {
         return fs::is_regular_file(fs::symlink_status(run_dir / name));
@@ -375,13 +377,13 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
         return step;
     }
     const std::string page = html ? read_file(run_dir / html_file) : std::string();
-    const std::string roster = roster_of(page);
+    const std::string roster = roster_of_pages(run_dir);
     if (!roster.empty() && (!rules.vouches() || roster != sha256_hex(rules.roster->text))) {
         step.finding = fmt::format(
             "their standing goes by a roster that was not given here, "
             "SHA-256 {}",
             shown(roster));
-        step.fail("Render them again, by your own roster or by none: runcert attest RUN --render.");
+        step.fail("Render them again by your own: runcert attest RUN --render --roster ROSTER.");
         return step;
     }
     step.answer = LayerAnswer::verified;
@@ -399,6 +401,15 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
                                       report);
     if (html) judge_html(step, folder.path() / html_file, page, report, obstacle);
     if (pdf) judge_pdf(step, run_dir / pdf_file, folder.path() / pdf_file, report, obstacle);
+    if (rules.vouches()) {
+        const RunStanding on_pages =
+            stated_standing(folder.path(), report, roster.empty() ? std::nullopt : rules.roster);
+        for (std::size_t i = 0; i < found.rules.size(); ++i)
+            if (on_pages.rules.at(i).state.standing.state != found.rules[i].state.standing.state)
+                step.fail(found.rules[i].profile +
+                          ": they show another standing than was found: "
+                          "runcert attest RUN --render --roster ROSTER");
+    }
     step.finding = finding_of(step, "they are what the report renders to",
                               "not all are what the report renders to");
     step.details.emplace_back("Pages are for reading; what is signed is report.json.");

@@ -19,12 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The same text for the same key, whether a signature is in minisign's or in OpenSSH's form.
-std::string key_identity(const Signer& signer) {
-    if (signer.key.find(' ') != std::string::npos) return signer.key;
-    return ssh_key_text(ssh_key_of(parse_public_key(signer.key, signer.file).key));
-}
-
 /// Keys by the slot they fill: augmenting paths [Kuhn55].
 class Matching {
   public:
@@ -196,19 +190,12 @@ std::vector<std::string> shared_holders(const std::vector<Signer>& signers) {
     return notes;
 }
 
-constexpr std::size_t most_signatures = 200;
-
-/// Each costs a hash of the report, or two runs of ssh-keygen.
-void require_few(const std::vector<SignatureFile>& files, const fs::path& run_dir) {
-    if (files.size() > most_signatures)
-        throw Failure(run_dir.string(),
-                      fmt::format("there are {} signatures in this folder, more than the {} that "
-                                  "are looked at",
-                                  files.size(), most_signatures),
-                      "Move away those that are not needed");
-}
-
 }  // namespace
+
+std::string key_identity(const Signer& signer) {
+    if (signer.key.find(' ') != std::string::npos) return signer.key;
+    return ssh_key_text(ssh_key_of(parse_public_key(signer.key, signer.file).key));
+}
 
 std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
                                   const std::vector<Signer>& signers) {
@@ -235,9 +222,7 @@ SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& re
     SignatureLayers layers{.time_stamps = std::move(stamps.step),
                            .signatures = {.what = "signatures"}};
     VerificationStep& step = layers.signatures;
-    const std::vector<SignatureFile> files = signature_files(run_dir);
-    require_few(files, run_dir);
-    for (const SignatureFile& file : files) {
+    for (const SignatureFile& file : signature_files(run_dir)) {
         SignatureCase one{.run_dir = run_dir, .file = file};
         const auto stamped = stamps.times.find(file.name);
         if (stamped != stamps.times.end()) one.stamped = stamped->second;

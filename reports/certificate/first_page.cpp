@@ -292,6 +292,8 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
             add(page,
                 paragraph((rule.several ? rule.profile.id + ": " : "") + rule.verdict.second_files,
                           "caution"));
+    add(page, paragraph("Neither answered nor closed when this report was made.", "note"));
+    page.blocks.back().slot = "closing";
     add_identity(page, inputs);
     add_small_plots(page, figures);
     if (rules.size() == 1) {

@@ -88,7 +88,7 @@ void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
 }  // namespace
 
 Json standing_json(const RunStanding& standing, const Json& predicate) {
-    if (standing.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
+    if (standing.given.envelopes == 0 && standing.roster_sha256.empty()) return Json::object();
     Json json{{"roster_sha256", standing.roster_sha256}, {"slots", Json::object()}};
     if (standing.with_files) json["with_files"] = true;
     const Json& shown = standing.with_files ? predicate.at("with_files") : predicate;
@@ -99,10 +99,15 @@ Json standing_json(const RunStanding& standing, const Json& predicate) {
         set_rule(json["slots"], rule, shown);
         add_answers(facts, rule);
     }
-    for (const GivenAnswer& one : standing.recomputations)
-        facts.push_back(fact("Recomputed", answer_words(one)));
-    for (const std::string& fault : standing.faults)
+    for (const GivenAnswer& one : standing.given.whole)
+        facts.push_back(fact("Of the whole report", answer_words(one)));
+    for (const std::string& fault : standing.given.faults)
         facts.push_back(fact("Fault", fault));
+    if (const Json* block = block_of(shown, "closing")) {
+        json["slots"]["closing"] = *block;
+        json["slots"]["closing"]["text"] =
+            fmt::format("{} {}", vouched_words(standing), fmt::join(standing.closing, " "));
+    }
     if (const Json* block = block_of(shown, "answers")) {
         Json& answers = json["slots"]["answers"] = *block;
         answers["facts"] = std::move(facts);

@@ -116,11 +116,9 @@ ReportInputs gather(StageRun& run) {
 
 /// Where the run stands by its attestations, for the pages.
 std::string standing_of(const std::filesystem::path& run_dir, const std::string& roster) {
-    std::optional<Roster> keys;
     if (roster.empty() && envelope_files(run_dir).empty()) return "{}\n";
-    if (!roster.empty()) keys = parse_roster(read_handwritten(roster), roster);
     const ReportFacts report = read_report_facts(run_dir);
-    return report_text_of(standing_json(stated_standing(run_dir, report, std::move(keys)),
+    return report_text_of(standing_json(stated_standing(run_dir, report, read_roster(roster)),
                                         report.json->at("predicate")));
 }
 

@@ -31,7 +31,7 @@ Section titled(const ProfileView& view) {
 
 Block outcome_facts(const ProfileView& view) {
     OutcomeState state = state_of(view.verdict);
-    state.vouched = view.options.vouched;
+    state.vouched_by = view.options.vouched_by;
     return facts({{"Outcome", outcome_words(state).title + "."},
                   {"Standing", capitalised(standing_text(state.standing)) + "."}});
 }

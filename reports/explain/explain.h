@@ -20,7 +20,7 @@ struct ExplainOptions {
     std::string profile;  ///< id of the one profile to look at; empty: all
     /// Of "PROFILE/CLAUSE", what became of it and who answered, a line each.
     std::map<std::string, std::vector<std::string>> answers = {};
-    bool vouched = false;  ///< the verdict's standing counts keys of the reader's roster
+    std::string vouched_by = {};  ///< by whose roster the verdict's standing counts, see outcome.h
     /// Who agreed on the decision rule, as the attempt states.
     std::optional<DecisionRuleAgreement> rule_agreed = std::nullopt;
 };

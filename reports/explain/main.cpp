@@ -56,14 +56,11 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
 /// What was answered since the verdict was made, and where each rule stands by it.
 void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
     if (options.roster.empty() && envelope_files(options.run_dir).empty()) return;
-    std::optional<Roster> roster;
-    if (!options.roster.empty())
-        roster = parse_roster(read_handwritten(options.roster), options.roster);
-    const RunStanding standing =
-        stated_standing(options.run_dir, read_report_facts(options.run_dir), std::move(roster));
-    what.vouched = !standing.roster_sha256.empty();
+    const RunStanding standing = stated_standing(
+        options.run_dir, read_report_facts(options.run_dir), read_roster(options.roster));
     if (standing.with_files) verdict.profiles = verdict.with_files;
     for (const RuleStanding& rule : standing.rules) {
+        what.vouched_by = rule.state.vouched_by;
         for (ProfileVerdict& profile : verdict.profiles)
             if (profile.profile == rule.profile) profile.standing = rule.state.standing;
         for (const ClauseStanding& clause : rule.clauses)

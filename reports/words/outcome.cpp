@@ -27,13 +27,15 @@ std::vector<std::string> answered_otherwise(const Standing& standing) {
             fmt::format("{} by keys that nobody vouched for", counted(count, "answer")));
     if (const std::int64_t count = standing.refused.value_or(0); count > 0)
         words.push_back(fmt::format("{} answered no", counted(count, "requirement")));
+    if (standing.unclosed.value_or(0) > 0) words.emplace_back("answers not closed");
     return words;
 }
 
 std::string beaten_title(const OutcomeState& state) {
     const Standing& standing = state.standing;
-    if (standing.state == StandingState::complete && state.vouched && !state.rule_altered)
-        return "Record beaten";
+    if (standing.state == StandingState::complete && !state.vouched_by.empty() &&
+        !state.rule_altered)
+        return "Record beaten, " + state.vouched_by;
     std::vector<std::string> open;
     if (standing.attestations > 0)
         open.push_back(

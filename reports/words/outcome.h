@@ -22,7 +22,8 @@ struct OutcomeState {
     Standing standing = {};
     bool record_named = false;
     bool rule_altered = false;  ///< figures replaced by the attempt, or a rule of its own
-    bool vouched = false;       ///< the standing counts keys that the reader's roster vouches for
+    /// "by the roster 4a84 9c1e: compare it with your body's"; empty where none vouches for keys.
+    std::string vouched_by = {};
 };
 OutcomeState state_of(const ProfileVerdict& verdict);
 
@@ -33,9 +34,10 @@ struct OutcomeWords {
     std::string tone;  ///< how a page colours it: "yes", "open", "no" or "refused"
 };
 
-/// "Record beaten" only where the measurement says so, the rule is the body's own and all of it was
-/// attested and signed by keys that the reader's roster vouches for; else what was measured, and
-/// what it waits for: "Measured speed exceeds the record; 5 requirements still to be attested".
+/// "Record beaten, by the roster ..." only where the measurement says so, the rule is the body's
+/// own and all of it was attested, signed and closed by keys that the reader's roster vouches for;
+/// else what was measured, and what it waits for: "Measured speed exceeds the record; 5
+/// requirements still to be attested".
 OutcomeWords outcome_words(const OutcomeState& state);
 
 /// "rule “nalsa”, revision 1", "the attempt's own rule “x”, revision 1".

@@ -54,16 +54,41 @@ class Attestations : public SignedRuns {
                             const std::vector<std::string>& more = {}) const {
         const ProcessResult result = attest(name, role, clauses, more);
         EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
-        const std::size_t at = result.output.find("attestations/answer-");
+        const std::size_t at = result.output.rfind("attestations/answer-");
         return at == std::string::npos
                    ? ""
                    : result.output.substr(at, result.output.find('\n', at) - at);
     }
-    /// All that is due, answered yes, and the report signed.
+    /// All that is due, answered yes, the report signed, and the run closed.
     void complete() const {
+        answer_all();
+        close();
+    }
+    void answer_all() const {
         for (const char* role : {"measurer", "judge", "board"})
             if (const auto clauses = due(role); !clauses.empty()) must_attest(role, role, clauses);
         must_sign("measurer", "measurer");
+    }
+    /// The name of the closing statement.
+    std::string close(const std::string& name = "board", const std::string& role = "board",
+                      const std::string& by = roster()) const {
+        return must_attest(name, role, {}, {"--close", "--roster", by});
+    }
+    static std::string beaten(const std::string& by = roster()) {
+        const std::string hash = sha256_hex(read_file(by));
+        return fmt::format(
+            "nalsa: Record beaten, by the roster {} {}: compare it with your body's. Standing: "
+            "complete.",
+            hash.substr(0, 4), hash.substr(4, 4));
+    }
+    static inline const std::string unclosed =
+        "nalsa: Measured speed exceeds the record; answers not closed. Standing: answers not "
+        "closed.";
+    /// Not beaten, and the reason is said.
+    void expect_open(const std::string& why) const {
+        const auto all = found();
+        EXPECT_EQ(standing(all), unclosed) << why;
+        EXPECT_TRUE(says(all["standing"], why)) << why << all["standing"].dump(1);
     }
     /// A yes as `attest` would word it.
     Answer answer_to(const std::string& clause) const {

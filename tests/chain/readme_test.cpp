@@ -6,6 +6,7 @@
 
 #include "chain_support.h"
 #include "core/text.h"
+#include "store/sha256.h"
 
 // The README and its pages: their commands, each as it stands there, by this and other programs.
 
@@ -99,22 +100,57 @@ TEST_F(Readme, TheLandYachtGoesFromCertifyToRecordBeaten) {
     must("ln -s " RUNCERT_PROGRAMS "/runcert runcert && ln -s " + examples.string() + " examples");
     const std::vector<std::string> commands = commands_of("pipeline/trust/ATTESTING.md");
     ASSERT_GT(commands.size(), 10U);
+    // What page one says after each command that makes pages: its headline, and who closed it.
+    std::string beaten = "Record beaten, by the roster";
+    const std::string exceeds = "Measured speed exceeds the record; ",
+                      due = " still to be attested", open = "Not closed: board closes it",
+                      closed = "Closed by board (board), 20",
+                      later = "lies here, but the close does not list it";
+    const std::vector<std::pair<std::string, std::string>> pages{
+        {exceeds + "13 requirements" + due,
+         "Neither answered nor closed when this report was made."},
+        {exceeds + "8 requirements" + due, ": measurer measurer. " + open},
+        {exceeds + "2 requirements" + due, ": judge judge-a, measurer measurer. " + open},
+        {exceeds + "2 requirements" + due + " and 1 requirement answered no",
+         ": judge judge-a and judge-b, measurer measurer. " + open},
+        {exceeds + "1 requirement answered no", ": board board, judge judge-a and judge-b, measurer"},
+        {exceeds + "answers not closed", open},
+        {exceeds + "answers not closed", open},
+        {beaten, closed},
+        {exceeds + "1 requirement" + due, later},
+        {exceeds + "answers not closed", later},
+        {beaten, closed}};
+    std::size_t step = 0;
     bool complete = false;
     for (const std::string& command : commands) {
         SCOPED_TRACE(command);
         must(command);
+        if (command.find(" certify ") != std::string::npos ||
+            command.find("--key") != std::string::npos) {
+            ASSERT_LT(step, pages.size());
+            const std::string page = read_file(folder_.path() / "RUN" / "report.html");
+            for (const std::string& words : {pages[step].first, pages[step].second})
+                EXPECT_NE(page.find(words), std::string::npos) << words;
+            EXPECT_EQ(page.find("Record beaten") != std::string::npos, pages[step].first == beaten);
+            ++step;
+        }
         if (command.find(" verify ") == std::string::npos) continue;
         complete = true;
-        EXPECT_NE(last_said_.find("nalsa: Record beaten. Standing: complete."), std::string::npos)
+        const std::string hash = sha256_hex(read_file(folder_.path() / "roster"));
+        EXPECT_NE(
+            last_said_.find("nalsa: " + beaten + " " + hash.substr(0, 4) + " " + hash.substr(4, 4) +
+                            ": compare it with your body's. Standing: complete."),
+            std::string::npos)
             << last_said_;
     }
     EXPECT_TRUE(complete);
+    EXPECT_EQ(step, pages.size());
     EXPECT_NE(last_said_.find("Signature Verified Successfully"), std::string::npos) << last_said_;
     // Without the officials' keys nothing gets there: none, their public halves, those of others.
     must("./runcert keygen --no-password --out other --role other > other.txt");
     must("sed -n 's/^roster *other/measurer,judge,board/p' other.txt > theirs");
     for (const char* keys :
-         {"", "--pubkey measurer.pub --pubkey judge.pub --pubkey board.pub", "--roster theirs"}) {
+         {"", "--pubkey measurer.pub --pubkey judge-a.pub --pubkey board.pub", "--roster theirs"}) {
         const ProcessResult found = shell(std::string("./runcert verify RUN ") + keys);
         EXPECT_EQ(found.output.find("Record beaten"), std::string::npos) << keys << found.output;
         EXPECT_NE(found.output.find("Standing: "), std::string::npos) << keys << found.output;
@@ -144,8 +180,9 @@ TEST(ReadmePage, IsOneScreenAndItsLinksLeadSomewhere) {
     for (const char* page :
          {"README.md", "examples/README.md", "stages/check/profiles/README.md",
           "pipeline/make/README.md", "pipeline/trust/README.md", "pipeline/trust/ATTESTING.md",
-          "pipeline/trust/CHECKING.md", "reports/WORDS.md", "examples/PREPARING.md", "CONTRIBUTING.md",
-          "schemas/README.md", "reports/METHOD.md", "stages/README.md", "tests/README.md"}) {
+          "pipeline/trust/CHECKING.md", "reports/WORDS.md", "examples/PREPARING.md",
+          "CONTRIBUTING.md", "schemas/README.md", "reports/METHOD.md", "stages/README.md",
+          "tests/README.md"}) {
         const std::string text = read_file(source / page);
         for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at)
             EXPECT_TRUE(fs::exists((source / page).parent_path() / (*at)[1].str()))

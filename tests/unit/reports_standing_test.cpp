@@ -43,17 +43,18 @@ RunStanding answered(const std::string& word) {
     ClauseStanding observers{
         .due = {.profile = "nalsa", .clause = "observers", .answered_by = {"judge", 1}},
         .missing = 1};
-    RuleStanding nalsa{.profile = "nalsa",
-                       .state = {.outcome = Outcome::beaten,
-                                 .standing = {.state = StandingState::awaiting, .attestations = 4},
-                                 .record_named = true,
-                                 .vouched = true},
-                       .clauses = {own_start, observers}};
+    RuleStanding nalsa{
+        .profile = "nalsa",
+        .state = {.outcome = Outcome::beaten,
+                  .standing = {.state = StandingState::awaiting, .attestations = 4},
+                  .record_named = true,
+                  .vouched_by = "by the roster bbbb bbbb: compare it with your body's"},
+        .clauses = {own_start, observers}};
     if (word == "no") {
         nalsa.state.standing.state = StandingState::refused;
         nalsa.state.standing.refused = 1;
     }
-    return {.rules = {nalsa}, .envelopes = 1, .roster_sha256 = std::string(64, 'b')};
+    return {.rules = {nalsa}, .given = {.envelopes = 1}, .roster_sha256 = std::string(64, 'b')};
 }
 
 Json report_of(const sample::Run& run) {
@@ -86,8 +87,11 @@ TEST(Standing, ChangesWhatItIsAboutAndNothingElse) {
         ASSERT_FALSE(before.is_null()) << name;
         EXPECT_EQ(block["kind"], before["kind"]);
     }
-    EXPECT_EQ(names, (std::vector<std::string>{"outcome/nalsa", "standing/nalsa",
-                                               "requirements/nalsa", "clauses/nalsa", "answers"}));
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"outcome/nalsa", "standing/nalsa", "requirements/nalsa",
+                                        "clauses/nalsa", "closing", "answers"}));
+    EXPECT_NE(slots["closing"]["text"].get<std::string>().find("Keys of the roster"),
+              std::string::npos);
     EXPECT_EQ(slots["standing/nalsa"]["text"], "Standing: awaiting 4 attestations.");
     for (const char* list : {"requirements/nalsa", "clauses/nalsa"}) {
         const char* of = slots[list].contains("facts") ? "facts" : "rows";

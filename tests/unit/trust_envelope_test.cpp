@@ -79,7 +79,7 @@ Attestation answers() {
             .statement = "I was there.",
             .evidence = {{"list.pdf", std::string(64, 'b')}},
             .on_paper = EvidenceFile{"scan.pdf", std::string(64, 'c')},
-            .after = {std::string(64, 'd')}};
+            .after = {{"RWy", std::string(64, 'd')}}};
 }
 
 TEST(Attestation, IsReadAsItIsWritten) {
@@ -97,6 +97,24 @@ TEST(Attestation, IsReadAsItIsWritten) {
           R"("timeCreated":"2026-11-26T20:12:03Z")",
           R"("properties":["RUNCERT_RECOMPUTED_AND_AGREED"])"})
         EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
+TEST(Attestation, ThatClosesARunNamesFilesAndNothingElse) {
+    Attestation closing = answers();
+    closing.answers.clear();
+    closing.closes = {{"report.json.minisig", std::string(64, 'f')}};
+    const std::string text = statement_text(closing);
+    EXPECT_EQ(read_statement(text, "s"), closing);
+    EXPECT_TRUE(closing.is_closing() && !closing.is_recomputed());
+    EXPECT_NE(text.find(R"("predicateType":"urn:runcert:closing:1.0")"), std::string::npos);
+    for (const auto& [from, to] : {std::pair<std::string, std::string>{
+                                       R"("closes":[{"name")", R"("closes":[],"x":[{"name")"},
+                                   {"closing:1.0", "attestation:1.0"},
+                                   {R"("closes":)", R"("answers":[],"closes":)"}}) {
+        std::string changed = text;
+        changed.replace(changed.find(from), from.size(), to);
+        EXPECT_THROW(read_statement(changed, "s"), Failure) << changed;
+    }
 }
 
 TEST(Attestation, HoldsNothingThatIsNotRead) {

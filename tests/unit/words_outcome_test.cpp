@@ -41,8 +41,13 @@ TEST(WordsOfOutcomes, TheStandingCountsWhatPeopleMustStillAnswerFor) {
 TEST(WordsOfOutcomes, ARecordIsBeatenOnlyWhereNothingIsOpenAndTheRuleIsTheBodysOwn) {
     OutcomeState state = beaten(standing_of(requirements({met}), 0));
     EXPECT_EQ(title(state), "Measured speed exceeds the record");
-    state.vouched = true;  // by the roster of whoever reads it
-    EXPECT_EQ(title(state), "Record beaten");
+    // By the roster of whoever reads it, and never without saying whose.
+    state.vouched_by = "by the roster 4a84 9c1e: compare it with your body's";
+    EXPECT_EQ(title(state), "Record beaten, by the roster 4a84 9c1e: compare it with your body's");
+    state.standing = {.state = StandingState::awaiting, .unclosed = 1};
+    EXPECT_EQ(title(state), "Measured speed exceeds the record; answers not closed");
+    EXPECT_EQ(standing_text(state.standing), "answers not closed");
+    state.standing = standing_of(requirements({met}), 0);
     state.rule_altered = true;
     EXPECT_EQ(title(state), "Measured speed exceeds the record under altered rules");
     EXPECT_EQ(title(beaten(standing_of(requirements({attest}), 0))),
@@ -54,7 +59,7 @@ TEST(WordsOfOutcomes, ARecordIsBeatenOnlyWhereNothingIsOpenAndTheRuleIsTheBodysO
 
 TEST(WordsOfOutcomes, WhatWasAnsweredButDoesNotCountIsSaid) {
     OutcomeState state = beaten({.state = StandingState::refused, .refused = 1});
-    state.vouched = true;
+    state.vouched_by = "by the roster 4a84 9c1e";
     EXPECT_EQ(title(state), "Measured speed exceeds the record; 1 requirement answered no");
     EXPECT_EQ(standing_text(state.standing), "1 requirement answered no");
     state.standing = {.state = StandingState::awaiting, .unvouched = 7};

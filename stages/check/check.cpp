@@ -200,7 +200,10 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
         return refused;
     if (const auto failed = failed_clauses(requirements); !failed.empty())
         return "Not met: " + failed.front();
-    if (!best) return "There is no certifiable window.";
+    if (!best)
+        return context.files_answered || context.windows.missing.empty()
+                   ? "There is no certifiable window."
+                   : capitalised(context.windows.missing) + ".";
     if (!context.speed)
         return figure_of(context.windows)
                    ? "The rule subtracts the current, which is not known for the window: give "

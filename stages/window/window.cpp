@@ -639,7 +639,7 @@ BothWindows certify_both(const Certifier& certifier, Candidates among, const Cho
     if (certifier.counts_craft(among.profile)) {
         before.missing =
             "the rule counts the speed of the craft's reference point, which the IMU alone gives: "
-            "an official must first answer for the IMU's file (imu-as-measured)";
+            "an official must first answer for it (imu-as-measured)";
         return both;
     }
     among.files_answered = false;

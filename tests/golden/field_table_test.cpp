@@ -19,8 +19,8 @@ const Names without_unit{
     "correlation_north_up",  // a column each
     "ratio", "statistic", "threshold", "speed_statistic", "speed_threshold",
     "summary.variance_factor", "estimation.variance_factor", "estimation.variance_factor_applied",
-    "profiles[].coverage_factor", "results[].coverage_factor", "accuracy.coverage_factor",
-    "accuracy.limit", "margin.value", "record.speed",
+    "profiles[].coverage_factor", "with_files[].coverage_factor", "results[].coverage_factor",
+    "accuracy.coverage_factor", "accuracy.limit", "margin.value", "record.speed",
     "attempt.record.speed",  // unit beside it
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",

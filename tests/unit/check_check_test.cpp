@@ -382,6 +382,51 @@ TEST(SecondReceiver, MeetsTheClauseWhereItAgreesAndSaysWhatTheTwoShare) {
         << verdict.witnesses[0];
 }
 
+/// The same with what the attempt hands in: the second receiver's file.
+struct UnansweredReceiver : TwoReceivers {
+    explicit UnansweredReceiver(double normalised_error) : TwoReceivers(normalised_error) {
+        attempt.inputs.push_back({.name = "receivers.secondary.recording",
+                                  .profile = {},
+                                  .origin = {.origin = "handed_in",
+                                             .changes = {"speed"},
+                                             .decides = {},
+                                             .clause = "secondary-as-recorded"},
+                                  .value = "b.pos"});
+        ProfileWindows with = judged.windows.profiles[0];
+        with.best->standard_uncertainty_m_s *= 0.8;
+        judged.windows.with_files = {with};
+        WitnessedSpeed& unanswered = judged.windows.profiles[0].best->witnesses.back();
+        unanswered.unanswered = true;
+        unanswered.confirms = false;
+    }
+    Verdict all() const {
+        return check(
+            {.attempt = attempt, .profiles = profiles, .judged = judged, .secondary = &secondary});
+    }
+};
+
+TEST(SecondReceiver, MeetsNothingBeforeAnOfficialHasAnsweredForItsFile) {
+    const Verdict verdict = UnansweredReceiver(0.92).all();
+    const ProfileVerdict& before = verdict.profiles.at(0);
+    EXPECT_EQ(status_of(before, "secondary-method"), RequirementStatus::attest);
+    EXPECT_EQ(status_of(before, "secondary-as-recorded"), RequirementStatus::attest);
+    EXPECT_TRUE(before.witnesses.empty());
+    ASSERT_EQ(verdict.with_files.size(), 1U);
+    const ProfileVerdict& after = verdict.with_files[0];
+    EXPECT_EQ(status_of(after, "secondary-method"), RequirementStatus::met);
+    EXPECT_EQ(after.witnesses.size(), 1U);
+    EXPECT_LT(*after.expanded_uncertainty_m_s, *before.expanded_uncertainty_m_s);
+    EXPECT_EQ(verdict.second_files, std::vector<std::string>{"secondary-as-recorded"});
+    EXPECT_NE(before.second_files.find("can only contradict"), std::string::npos);
+    EXPECT_NE(after.second_files.find("have answered"), std::string::npos);
+}
+
+TEST(SecondReceiver, ContradictsBeforeAnOfficialHasAnsweredForItsFile) {
+    const Verdict verdict = UnansweredReceiver(1.06).all();
+    EXPECT_EQ(verdict.profiles.at(0).outcome, Outcome::not_certifiable);
+    EXPECT_EQ(status_of(verdict.profiles[0], "secondary-method"), RequirementStatus::not_met);
+}
+
 TEST(SecondReceiver, ThatContradictsIsNotCertifiableWhetherOrNotARuleAsksForIt) {
     TwoReceivers scene(1.06);
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);

@@ -248,6 +248,28 @@ TEST(Heights, OfTheGroundAreThoseOfTheSurfaceWhereThereIsOne) {
     EXPECT_FALSE(contains(slope.evidence, "by the surface"));
 }
 
+TEST(Heights, OfASurfaceThatNobodyHasAnsweredForOnlyShowThatACourseIsTooSteep) {
+    RuleScene scene(with_limit("slope", 1.0, "%"));
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        row.up_m.reset();
+    scene.attempt.inputs.push_back({.name = "receivers.primary.surface.file",
+                                    .profile = {},
+                                    .origin = {.origin = "handed_in",
+                                               .changes = {"requirements"},
+                                               .decides = {},
+                                               .clause = "surface-as-surveyed"},
+                                    .value = "course.xml"});
+    scene.judged.ground = ground_under_the_scene(0.0);
+    const Verdict flat = scene.all();
+    EXPECT_EQ(scene.clause("slope").status, RequirementStatus::attest);
+    ASSERT_EQ(flat.with_files.size(), 1U);
+    for (const Requirement& one : flat.with_files[0].requirements)
+        if (one.clause == "slope") EXPECT_EQ(one.status, RequirementStatus::met);
+    scene.judged.ground = ground_under_the_scene(0.02);
+    EXPECT_EQ(scene.clause("slope").status, RequirementStatus::not_met);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
+}
+
 TEST(Heights, ASurfaceThatSomeContradictDecidesNothing) {
     RuleScene scene(with_limit("slope", 3.0, "%"));
     scene.judged.ground = ground_under_the_scene(0.02);

@@ -14,6 +14,7 @@
 #include "recompute.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
+#include "store/process.h"
 #include "trust/bundle.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
@@ -263,10 +264,17 @@ void add_deviation(VerificationStep& step, const std::optional<std::string>& dev
 }
 
 int verify(const VerifyOptions& options) {
-    std::filesystem::path run_dir = options.run_dir;
+    // A copy is verified: whoever writes to the original meanwhile changes nothing.
+    const TemporaryFolder folder;
+    const std::filesystem::path given = folder.path() / "run";
+    if (std::filesystem::is_directory(options.run_dir)) require_within_limits(options.run_dir);
+    std::filesystem::copy(
+        std::filesystem::canonical(options.run_dir), given,
+        std::filesystem::copy_options::recursive | std::filesystem::copy_options::copy_symlinks);
+    std::filesystem::path run_dir = given;
     std::optional<UnpackedBundle> bundle;
-    if (std::filesystem::is_regular_file(run_dir)) {
-        bundle = unpack_bundle(run_dir);
+    if (std::filesystem::is_regular_file(given)) {
+        bundle = unpack_bundle(given);
         run_dir = bundle->run_dir;
     }
     require_within_limits(run_dir);
@@ -274,7 +282,7 @@ int verify(const VerifyOptions& options) {
     const ReportFacts report = read_report_facts(run_dir);
     VerificationResult result;
     if (auto sums = verify_bundle(run_dir, bundle.has_value())) {
-        if (bundle) add_deviation(*sums, deviation_of_bundle(options.run_dir, run_dir), report);
+        if (bundle) add_deviation(*sums, deviation_of_bundle(given, run_dir), report);
         result.layers.push_back(std::move(*sums));
     }
     result.layers.push_back(verify_files(run_dir, report));

@@ -24,7 +24,7 @@ constexpr std::uint64_t longest_recording = 2048 * mebibyte;
 constexpr std::uint64_t longest_result = 16 * mebibyte;  // a text is many times that when parsed
 constexpr std::uint64_t longest_page = longest_pdf;
 constexpr std::uint64_t most_bytes = 4096 * mebibyte;
-constexpr std::uint64_t most_files = 1000;
+constexpr std::uint64_t most_files = 20000;
 /// A table of figures is packed to a fifth; what is packed to less than that holds nothing.
 constexpr std::uint64_t most_times_packed = 200;
 constexpr std::uint64_t always_unpacked = 256 * mebibyte;

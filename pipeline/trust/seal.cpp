@@ -150,7 +150,8 @@ SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesyste
                       fmt::format("podofosign could not seal it: {}", first_words(signing.errors)),
                       "The PDF is as it was. Try another key, or render the report again");
     SealCheck check = check_seal(sealed);
-    if (!check.holds() || fault_of_attachment(sealed, report))
+    if (!check.holds() || fault_of_attachment(sealed, report) ||
+        fault_under_seal(read_file(sealed), read_file(pdf)))
         throw Failure(pdf.string(),
                       fmt::format("the seal that podofosign made does not hold: {}", check.words),
                       "The PDF is as it was. Try another key, or render the report again");

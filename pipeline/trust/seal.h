@@ -44,6 +44,9 @@ std::string poppler(std::vector<std::string> command, const std::filesystem::pat
 std::optional<std::string> fault_of_attachment(const std::filesystem::path& pdf,
                                                const std::string& report_text);
 
+/// What a sealed PDF holds beside `own` and what podofosign 0.9.8 adds, in words; or nothing.
+std::optional<std::string> fault_under_seal(std::string_view sealed, std::string_view own);
+
 /// Signs RUN_DIR/report.pdf with PoDoFo's `podofosign` (package libpodofo-utils), checks the
 /// result, and only then replaces the PDF. `reason` is put into the signature, visible to readers.
 ///

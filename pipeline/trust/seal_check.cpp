@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <regex>
 #include <vector>
 
 #include "core/text.h"
@@ -104,6 +105,23 @@ std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::s
     if (read_file(folder.path() / "report.json") != report)
         return "the report attached to it is not report.json";
     return std::nullopt;
+}
+
+std::optional<std::string> fault_under_seal(std::string_view sealed, std::string_view own) {
+    static const std::regex other(
+        "stream|%%EOF\\s*[^\\s]|/(?!(AcroForm|Adobe\\.PPKLite|Annots?|BaseFont|BleedBox|ByteRange|"
+        "Catalog|Contents|Creator|D[AR]|Dests|DisplayDocTitle|EmbeddedFiles|Encoding|FT?|Fields|"
+        "Filter|FirstChar|Font|Ft[0-9]+|Helvetica|ID|Info|Lang|LastChar|M|MarkInfo|Marked|MediaBox|"
+        "Metadata|ModDate|Names|Outlines|P|Pages?|Parent|Prev|Producer|Reason|Rect|Resources|Root|"
+        "S(ig|igFlags|ize)?|StructParents|StructTreeRoot|Sub(Filter|ject|type)|T|Tabs|Title|"
+        "TrimBox|"
+        "Type1?|V|ViewerPreferences|Widget|Widths|WinAnsiEncoding|XYZ|adbe\\.pkcs7\\.detached)"
+        "[/<>()\\[\\]\\s])[^/<>()\\[\\]\\s]*");
+    if (!sealed.starts_with(own)) return "under its seal lies another PDF than is rendered";
+    const std::string added(sealed.substr(own.size()));
+    std::smatch found;
+    if (!std::regex_search(added, found, other)) return std::nullopt;
+    return fmt::format("its seal came with \"{}\"", escape_for_message(found.str(), 40));
 }
 
 SealCheck check_seal(const std::filesystem::path& pdf) {

@@ -256,8 +256,10 @@ void judge_other_pdf(VerificationStep& step, const fs::path& pdf, const fs::path
         step.fail(fmt::format("{}: {}: {}", name, fault, differs));
     };
     if (const auto fault = difference_of_kind(pdf, own)) return fail(*fault);
-    const auto difference = difference_shown(pdf, own);
-    if (const SealCheck seal = check_seal(pdf); seal.present && !difference) {
+    auto difference = difference_shown(pdf, own);
+    const SealCheck seal = check_seal(pdf);
+    if (seal.present && !difference) difference = fault_under_seal(read_file(pdf), read_file(own));
+    if (seal.present && !difference) {
         const std::string words =
             fmt::format("{}: it shows what is rendered again, page by page; {}", name, seal.words);
         return seal.holds() ? step.details.push_back(words) : step.fail(words);

@@ -165,6 +165,73 @@ TEST_F(Seal, APdfOfAnotherReportIsRefused) {
     expect_refused(seal("ec.pem", "ec.crt"), {"no report.pdf", "Render again"});
 }
 
+/// A revision added to a PDF: its catalogue again, with something in it.
+std::string with_revision(const std::string& own, const std::string& in_catalogue) {
+    const std::size_t type = own.find("/Type /Catalog");
+    const std::size_t begin = own.rfind(" 0 obj", type);
+    const std::size_t line = own.rfind('\n', begin) + 1;
+    const std::string object = own.substr(line, begin - line);
+    const std::size_t inner = own.find("<<", begin) + 2;
+    const std::string catalogue = own.substr(inner, own.find("endobj", begin) - inner);
+    const std::size_t xref = own.rfind("startxref");
+    const std::string prev = own.substr(xref + 10, own.find('\n', xref + 10) - xref - 10);
+    const std::size_t trailer = own.rfind("trailer");
+    std::string facts = own.substr(trailer, xref - trailer);
+    facts.replace(facts.rfind(">>"), 2, "/Prev " + prev + "\n>>");
+    std::string text = own;
+    const std::size_t at = text.size();
+    text += object + " 0 obj\n<<" + in_catalogue + catalogue + "endobj\n";
+    const std::size_t table = text.size();
+    return text + fmt::format("xref\n{} 1\n{:010} 00000 n \n{}startxref\n{}\n%%EOF\n", object, at,
+                              facts, table);
+}
+
+// A second form, script or page that poppler does not show got through under the same seal.
+TEST_F(Seal, OnePdfLiesUnderItAndNothingElse) {
+    const std::string own = read_file(pdf());
+    ASSERT_EQ(seal("ec.pem", "ec.crt").exit_status, 0);
+    const std::string sealed = read_file(pdf());
+    EXPECT_EQ(fault_under_seal(sealed, own), std::nullopt);
+    const auto pages = [&] {
+        const auto all =
+            nlohmann::json::parse(runcert({"verify", signed_->run().string(), "--json"}).output);
+        for (const auto& layer : all["layers"])
+            if (layer["layer"] == "pages") return layer;
+        return nlohmann::json();
+    };
+    EXPECT_EQ(pages()["passed"], true) << pages();
+    // By hand, what poppler shows alike.
+    for (const char* more : {"/NeedAppearances true", "/OpenAction [6 0 R /Fit]"}) {
+        write_quickly(signed_->path() / "more.pdf", with_revision(own, more));
+        ASSERT_EQ(shell(signed_->path(),
+                        "podofosign -in more.pdf -out run/report.pdf -cert ec.crt -pkey ec.pem "
+                        "-sigsize 16384")
+                      .exit_status,
+                  0);
+        EXPECT_TRUE(check_seal(pdf()).holds());
+        EXPECT_EQ(pages()["passed"], false) << more;
+    }
+    const std::string added = sealed.substr(own.size());
+    for (const std::string& other :
+         {own.substr(1) + added, " " + sealed, own + own + added, own + "%PDF-1.7\n%%EOF\n" + added,
+          own + "9 0 obj<</Length 2>>stream\nhi\nendstream endobj\n" + added, own + added + added,
+          sealed + "\n% more"})
+        EXPECT_TRUE(fault_under_seal(other, own)) << other.substr(own.size(), 60);
+    for (const char* name :
+         {"XFA",        "AA",      "OpenAction", "OCProperties", "OCGs",
+          "CropBox",    "Rotate",  "UserUnit",   "JS",           "JavaScript",
+          "Launch",     "URI",     "GoToE",      "Tx",           "FreeText",
+          "Collection", "Encrypt", "AF",         "Alternates",   "XRefStm",
+          "ObjStm",     "F#54",    "Perms",      "EmbeddedFile", "NeedAppearances",
+          "AP",         "Kids",    "Popup"}) {
+        std::string other = sealed;
+        other.insert(own.size() + added.find("/AcroForm"), fmt::format("/{} 1 ", name));
+        const auto fault = fault_under_seal(other, own);
+        ASSERT_TRUE(fault) << name;
+        EXPECT_NE(fault->find(name), std::string::npos) << *fault;
+    }
+}
+
 const std::string good_words =
     "Digital Signature Info of: r.pdf\n"
     "Signature #1:\n"

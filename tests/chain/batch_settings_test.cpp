@@ -251,10 +251,11 @@ TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {
     std::vector<Change> changes = changes_in(profile_changes);
     changes = joined({changes, declared_changes(schema, document, "/rules/time", changes)});
     check(document, changes);
-    expect_all_keys(schema, changes,
-                    {{"schema", "as of an attempt"},
-                     {"id", "it is the file's name, and another profile is claimed by another"},
-                     {"superseded_by", "a new attempt under such a rule is refused"}});
+    expect_all_keys(
+        schema, changes,
+        {{"schema", "as of an attempt"},
+         {"id", "it is the file's name, and another profile is claimed by another"},
+         {"superseded_by", "what replaces a rule is named, and nothing of it is read"}});
 }
 
 TEST_F(BatchSettings, EachStepReadsAndWritesWhatItSays) {

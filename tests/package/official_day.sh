@@ -22,13 +22,13 @@ says said "nalsa: "
 begun=$(date +%s%N)
 runcert certify examples/land_yacht/attempt.yaml --out run --key measurer.key >said
 echo "first answer: $((($(date +%s%N) - begun) / 1000000)) ms"
-says said "13 attestations"
+says said "14 attestations"
 
 answer() { runcert attest run --yes --no-render "$@" >>said; }
 answer accuracy positions-on-the-earth time-scale kind-of-solution recording-as-read \
     --role measurer --key measurer.key
 answer secondary-method flat-course wind-power-only observers positions-as-measured \
-    craft-and-attempts --role judge --key judge.key
+    craft-and-attempts date-of-the-recording --role judge --key judge.key
 answer margin measurement-plan --role board --key board.key
 answer --recomputed --role board --key board.key
 runcert attest run --close --role board --key board.key --yes --roster roster >>said

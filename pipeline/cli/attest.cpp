@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
@@ -66,8 +67,27 @@ TakenFile take_file(const fs::path& path) {
         throw Failure(path.string(), fmt::format("the file is longer than {} bytes", longest),
                       "Hand it over by itself, and name it in --statement");
     TakenFile file{.named = {.name = name}, .bytes = read_file(path)};
+    if (holds_secret_key(file.bytes))
+        throw Failure(path.string(), "the file holds a secret key, which evidence would hand on",
+                      "Name another file; if others had this one, make a new key");
     file.named.sha256 = sha256_hex(file.bytes);
     return file;
+}
+
+/// A scan of a sheet, by how its bytes begin: PDF, PNG, JPEG, TIFF or HEIC.
+TakenFile take_scan(const fs::path& path) {
+    using namespace std::string_view_literals;
+    TakenFile file = take_file(path);
+    const std::string_view bytes = file.bytes;
+    const std::array begins{"%PDF-"sv, "\x89PNG\r\n\x1a\n"sv, "\xFF\xD8\xFF"sv, "II*\0"sv,
+                            "MM\0*"sv};
+    const std::array brands{"ftypheic"sv, "ftypheix"sv, "ftyphevc"sv, "ftypmif1"sv};
+    const std::string_view brand = bytes.substr(std::min<std::size_t>(4, bytes.size()), 8);
+    if (std::ranges::any_of(begins, [&](auto one) { return bytes.starts_with(one); }) ||
+        std::ranges::find(brands, brand) != brands.end())
+        return file;
+    throw Failure(path.string(), "this is no PDF and no picture, and so no scan of a sheet",
+                  "Give --paper a PDF, PNG, JPEG, TIFF or HEIC file; other files are --evidence");
 }
 
 void require_statement(const std::string& statement) {
@@ -163,7 +183,7 @@ std::string sign_and_write(const AttestOptions& options, const ReportFacts& repo
         bytes.push_back(std::move(taken.bytes));
     }
     if (!options.paper.empty()) {
-        TakenFile taken = take_file(options.paper);
+        TakenFile taken = take_scan(options.paper);
         said.on_paper = taken.named;
         bytes.push_back(std::move(taken.bytes));
     }
@@ -241,8 +261,9 @@ void add_options(CLI::App& command, AttestOptions& options) {
     command.add_option("--evidence", options.evidence, "a file to go along; may be repeated")
         ->allow_extra_args(false);
     command
-        .add_option("--paper", options.paper,
-                    "scan of the report's last page, signed by hand: you sign that it was")
+        .add_option(
+            "--paper", options.paper,
+            "scan (PDF or picture) of the report's last page, signed by hand: you sign that it was")
         ->excludes(withdraw);
     command
         .add_flag("--recomputed", options.recomputed,

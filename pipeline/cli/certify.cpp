@@ -28,6 +28,7 @@
 #include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
+#include "store/process.h"
 #include "store/program.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
@@ -262,8 +263,9 @@ int certify(const CertifyOptions& options) {
         }
         line.clear();
         if (says_stages) print_stage(shown);
-        // The answer is there before anything is drawn.
-        if (stage.name == "check" && !options.json) print_verdicts(verdict, attempt, run_dir);
+        // The answer is there before anything is drawn; where time may run out, at the end.
+        if (stage.name == (time_is_limited() ? "report" : "check") && !options.json)
+            print_verdicts(verdict, attempt, run_dir);
     };
     StageDone report;  // one to the user, with its pages
     try {
@@ -290,6 +292,7 @@ int certify(const CertifyOptions& options) {
         fmt::print(stderr, "{}", message_of(failed));
         return 2;
     }
+    require_time();
     write_file_unsynced(staging.path() / run_times_name, run_times_text(started, stages));
     const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
@@ -323,6 +326,7 @@ void add_certify(CLI::App& app, Command& chosen) {
     CLI::Option* quiet = command->add_flag("--quiet", options->quiet,
                                            "print the verdict, and nothing of the stages");
     command->add_flag("--json", options->json, "print one JSON document instead")->excludes(quiet);
+    add_time_limit(*command);
     command->footer(fmt::format(
         "Exit status: 0 the outcome of every profile is beaten, 1 one is not, 2 no certificate\n"
         "could be made. It goes by the outcome alone: requirements that remain to be attested and\n"

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "core/failure.h"
@@ -51,6 +52,14 @@ int render_pages(const fs::path& run_dir, const std::string& roster, const std::
     }
     fmt::print("pages   report.html{}\n", pdf ? ", report.pdf" : "");
     return 0;
+}
+
+void add_time_limit(CLI::App& command) {
+    command
+        .add_option_function<std::int64_t>(
+            "--time-limit", [](std::int64_t limit_s) { limit_time(std::chrono::seconds(limit_s)); },
+            "seconds after which it ends with 2 and without a result; what was there stays")
+        ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}));
 }
 
 bool lies_in(const fs::path& file, const fs::path& run_dir) {

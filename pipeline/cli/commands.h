@@ -51,6 +51,9 @@ int run_companion(const std::string& name, const std::vector<std::string>& argum
 int render_pages(const std::filesystem::path& run_dir, const std::string& roster,
                  const std::string& done);
 
+/// The option that limits the time of a command that makes or checks a run.
+void add_time_limit(CLI::App& command);
+
 /// Whether a file lies in a run folder, or is the run itself, and so is the sender's word.
 bool lies_in(const std::filesystem::path& file, const std::filesystem::path& run_dir);
 

@@ -308,6 +308,7 @@ int verify(const VerifyOptions& options) {
         add_long_layer(result, options.keep_going, "recompute",
                        [&] { return verify_recomputation(run_dir, report); });
     result.missing_sandbox = missing_sandbox();
+    require_time();
     fmt::print("{}", options.json ? verification_json(result) : verification_text(result));
     return result.exit_status();
 }
@@ -344,6 +345,7 @@ void add_options(CLI::App& command, VerifyOptions& options) {
     command.add_flag("--keep-going", options.keep_going,
                      "render pages and recompute even where another layer found a fault");
     command.add_flag("--json", options.json, "print one JSON document instead");
+    add_time_limit(command);
 }
 
 }  // namespace

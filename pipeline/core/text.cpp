@@ -248,13 +248,21 @@ std::optional<Character> first_character(std::string_view text) {
     return Character{code, bytes};
 }
 
+/// Unicode's Default_Ignorable_Code_Point, of version 15.1: first and last of each range.
+constexpr std::uint32_t default_ignorable[][2] = {
+    {0xAD, 0xAD},       {0x34F, 0x34F},    {0x61C, 0x61C},   {0x115F, 0x1160}, {0x17B4, 0x17B5},
+    {0x180B, 0x180F},   {0x200B, 0x200F},  {0x202A, 0x202E}, {0x2060, 0x206F}, {0x3164, 0x3164},
+    {0xFE00, 0xFE0F},   {0xFEFF, 0xFEFF},  {0xFFA0, 0xFFA0}, {0xFFF0, 0xFFF8}, {0x1BCA0, 0x1BCA3},
+    {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF}};
+
 bool is_shown(std::uint32_t code) {
     const bool control = code < 0x20 || (code >= 0x7F && code < 0xA0);
     const bool separator = code == 0x2028 || code == 0x2029;
-    const bool direction = code == 0x061C || code == 0x200E || code == 0x200F ||
-                           (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+    const bool ignorable = std::ranges::any_of(default_ignorable, [code](const auto& range) {
+        return code >= range[0] && code <= range[1];
+    });
     const bool no_character = (code & 0xFFFEU) == 0xFFFE || (code >= 0xFDD0 && code <= 0xFDEF);
-    return !control && !separator && !direction && !no_character;
+    return !control && !separator && !ignorable && !no_character;
 }
 
 }  // namespace
@@ -277,13 +285,11 @@ std::string plain_text(std::string_view text) {
 }
 
 std::optional<std::string> hidden_character(std::string_view text) {
-    constexpr std::uint32_t byte_order_mark = 0xFEFF;
     while (!text.empty()) {
         const auto character = first_character(text);
         if (!character) return "a byte that is not UTF-8";
         const std::uint32_t code = character->code;
-        if (code != '\t' && code != '\n' && (!is_shown(code) || code == byte_order_mark))
-            return fmt::format("U+{:04X}", code);
+        if (code != '\t' && code != '\n' && !is_shown(code)) return fmt::format("U+{:04X}", code);
         text.remove_prefix(character->bytes);
     }
     return std::nullopt;

@@ -79,14 +79,14 @@ std::vector<std::string> lines_of(const std::string& text);
 /// would take for a formula gets an apostrophe before it (OWASP, "CSV Injection").
 std::string csv_cell(std::string_view text);
 
-/// The text with U+FFFD in place of anything that would steer a terminal or change the writing
-/// direction: control characters, bidirectional controls, and bytes that are not UTF-8. Line ends
-/// and tabs become blanks.
+/// The text with U+FFFD in place of anything that would steer a terminal, change the writing
+/// direction or not be seen: control characters, Unicode's Default_Ignorable_Code_Point, and bytes
+/// that are not UTF-8. Line ends and tabs become blanks.
 std::string plain_text(std::string_view text);
 
 /// The first character of a text that cannot be shown as it stands, such as "U+1FFFE", or "a byte
-/// that is not UTF-8". These are noncharacters, control characters other than tab and line feed,
-/// line separators, and characters that change the writing direction. Empty if there is none.
+/// that is not UTF-8". Noncharacters, control characters other than tab and line feed, line
+/// separators, and Unicode's Default_Ignorable_Code_Point. Empty if there is none.
 std::optional<std::string> hidden_character(std::string_view text);
 
 /// Whether a text is one line that prints as it stands: UTF-8 without a `hidden_character` or a

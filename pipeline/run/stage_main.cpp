@@ -1,10 +1,14 @@
 #include "run/stage_main.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <new>
 #include <optional>
@@ -29,9 +33,29 @@ std::optional<int> parsed(CLI::App& app, int argc, char** argv) {
 }
 
 void say_failure(const Failure& failure) {
-    fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n",
-               sentence(plain_text(failure.problem())), plain_text(failure.where()),
-               sentence(plain_text(failure.remedy())));
+    const std::string said = fmt::format(
+        "error: {}\n  where: {}\n  what to do: {}\n", sentence(plain_text(failure.problem())),
+        plain_text(failure.where()), sentence(plain_text(failure.remedy())));
+    std::fputs(said.c_str(), stderr);  // which may be full or closed too
+}
+
+/// Where a standard file is closed, the next file opened would take its place. Writing to standard
+/// output then still fails.
+void hold_standard_files() {
+    for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        if (fcntl(number, F_GETFD) < 0 && errno == EBADF)
+            (void)open("/dev/null", number == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+/// Failure where not all was written to standard output.
+void require_output(int error) {
+    if (std::fflush(stdout) != 0) error = errno;
+    if (std::ferror(stdout) == 0 && error == 0) return;
+    std::clearerr(stdout);
+    throw Failure("standard output",
+                  fmt::format("it could not be written: {}",
+                              error == 0 ? "an earlier line was lost" : std::strerror(error)),
+                  "Make room, or send the output elsewhere; files already written are whole");
 }
 
 }  // namespace
@@ -69,8 +93,16 @@ void CommandLine::exclude(const std::string& one, const std::string& other) {
 int guarded_main(const std::function<int()>& body) {
     // A file-size limit is then an error of the write, with a message, and not a sudden end.
     std::signal(SIGXFSZ, SIG_IGN);
+    hold_standard_files();
     try {
-        return body();
+        try {
+            const int status = body();
+            require_output(0);
+            return status;
+        } catch (const std::system_error& error) {
+            if (std::ferror(stdout) != 0) require_output(error.code().value());
+            throw;
+        }
     } catch (const Failure& failure) {
         say_failure(failure);
     } catch (const CLI::Error& error) {

@@ -30,6 +30,9 @@ constexpr std::chrono::milliseconds patience{1000};
 /// The longest time limit, far from what a clock can hold.
 constexpr std::chrono::hours longest{24 * 365};
 
+/// When programs are ended, where that was limited.
+std::optional<Clock::time_point> last_moment;
+
 /// The milliseconds until a moment, as poll takes them: -1 for none.
 int milliseconds_until(const std::optional<Clock::time_point>& moment) {
     if (!moment) return -1;
@@ -180,15 +183,32 @@ class Watch {
 
 }  // namespace
 
+void limit_time(std::chrono::seconds limit) {
+    last_moment = Clock::now() + std::min<std::chrono::milliseconds>(limit, longest);
+}
+
+bool time_is_limited() {
+    return last_moment.has_value();
+}
+
+void require_time() {
+    if (last_moment && Clock::now() >= *last_moment)
+        throw Failure("--time-limit", "the time is over, and nothing was finished",
+                      "Give more time, or cut the recordings down to the runs");
+}
+
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options) {
+    require_time();
     if (options.stop.stop_requested())
         return {.exit_status = 128 + SIGKILL, .end = ProcessEnd::stopped, .signal = SIGKILL};
     const bool own_group = options.own_group || options.guarded || options.time_limit ||
-                           options.most_output || options.stop.stop_possible();
-    std::optional<Clock::time_point> deadline;
+                           options.most_output || options.stop.stop_possible() || last_moment;
+    std::optional<Clock::time_point> deadline = last_moment;
     if (options.time_limit)
-        deadline = Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest);
+        deadline = std::min(
+            Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest),
+            last_moment.value_or(Clock::time_point::max()));
     FileDescriptor stop;
     if (options.stop.stop_possible()) {
         stop = FileDescriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
@@ -197,6 +217,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     const std::stop_callback wake(options.stop, [&stop] { eventfd_write(stop.number(), 1); });
     Watch watch(start_program(arguments, options, own_group), own_group, options.most_output);
     const ProcessResult result = watch.to_end(deadline, stop.number());
+    if (result.end == ProcessEnd::over_time) require_time();
     if (const int error = watch.problem(); error != 0)
         throw Failure(arguments[0],
                       fmt::format("the program could not be started: {}", std::strerror(error)),

@@ -78,6 +78,14 @@ struct ProcessResult {
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
 
+/// Sets the time from now on after which every program that this one runs, or would run, is ended
+/// with a Failure. Before any thread begins.
+void limit_time(std::chrono::seconds limit);
+bool time_is_limited();
+
+/// Failure where that time is over: what was made until then is not to be used.
+void require_time();
+
 /// The folder that holds the running program, where its companions are.
 std::filesystem::path program_folder();
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <tuple>
 
+#include "core/claimed_text.h"
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
@@ -167,7 +168,7 @@ GivenAnswer given(const SignedAnswers& one, const ReportFacts& report,
                        .vouched = rules.vouches()};
     object(answer, objection_to(one, report, rules));
     for (const EvidenceFile& file : one.said.evidence)
-        answer.evidence.push_back(file.name);
+        answer.evidence.push_back(claimed_value(file.name));
     return answer;
 }
 
@@ -239,7 +240,7 @@ std::string answer_words(const GivenAnswer& answer) {
     words += " by " + answer.role;
     if (!answer.who.empty()) words += fmt::format(" ({})", answer.who);
     words += ", " + answer.time;
-    if (!answer.statement.empty()) words += fmt::format("; “{}”", answer.statement);
+    if (!answer.statement.empty()) words += "; " + claimed(answer.statement);
     if (!answer.evidence.empty()) words += "; evidence: " + listed(answer.evidence);
     if (!answer.counts) words += "; not counted: " + answer.reason;
     return words;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <utility>
 
 #include "core/failure.h"
@@ -169,6 +170,18 @@ void read_policy(Roster& roster, std::string_view line, const std::string& where
     }
 }
 
+/// Failure where a comment begins with this program's name, but not as its own lines do: whoever
+/// reads it would rely on it, and nothing would follow from it.
+void require_no_likeness(std::string_view line, const std::string& where) {
+    if (!line.starts_with('#') || line.starts_with(own_comment)) return;
+    const auto letter = std::ranges::find_if(line, [](unsigned char c) { return std::isalpha(c); });
+    const std::string words = lower_case({letter, line.end()});
+    if (words.starts_with(own_comment.substr(1)))
+        refuse_line(where, "this comment looks like a line for runcert, and is none",
+                    "Write #runcert in small letters and without a blank, or begin the comment "
+                    "with another word");
+}
+
 }  // namespace
 
 std::string signature_namespace(std::string_view role) {
@@ -199,10 +212,11 @@ Roster parse_roster(std::string_view text, const std::string& where) {
         std::string_view line = lines[i];
         skip_blanks(line);
         const std::string place = fmt::format("{}, line {}", where, i + 1);
-        if (line.starts_with(own_comment)) read_policy(roster, line, place);
-        if (line.empty() || line.starts_with('#')) continue;
         if (!is_printable_line(line))
             refuse_line(place, "the line holds characters that do not print");
+        require_no_likeness(line, place);
+        if (line.starts_with(own_comment)) read_policy(roster, line, place);
+        if (line.empty() || line.starts_with('#')) continue;
         roster.entries.push_back(read_line(line, i + 1, place));
     }
     if (roster.entries.empty())

@@ -11,6 +11,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "schemas/verdict/declared.h"
+#include "store/atomic_file.h"
 #include "store/sha256.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
@@ -198,13 +199,37 @@ std::vector<RuleStanding> read_rules(const ReportFacts& report, bool with_files)
     return rules;
 }
 
-/// Answers to an earlier report, which this one replaced.
-std::ptrdiff_t superseded_answers(const fs::path& run_dir) {
+/// Says of superseded/ how many answers to an earlier report lie there, and what only looks like
+/// one.
+void add_superseded(const fs::path& run_dir, std::vector<std::string>& details) {
     const fs::path folder = run_dir / superseded_folder;
-    if (!fs::is_directory(fs::symlink_status(folder))) return 0;
-    return std::ranges::count_if(fs::recursive_directory_iterator(folder), [](const auto& entry) {
-        return entry.path().filename().string().starts_with("answer-");
-    });
+    if (!fs::is_directory(fs::symlink_status(folder))) return;
+    std::int64_t answers = 0;
+    std::set<std::string> others;
+    for (const auto& entry :
+         fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied)) {
+        const std::string name = entry.path().filename().string();
+        const bool is_link = entry.is_symlink();
+        if (!is_link && !name.starts_with("answer-")) continue;
+        try {
+            const EnvelopeFile file{.name = name,
+                                    .text = is_link ? "" : read_handwritten(entry.path())};
+            if (name.starts_with(envelope_name(envelope_id(file)))) {
+                ++answers;
+                continue;
+            }
+        } catch (const Failure&) {
+            // No envelope, which is said below.
+        }
+        others.insert(fmt::format("{} is {}, no answer, and not counted",
+                                  shown(entry.path().lexically_relative(run_dir).string()),
+                                  is_link ? "a link" : "no envelope"));
+    }
+    details.insert(details.end(), others.begin(), others.end());
+    if (answers > 0)
+        details.push_back(
+            fmt::format("superseded/: {} to an earlier report, which count for nothing here",
+                        counted(answers, "attestation")));
 }
 
 VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
@@ -224,10 +249,7 @@ VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
         }
     for (const GivenAnswer& one : given.whole)
         step.details.push_back(fmt::format("{}: {}", one.file, answer_words(one)));
-    if (const auto count = superseded_answers(run_dir); count > 0)
-        step.details.push_back(
-            fmt::format("superseded/: {} to an earlier report, which count for nothing here",
-                        counted(count, "attestation")));
+    add_superseded(run_dir, step.details);
     step.finding =
         step.is(LayerAnswer::not_verified)
             ? "not all are there as they were signed"

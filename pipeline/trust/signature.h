@@ -127,6 +127,9 @@ struct OtherKey {
 };
 OtherKey other_key_in(std::string_view text);
 
+/// Whether a file holds a secret key of minisign, runcert, OpenSSH, PGP, age, PuTTY or in PEM form.
+bool holds_secret_key(std::string_view bytes);
+
 /// What a signer of a report states along with the signature, and signs too:
 /// "runcert report=REPORT_ID attempt=ID role=ROLE key=RW... signed=2026-11-21T20:41:50Z".
 struct TrustedComment {

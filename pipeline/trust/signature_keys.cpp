@@ -290,4 +290,14 @@ OtherKey other_key_in(std::string_view text) {
     return {};
 }
 
+bool holds_secret_key(std::string_view bytes) {
+    using namespace std::string_view_literals;
+    // The last two begin base64 of minisign's, with a password and without one.
+    for (const auto mark : {"PRIVATE KEY-----"sv, "PRIVATE KEY BLOCK-----"sv, "AGE-SECRET-KEY-1"sv,
+                            "PuTTY-User-Key-File-"sv, "RWRTY0Iy"sv, "RWQAAEIy"sv})
+        if (bytes.find(mark) != std::string_view::npos) return true;
+    // The secret of records: 32 bytes in hexadecimal.
+    return bytes.find_first_not_of("0123456789abcdef") == 64 && bytes.substr(64) == "\n";
+}
+
 }  // namespace runcert

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/claimed_text.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/audit/record.h"
@@ -107,7 +108,7 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
     for (const AttemptFile& file : files_of_receiver(receiver))
         witnesses.note(file.role, file.name);
     ReceiverRecord one{.receiver = receiver,
-                       .recording = recording_names(receiver),
+                       .recording = claimed_value(recording_names(receiver)),
                        .observations_file = named(products::observations),
                        .enu_file = named(products::enu),
                        .screened_file = named(products::screened),

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/words/attempt.h"
@@ -108,7 +109,8 @@ std::vector<Product> products_of(const RunRecord& record) {
 }
 
 std::string record_text(const Record& record) {
-    return fmt::format("{}, by: {}", number_text(record.speed, record.unit), record.source);
+    return fmt::format("{}, by: {}", number_text(record.speed, record.unit),
+                       claimed(record.source));
 }
 
 std::string signatures_text(const RunRecord& record) {
@@ -119,13 +121,13 @@ std::string signatures_text(const RunRecord& record) {
 
 Block facts_of(const RunRecord& record) {
     const Attempt& attempt = record.attempt;
-    Block told =
-        facts({{"Attempt", attempt.id},
-               {"Craft", fmt::format("{}, class {}", attempt.craft.name, attempt.craft.kind)},
-               {"Place", attempt.place.empty() ? "not given" : attempt.place},
-               {"Date", attempt.date.empty() ? "not given" : attempt.date},
-               {"Officials",
-                attempt.officials.empty() ? "none named" : officials_text(attempt.officials)}});
+    Block told = facts(
+        {{"Attempt", attempt.id},
+         {"Craft", fmt::format("{}, class {}", claimed(attempt.craft.name), attempt.craft.kind)},
+         {"Place", attempt.place.empty() ? "not given" : claimed(attempt.place)},
+         {"Date", attempt.date.empty() ? "not given" : attempt.date},
+         {"Officials",
+          attempt.officials.empty() ? "none named" : officials_text(attempt.officials)}});
     for (const ReceiverRecord& one : record.receivers)
         add_fact(told, "Receiver " + one.receiver.id, one.recording);
     add_fact(told, "Rules claimed under", listed(attempt.profiles));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -47,7 +48,7 @@ std::vector<Block> plots_of(const Json& figures, std::string_view kind) {
 Document certificate_document(const ReportInputs& inputs, const std::string& report_id,
                               const Json& figures) {
     Document document{.title = "Measurement report " + report_id,
-                      .subtitle = inputs.attempt.craft.name};
+                      .subtitle = "Craft, as claimed: " + claimed(inputs.attempt.craft.name)};
     document.sections.push_back(first_page(inputs, report_id, figures));
     add_if_any(document, requirements_section(inputs));
     add_if_any(document, window_section(inputs, figures));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/claimed_text.h"
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/certificate_document.h"
@@ -21,9 +22,10 @@ using Json = nlohmann::ordered_json;
 void add_cautions(Section& page, const ReportInputs& inputs) {
     if (const auto& amends = inputs.attempt.amends)
         add(page,
-            paragraph(fmt::format("This report replaces report {}. Reason: {} SHA-256 of the "
-                                  "report replaced: {}.",
-                                  amends->report_id, sentence(amends->reason), amends->sha256),
+            paragraph(fmt::format("The claimant states that this report replaces report {}, for "
+                                  "the reason {}. That counts only if a key that signed that "
+                                  "report signed this one. SHA-256 of that report: {}.",
+                                  amends->report_id, claimed(amends->reason), amends->sha256),
                       "caution"));
     for (const ReceiverResults& results : inputs.receivers)
         if (results.observations.simulated)
@@ -161,15 +163,16 @@ std::string labelled(const char* label, const std::string& text) {
 
 /// "maker model, serial 42, firmware 1.2, antenna choke ring"; empty where nothing is known.
 std::string parts_text(const Instrument& one) {
-    return joined({joined({one.make, one.model}, " "), labelled("serial", one.serial),
-                   labelled("firmware", one.firmware), labelled("antenna", one.antenna)});
+    return joined(
+        {claimed(joined({one.make, one.model}, " ")), labelled("serial", claimed(one.serial)),
+         labelled("firmware", claimed(one.firmware)), labelled("antenna", claimed(one.antenna))});
 }
 
 /// As the attempt says, and as the recording does.
 std::string instrument_text(const Receiver& receiver, const Observations& recording) {
     const std::string stated = receiver.instrument ? parts_text(*receiver.instrument) : "";
     std::string recorded = recording.instrument ? parts_text(*recording.instrument) : "";
-    if (recorded.empty()) recorded = recording.device;
+    if (recorded.empty()) recorded = claimed(recording.device);
     if (recorded == stated) recorded.clear();
     return or_not_stated(joined({stated, labelled("the recording says", recorded)}, "; "));
 }
@@ -189,16 +192,19 @@ void add_identity(Section& page, const ReportInputs& inputs) {
     Block list = facts({});
     add_fact(list, "Attempt", attempt.id);
     add_fact(list, "Craft",
-             joined({attempt.craft.name, attempt.craft.registration, attempt.craft.kind,
+             joined({claimed(attempt.craft.name), claimed(attempt.craft.registration),
+                     attempt.craft.kind,
                      attempt.craft.sail_area_m2
                          ? fmt::format("sail area {} m²", number_text(*attempt.craft.sail_area_m2))
                          : ""}));
-    add_fact(list, "Pilot", or_not_stated(attempt.pilot));
-    add_fact(list, "Organisation", or_not_stated(joined({attempt.organisation, attempt.contact})));
+    add_fact(list, "Pilot", or_not_stated(claimed(attempt.pilot)));
+    add_fact(list, "Organisation",
+             or_not_stated(joined({claimed(attempt.organisation), claimed(attempt.contact)})));
     const auto& origin = inputs.receivers.front().screened.origin;
-    add_fact(list, "Place",
-             or_not_stated(
-                 joined({attempt.place, origin ? coordinates_text(origin->position) : ""}, "; ")));
+    add_fact(
+        list, "Place",
+        or_not_stated(joined(
+            {claimed(attempt.place), origin ? coordinates_text(origin->position) : ""}, "; ")));
     add_fact(list, "Date", or_not_stated(attempt.date));
     for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
         add_fact(list,
@@ -209,6 +215,9 @@ void add_identity(Section& page, const ReportInputs& inputs) {
     add_fact(list, "Officials", or_not_stated(officials_text(attempt.officials)));
     set_columns(list, "two_columns");
     add(page, std::move(list));
+    add(page, paragraph("What stands in “quotation marks” was stated by whoever claims the record, "
+                        "and was not measured.",
+                        "note"));
 }
 
 /// "✓ by the data", "☐ open: judge".

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/claimed_text.h"
 #include "core/text.h"
 #include "reports/certificate/certificate_document.h"
 #include "reports/words/outcome.h"
@@ -176,7 +177,7 @@ void add_sheet(Section& section, const ReportInputs& inputs, const std::string& 
     }
     Block signs = table({"Role|22", "Name|26", "Place and date|26", "Signature|26"}, {}, "sheet");
     for (const Official& official : inputs.attempt.officials) {
-        TableRow& row = add_row(signs, {official.role, official.name, "", ""});
+        TableRow& row = add_row(signs, {official.role, claimed(official.name), "", ""});
         if (!official.key.empty()) row.further.push_back(official.key);
     }
     add_row(signs, {"For the body", "", "", ""});

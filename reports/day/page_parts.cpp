@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
@@ -50,11 +51,11 @@ std::vector<std::string> further_of(const DayResult& result, const std::string& 
     return lines;
 }
 
-/// "Yacht B, land-yacht".
+/// "“Yacht B”, land-yacht".
 std::string craft_words(const DayCraft& craft) {
     return craft.name.empty() || craft.craft_class.empty()
-               ? craft.name + craft.craft_class
-               : fmt::format("{}, {}", craft.name, craft.craft_class);
+               ? claimed(craft.name) + craft.craft_class
+               : fmt::format("{}, {}", claimed(craft.name), craft.craft_class);
 }
 
 void add_place(Block& ranking, const DayProfile& profile, std::size_t i,

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <set>
 
 #include "core/random.h"
@@ -28,10 +30,6 @@ struct Place {
     std::int64_t first = 0, second = 0;
 
     std::uint64_t hash() const { return mixed(mixed(on_earth ? 1 : 2, first), second); }
-    bool is_a_metre_from(const Place& other) const {
-        constexpr std::int64_t metre = 100;
-        return std::abs(first - other.first) > metre || std::abs(second - other.second) > metre;
-    }
 };
 
 std::optional<Place> place_of(const Observation& row) {
@@ -42,6 +40,34 @@ std::optional<Place> place_of(const Observation& row) {
         return Place{false, std::llround(*row.plane_east_m * 1e2),
                      std::llround(*row.plane_north_m * 1e2)};
     return std::nullopt;
+}
+
+/// Hashes of the distances over each second of 20 s in motion, which no shift, turn or other time
+/// changes. Positions are complex numbers in metres, `stride` of them to a second.
+std::vector<std::uint64_t> motions_in(const std::vector<std::complex<double>>& at_m,
+                                      std::size_t stride) {
+    constexpr std::size_t seconds = 20;
+    constexpr double least_m = 2.0, step_m = 0.05;
+    std::vector<std::uint64_t> hashes;
+    for (std::size_t k = 0; k + seconds * stride < at_m.size(); ++k) {
+        std::uint64_t hash = 0;
+        bool moved = true;
+        for (std::size_t at = k; moved && at < k + seconds * stride; at += stride) {
+            const double distance_m = std::abs(at_m[at + stride] - at_m[at]);
+            moved = distance_m >= least_m;
+            hash = mixed(hash, std::llround(distance_m / step_m));
+        }
+        if (moved) hashes.push_back(hash);
+    }
+    return hashes;
+}
+
+/// A position in metres; `scale` is that of a degree of longitude to one of latitude.
+std::complex<double> metres_of(const Observation& row, double scale) {
+    constexpr double metres_per_degree = 111'320.0;
+    if (!row.latitude_deg) return {row.plane_east_m.value_or(0.0), row.plane_north_m.value_or(0.0)};
+    return metres_per_degree *
+           std::complex(scale * row.longitude_deg.value_or(0.0), *row.latitude_deg);
 }
 
 std::string listed_shortly(const std::vector<std::string>& ids) {
@@ -65,7 +91,8 @@ void SharedRecordings::add(std::uint32_t attempt, OpenTable<Observations> table)
     recordings_.push_back({std::move(files), {attempt}});
     const RecordingFacts& facts = table.head.facts;
     const bool fine = facts.position_resolution_m.value_or(0.0) <= coarsest_m;
-    std::optional<Place> last;  // a metre or more before
+    std::vector<std::complex<double>> at_m;
+    std::optional<double> scale;  // where the recording begins
     for (Observation row; table.rows.next(row); row = {}) {
         const std::optional<Place> place = place_of(row);
         if (!place) continue;
@@ -74,10 +101,13 @@ void SharedRecordings::add(std::uint32_t attempt, OpenTable<Observations> table)
             epochs_.push_back(
                 {mixed(place->hash(), (time.nanoseconds() + 500'000) / 1'000'000), recording});
         }
-        if (!fine || (last && !place->is_a_metre_from(*last))) continue;
-        if (last) places_.push_back({place->hash(), recording});
-        last = place;
+        if (!scale) scale = std::cos(row.latitude_deg.value_or(0.0) * std::numbers::pi / 180.0);
+        if (fine) at_m.push_back(metres_of(row, *scale));
     }
+    const double in_a_second = std::round(1.0 / std::max(1e-3, facts.nominal_interval_s));
+    for (const std::uint64_t hash :
+         motions_in(at_m, static_cast<std::size_t>(std::max(1.0, in_a_second))))
+        motions_.push_back({hash, recording});
 }
 
 /// How many entries each attempt has in common with each other one.
@@ -102,7 +132,7 @@ SharedRecordings::Shared SharedRecordings::shared_by(std::vector<Entry>& entries
 }
 
 void SharedRecordings::note(std::vector<AttemptResult>& attempts) {
-    Shared files, epochs = shared_by(epochs_), places = shared_by(places_);
+    Shared files, epochs = shared_by(epochs_), motions = shared_by(motions_);
     for (const Recording& recording : recordings_)
         for (const std::uint32_t one : recording.attempts)
             for (const std::uint32_t other : recording.attempts)
@@ -126,9 +156,9 @@ void SharedRecordings::note(std::vector<AttemptResult>& attempts) {
         say(epochs[attempt], rows_of_an_overlap,
             "Its recording overlaps that of {ids}: up to {most} epochs have the same time and "
             "position.");
-        say(places[attempt], rows_of_an_overlap,
-            "Its recording repeats that of {ids}, at other times or without a date: up to {most} "
-            "positions in motion are the same.");
+        say(motions[attempt], rows_of_an_overlap,
+            "Its recording repeats that of {ids}, at other times, elsewhere, turned or without a "
+            "date: up to {most} stretches of 20 s have the same distances.");
     }
 }
 

@@ -12,9 +12,9 @@ namespace runcert {
 
 /// Which attempts of a day rest on one recording, or on recordings that overlap: with files of the
 /// same bytes; with ten epochs and more that have the same time (to the millisecond) and position
-/// (to 1e-7 degrees, in engineering coordinates to 1 cm); or with ten such positions and more at
-/// other times or without a date, recorded in motion and in steps of 5 cm at most. What one
-/// receiver wrote, another never repeats.
+/// (to 1e-7 degrees, in engineering coordinates to 1 cm); or with ten stretches of 20 s of the same
+/// motion, second by second to 5 cm, wherever and whenever, recorded in steps of 5 cm at most. What
+/// one receiver wrote, another never repeats.
 class SharedRecordings {
   public:
     /// Takes in what a receiver of the attempt recorded; attempts are numbered by the caller. Files
@@ -39,7 +39,7 @@ class SharedRecordings {
     Shared shared_by(std::vector<Entry>& entries) const;
 
     std::vector<Recording> recordings_;
-    std::vector<Entry> epochs_, places_;
+    std::vector<Entry> epochs_, motions_;
 };
 
 }  // namespace runcert

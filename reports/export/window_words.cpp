@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/claimed_text.h"
 #include "core/text.h"
 #include "reports/export/track.h"
 #include "reports/words/figures.h"
@@ -125,8 +126,9 @@ std::vector<MapFeature> features_of(const Track& track, MapFeature::Kind kind) {
 }
 
 std::vector<std::string> about(const Track& track) {
-    std::vector<std::string> lines{fmt::format("Craft: {}", track.craft)};
-    if (!track.place.empty()) lines.push_back(fmt::format("Place: {}", track.place));
+    std::vector<std::string> lines{fmt::format("Craft, as claimed: {}", claimed(track.craft))};
+    if (!track.place.empty())
+        lines.push_back(fmt::format("Place, as claimed: {}", claimed(track.place)));
     lines.push_back(fmt::format("Receiver: {}", track.receiver));
     lines.emplace_back(
         "Track: smoothed positions (WGS 84), cut at gaps; a map for looking, not the record: that "

@@ -9,12 +9,12 @@ function parseWithNumbersAsWritten(json) {
 }
 
 /**
- * A text without what has no place in a page: control characters, what turns the direction of writing
- * and could do so beyond its own end, and what is no character. As plain_text of the program.
+ * A text without what has no place in a page: control characters, what is not seen or turns the
+ * direction of writing, and what is no character. As plain_text of the program, whose Unicode is 15.1.
  */
 const withoutControls = (text) => text.replace(/[\r\n\t]/g, " ")
-  .replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd")
-  .replace(/\p{Noncharacter_Code_Point}/gu, "\ufffd");
+  .replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "\ufffd")
+  .replace(/[\p{Default_Ignorable_Code_Point}\p{Noncharacter_Code_Point}]/gu, "\ufffd");
 
 /** What the template gets for a value of the JSON; objects have has_NAME beside each list. */
 function templateData(value) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
@@ -185,7 +186,7 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
     const auto add_one = [&](const char* name, std::string value) {
         add_fact(list, name, std::move(value));
     };
-    add_one("Recording", recording_names(receiver));
+    add_one("Recording", claimed_value(recording_names(receiver)));
     add_one("Format", format_words(receiver, observations));
     add_one("Device", observations.device);
     for (const std::string& said : observations.written_by)

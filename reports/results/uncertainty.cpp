@@ -120,6 +120,13 @@ void add_selection(std::vector<Block>& blocks, const RuleView& rule, const Scale
                            scale.unit().name, scale.uncertainty(sd_m_s));
     };
     blocks.push_back(heading("Choice of the fastest window"));
+    if (selection.samples == 0) {
+        blocks.push_back(paragraph(fmt::format(
+            "The fastest of {} was chosen; {} could have been it. What that adds to its speed was "
+            "not simulated: the expanded uncertainty exceeds the rule's limit without it.",
+            counted(rule.windows->candidates, "window"), selection.candidates)));
+        return;
+    }
     blocks.push_back(paragraph(fmt::format(
         "The fastest of {} was chosen; {} could have been it. That makes its speed look higher "
         "by {} with the errors as fitted, by {} with time-correlated errors as large as "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/prose.h"
 
 namespace runcert {
@@ -65,7 +66,7 @@ std::string record_text(const RecordToBeat& record) {
         record.expanded_uncertainty.value_or(0.0) > 0.0
             ? fmt::format(" ± {} (k = 2)", number_text(*record.expanded_uncertainty, record.unit))
             : "",
-        record.source);
+        claimed(record.source));
 }
 
 std::string conformance_text(const Decision& decision) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <string_view>
 
+#include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/rounding.h"
 #include "reports/words/figures.h"
@@ -90,7 +91,7 @@ std::string group_text(const Group& group) {
             fmt::format("{} ({})", group.part, counted(std::ssize(group.inputs), "figure")));
     else
         for (const VerdictInput* const one : group.inputs)
-            said.push_back(fmt::format("{}: {}", one->name, one->value));
+            said.push_back(fmt::format("{}: {}", one->name, claimed_value(one->value)));
     return fmt::format("{}{}", fmt::join(said, ", "),
                        group.clauses.empty()
                            ? std::string(" (no rule looks at it)")

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/failure.h"
 #include "reports/words/figures.h"
 
@@ -171,7 +172,7 @@ std::string stated_text(const std::vector<AttemptInput>& inputs) {
     std::vector<std::string> stated;
     for (const AttemptInput& input : inputs)
         stated.push_back(fmt::format(
-            "{}: {}{}", input.name, input.value,
+            "{}: {}{}", input.name, claimed_value(input.value),
             input.origin.origin == to_text(InputOrigin::handed_in) ? " (handed in)" : ""));
     return fmt::format("{}", fmt::join(stated, "; "));
 }

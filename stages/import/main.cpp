@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "core/claimed_text.h"
 #include "core/text.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
@@ -254,8 +255,8 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     observations.head.header.programs = std::move(programs);
     const ElapsedTime latest =
         write_rows(one, one.file_of(products::observations, receiver), observations);
-    run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
-                        observations.head.format));
+    run.say(fmt::format("{} epochs from {} ({})", observations.rows,
+                        claimed_value(recording_names(receiver)), observations.head.format));
     if (has_phases(receiver)) run.say(write_phases(one, receiver, open));
     if (has_surface(receiver))
         run.say(write_ground(one, receiver, open, observations.head.facts.georeferenced));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <mutex>
 
 #include "core/failure.h"
 #include "core/parallel.h"
@@ -125,19 +126,11 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     BatchSolution<Axes> solution;
     solution.stretches = static_cast<std::int64_t>(stretches.size());
     solution.states.resize(arc.size());
-    const auto failures = results_of(
-        solution.stretches, threads_allowed(), [&](std::int64_t i) -> std::optional<Failure> {
-            const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
-            try {
-                take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
-            } catch (const Failure& failure) {
-                return failure;
-            }
-            return std::nullopt;
-        });
-    // Reports that of the first stretch, whichever occurred first.
-    for (const std::optional<Failure>& failure : failures)
-        if (failure) throw *failure;
+    // One at a time: the sparse factors of a stretch are most of the memory of a run.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
+    for (const Stretch& stretch : stretches)
+        take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
     return solution;
 }
 

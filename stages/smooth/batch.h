@@ -9,9 +9,6 @@
 
 namespace runcert {
 
-/// Largest number of epochs solved at once.
-inline constexpr std::size_t batch_epochs_at_once = 60'000;
-
 /// Largest number of iterations of a robust solution, which usually takes some tens.
 inline constexpr int robust_iterations_allowed = 500;
 
@@ -32,7 +29,7 @@ inline constexpr int robust_iterations_allowed = 500;
 ///
 /// The default leaves 2,500 epochs, 12.5 correlation times of 10 s at 20 Hz.
 struct BatchOptions {
-    std::size_t epochs_at_once = batch_epochs_at_once;
+    std::size_t epochs_at_once = 60'000;
     std::size_t overlap = 5'000;
 };
 

@@ -23,10 +23,11 @@ constexpr double agreement_of_sigma = 1e-4;
 constexpr double agreement_position_m = 1e-6;
 constexpr double agreement_velocity_m_s = 1e-5;
 
-/// The first division of the batch, and the fraction of the required agreement that it must reach.
-constexpr BatchOptions short_stretches{.epochs_at_once = 12'000, .overlap = 2'000};
+/// The least division of the batch, and the fraction of the required agreement that the divided
+/// batch must reach.
+constexpr BatchOptions shortest_stretch{.epochs_at_once = 12'000, .overlap = 2'000};
 constexpr double near_the_smoother = 0.1;
-constexpr double memories_from_a_cut = 15.0;  // exp(-15) of millimetres is below rounding
+constexpr double memories_from_a_cut = 20.0;
 
 /// Number of offsets of bridged steps that the measurements of an arc determine. Of steps without a
 /// measurement between them, only the sum is determined.
@@ -115,38 +116,37 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothe
     return agreement;
 }
 
-/// Whether the effect of a cut of short stretches has decayed where states are used. It decays with
-/// the motion's memory and with the error's correlation time. The motion's memory is about the time
-/// in which the uncertain velocity moves the position by its own uncertainty.
+/// Stretches as short as the memory of an arc allows: the effect of a cut has decayed where states
+/// are used. It decays with the motion's memory and with the error's correlation time. The motion's
+/// memory is about the time in which the uncertain velocity moves the position by its own
+/// uncertainty.
 template <int Axes>
-bool forgets_soon(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
-                  const EstimationModel& model) {
+BatchOptions stretches_for(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
+                           const EstimationModel& model) {
     const StateMatrix<Axes>& middle = smoothed.covariance_in_the_middle;
     const double memory_s =
         std::max(std::sqrt(middle(0, 0) / middle(Axes, Axes)), model.error.tau_s);
-    const double interval_s = (arc.epochs.back().time_s - arc.epochs.front().time_s) /
-                              static_cast<double>(arc.epochs.size());
-    return memories_from_a_cut * memory_s <=
-           0.5 * static_cast<double>(short_stretches.overlap) * interval_s;
+    const auto epochs = static_cast<double>(arc.epochs.size());
+    const double interval_s = (arc.epochs.back().time_s - arc.epochs.front().time_s) / epochs;
+    const auto overlap = static_cast<std::size_t>(
+        std::min(2.0 * memories_from_a_cut * memory_s / interval_s, epochs));
+    return {.epochs_at_once = std::max(shortest_stretch.epochs_at_once, 2 * overlap),
+            .overlap = std::max(shortest_stretch.overlap, overlap)};
 }
 
-/// The batch in short stretches, which need less memory and can be solved in parallel. If that is
-/// not close to the smoother, because the states of this arc have a longer memory, it uses longer
-/// ones. At last it solves the arc as a whole, so that no difference comes from cuts.
+/// The batch in stretches, which need less memory. If that is not close to the smoother, it solves
+/// the arc as a whole, so that no difference comes from cuts.
 template <int Axes>
 BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                                        const EstimationModel& model,
                                        const std::vector<TrajectoryEpoch>& rows) {
-    std::vector<BatchOptions> cuts{BatchOptions{}};
-    if (forgets_soon(arc, smoothed, model)) cuts.insert(cuts.begin(), short_stretches);
-    for (const BatchOptions& options : cuts) {
-        BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model, options);
-        bool near = true;
-        for (std::size_t k = 0; k < batch.states.size() && near; ++k)
-            near = agreement_at(smoothed, batch, k)
-                       .within(limits_at<Axes>(rows[arc.rows[k]]), near_the_smoother);
-        if (near || batch.stretches == 1) return batch;
-    }
+    BatchSolution<Axes> batch =
+        solve_batch<Axes>(arc.epochs, model, stretches_for(arc, smoothed, model));
+    bool near = true;
+    for (std::size_t k = 0; k < batch.states.size() && near; ++k)
+        near = agreement_at(smoothed, batch, k)
+                   .within(limits_at<Axes>(rows[arc.rows[k]]), near_the_smoother);
+    if (near || batch.stretches == 1) return batch;
     return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
 }
 
@@ -154,7 +154,8 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans
 void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const EstimationModel& model,
                 const SmoothConfig& config, TrajectoryTable& table) {
     const RobustSolution<2> robust =
-        solve_robust<2>(arc.epochs, model, config.robust_scale, smoothed.states);
+        solve_robust<2>(arc.epochs, model, config.robust_scale, smoothed.states,
+                        stretches_for(arc, smoothed, model));
     if (!robust.converged) ++table.estimation.robust_unsolved;
     for (std::size_t k = 0; k < robust.states.size(); ++k) {
         TrajectoryEpoch& row = table.rows[arc.rows[k]];

@@ -311,6 +311,10 @@ BudgetRow undetected_row(const BudgetInput& input) {
 
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
+    if (selection.samples == 0)
+        return speed_row("f", "choice of the fastest of many windows", "A", 0.0,
+                         independent_of_other_rows,
+                         "not simulated: without it U exceeds the rule's limit already");
     return choice_row(fmt::format("{:.4f} m/s and {:.4f} m/s,", selection.fitted_bias_m_s,
                                   selection.bounded_bias_m_s),
                       selection.bias_uncertainty_m_s, selection.candidates,

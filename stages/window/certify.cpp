@@ -107,7 +107,7 @@ MethodMeans methods_of(const AxesEstimate<Axes>& estimate, const FoundWindow& fo
 template <int Axes>
 SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                            const ErrorBound& bound, double search_uncertainty_m_s,
-                           double stated_m_s) {
+                           const SpeedEstimate& stated) {
     const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
     const double fitted_m_s =
         bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
@@ -116,15 +116,20 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
         choice.found.assured_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
     const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
                          choice.profile.definition != SpeedDefinition::elapsed_time;
-    SelectionBias selection =
-        selection_bias<Axes>(clusters_of(estimate, choice, least_m_s),
-                             SelectionModels{.estimated = estimate.model,
-                                             .by_path = by_path,
-                                             .along = bound.along,
-                                             .bound_m = bound.sigma_m,
-                                             .tau_min_s = bound.tau_min_s,
-                                             .tau_max_s = bound.tau_max_s},
-                             stated_m_s, estimate.config.selection_samples, estimate.config.seed);
+    // No witness can narrow what alone exceeds the rule's limit, and no choice of the window can.
+    const auto& limit_m_s = choice.profile.accuracy_limit_m_s;
+    const bool refused =
+        limit_m_s && !choice.by_positions_alone && estimate.witnesses.empty() &&
+        choice.profile.coverage_factor * stated.standard_uncertainty_m_s > *limit_m_s;
+    SelectionBias selection = selection_bias<Axes>(
+        clusters_of(estimate, choice, least_m_s),
+        SelectionModels{.estimated = estimate.model,
+                        .by_path = by_path,
+                        .along = bound.along,
+                        .bound_m = bound.sigma_m,
+                        .tau_min_s = bound.tau_min_s,
+                        .tau_max_s = bound.tau_max_s},
+        stated.speed_m_s, refused ? 0 : estimate.config.selection_samples, estimate.config.seed);
     selection.treatment = choice.profile.uncertainty.selection_bias;
     return selection;
 }
@@ -514,8 +519,8 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
                                 std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
-    window.selection = selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s,
-                                    noise.speed.speed_m_s);
+    window.selection =
+        selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, noise.speed);
     set_speed(estimate, choice, estimated, noise, window);
     if (choice.craft) move_to_craft(*choice.craft, window);
     return window;

@@ -131,12 +131,18 @@ template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed) {
+    constexpr std::int64_t most_numbers = 64'000'000, fewest_draws = 50;
     std::vector<SelectionCluster<Axes>> parts;
-    SelectionBias result;
+    SelectionBias result{.chosen_mean_m_s = stated_m_s, .best_mean_m_s = stated_m_s, .seed = seed};
+    std::int64_t numbers = 1;
     for (const WindowCluster<Axes>& cluster : clusters) {
+        result.candidates += std::ssize(cluster.windows);
+        if (samples == 0) continue;
         parts.emplace_back(cluster, models);
-        result.candidates += static_cast<std::int64_t>(parts.back().windows());
+        numbers += static_cast<std::int64_t>(parts.back().normals());
     }
+    if (samples == 0) return result;
+    samples = std::min(samples, std::max(fewest_draws, most_numbers / numbers));
     const DrawnBias fitted =
         bias_from(draw_samples(parts, models, DrawnErrors::fitted, samples, seed), samples);
     const DrawnBias bounded =
@@ -152,7 +158,6 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
     result.best_mean_m_s = bounded.best_mean_m_s;
     result.best_sd_m_s = bounded.best_sd_m_s;
     result.samples = samples;
-    result.seed = seed;
     return result;
 }
 

@@ -71,10 +71,12 @@ enum class DrawnErrors {
 /// half their difference as its limits.
 ///
 /// `stated_m_s` is the estimated speed of the chosen window, which is in one of the clusters.
-/// `samples` is the number of draws for each of the two types of errors, at least 2. The same
-/// `seed` gives the same result, whatever the number of threads. Neither bias is below 0, and the
-/// bounded one is not below the fitted one. `bias_uncertainty_m_s` is the larger standard
-/// uncertainty of their means, from the finite number of draws. The caller sets `treatment`.
+/// `samples` is the number of draws for each of the two types of errors, at least 2, or 0: nothing
+/// is simulated, and the bias is 0. Of very many epochs fewer are drawn, at least 50, so that noise
+/// all over a recording costs seconds. The same `seed` gives the same result, whatever the number
+/// of threads. Neither bias is below 0, and the bounded one is not below the fitted one.
+/// `bias_uncertainty_m_s` is the larger standard uncertainty of their means, from the finite number
+/// of draws. The caller sets `treatment`.
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,

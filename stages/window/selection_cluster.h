@@ -52,8 +52,6 @@ class SelectionCluster {
   public:
     SelectionCluster(const WindowCluster<Axes>& windows, const SelectionModels& models);
 
-    std::size_t windows() const { return stretch_.windows.size(); }
-
     /// Number of standard normal numbers needed for a draw.
     std::size_t normals() const { return 4 * axes * stretch_.epochs.size(); }
 

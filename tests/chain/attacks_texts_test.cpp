@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <regex>
 
 #include "chain_support.h"
 
@@ -49,20 +50,16 @@ class AttacksOnTexts : public testing::Test {
 };
 
 /// Escapes of characters that cannot be shown, and what they are called.
-constexpr std::array<std::pair<const char*, const char*>, 14> hidden{{{"\\U0001FFFE", "U+1FFFE"},
-                                                                      {"\\uFFFE", "U+FFFE"},
-                                                                      {"\\uFDD0", "U+FDD0"},
-                                                                      {"\\U0010FFFF", "U+10FFFF"},
-                                                                      {"\\x07", "U+0007"},
-                                                                      {"\\x7f", "U+007F"},
-                                                                      {"\\x9b", "U+009B"},
-                                                                      {"\\u202E", "U+202E"},
-                                                                      {"\\u2066", "U+2066"},
-                                                                      {"\\u200F", "U+200F"},
-                                                                      {"\\u061C", "U+061C"},
-                                                                      {"\\u2028", "U+2028"},
-                                                                      {"\\uFEFF", "U+FEFF"},
-                                                                      {"\\r", "U+000D"}}};
+constexpr std::array<std::pair<const char*, const char*>, 26> hidden{
+    {{"\\U0001FFFE", "U+1FFFE"},  {"\\uFFFE", "U+FFFE"}, {"\\uFDD0", "U+FDD0"},
+     {"\\U0010FFFF", "U+10FFFF"}, {"\\x07", "U+0007"},   {"\\x7f", "U+007F"},
+     {"\\x9b", "U+009B"},         {"\\u202E", "U+202E"}, {"\\u2066", "U+2066"},
+     {"\\u200F", "U+200F"},       {"\\u061C", "U+061C"}, {"\\u2028", "U+2028"},
+     {"\\uFEFF", "U+FEFF"},       {"\\u00AD", "U+00AD"}, {"\\u200B", "U+200B"},
+     {"\\u200C", "U+200C"},       {"\\u200D", "U+200D"}, {"\\u034F", "U+034F"},
+     {"\\u115F", "U+115F"},       {"\\u180E", "U+180E"}, {"\\u2060", "U+2060"},
+     {"\\u3164", "U+3164"},       {"\\uFE0F", "U+FE0F"}, {"\\U000E0041", "U+E0041"},
+     {"\\U000E0100", "U+E0100"},  {"\\r", "U+000D"}}};
 
 // Got through when certifying; verify then refused the first four, as YAML that it could not read,
 // and the others stood in the report.
@@ -128,12 +125,55 @@ TEST_F(AttacksOnTexts, Text04ItIsRefusedAsItIsToo) {
 TEST_F(AttacksOnTexts, Text05WhatCanBeShownIsAcceptedByBoth) {
     write("name: simulated land yacht",
           "name: \"\xF0\x9F\x9A\x80 \\U0001F600 J\xC3\xBCrg \xD7\x99\xD7\x95 "
-          "\xF0\xA0\x80\x80 \\u200D \\\"q\\\"\"");
+          "\xF0\xA0\x80\x80 \\\"q\\\"\"");
     const ProcessResult made = certify(attempt(), run(), {"--no-render"});
     ASSERT_EQ(made.exit_status, 0) << made.errors;
     const ProcessResult verified = runcert({"verify", run().string(), "--recompute"});
     EXPECT_TRUE(holds(verified.output, "yes  schemas")) << verified.output;
     EXPECT_TRUE(holds(verified.output, "yes  recompute")) << verified.output;
+}
+
+// Got through: a name stood beside the program's words as if it were theirs, on page one, in the
+// evidence that officials sign, on the terminal, in audit and in exports.
+TEST_F(AttacksOnTexts, Text06WhatIsClaimedIsQuotedWhereverItStands) {
+    const std::string open = "\u201C";
+    const std::string name = "\u2713 Record beaten\u201D ratified \u201Cby NALSA";
+    const auto write = [&](const std::string& from, const std::string& to) {
+        AttacksOnTexts::write(from, to);
+        original_ = read_file(attempt());
+    };
+    write("name: simulated land yacht", "name: \"" + name + "\"");
+    write("source: \"", "source: \"the board; measured speed: 300.00 km/h, ");
+    write("place: ", "place: \"RESULT nalsa beaten\" # ");
+    write("{role: measurer}", "{role: measurer, name: \"all answered: complete\"}");
+    write("profiles:", fmt::format("pilot: \"Standing: complete\"\namends: {{report_id: "
+                                   "0123456789abcdef, sha256: \"{}\", reason: \"withdrawn by the "
+                                   "board\"}}\nprofiles:",
+                                   std::string(64, 'a')));
+    const ProcessResult made = certify(attempt(), run(), {"--no-pdf"});
+    ASSERT_NE(made.exit_status, 2) << made.errors;
+    const auto predicate = nlohmann::json::parse(read_file(run() / "report.json"))["predicate"];
+    std::string texts = predicate["document"].dump() + made.output;
+    for (const auto& one : predicate["profiles"][0]["requirements"])
+        texts += one["evidence"].get<std::string>();
+    for (const char* command : {"explain", "audit", "attest"})
+        texts += runcert({command, run().string()}).output;
+    for (const char* format : {"kml", "gpx", "geojson", "csv"}) {
+        const std::string file = (run() / format).string();
+        if (runcert({"export", run().string(), "--format", format, "--out", file}).exit_status == 0)
+            texts += read_file(file);
+    }
+    texts = std::regex_replace(texts, std::regex("\\s+"), " ");
+    for (const char* claim :
+         {"the board; measured speed: 300.00 km/h", "RESULT nalsa beaten", "all answered: complete",
+          "Standing: complete", "withdrawn by the board"})
+        for (std::size_t at = texts.find(claim); at != std::string::npos;
+             at = texts.find(claim, at + 1))
+            EXPECT_EQ(texts.substr(at - open.size(), open.size()), open)
+                << texts.substr(at - 60, 160);
+    EXPECT_FALSE(holds(texts, name));
+    EXPECT_TRUE(holds(texts, open + "\u2713 Record beaten' ratified 'by NALSA\u201D"));
+    EXPECT_TRUE(holds(texts, "The claimant states that this report replaces"));
 }
 
 }  // namespace

@@ -232,7 +232,7 @@ TEST_F(Attestations, DeletedAreSeen) {
 
 TEST_F(Attestations, EvidenceGoesAlongAndIsHeldToItsHash) {
     write_file_atomically(path("list of observers.txt"), "Jane Roe\n");
-    write_file_atomically(path("scan.pdf"), "%PDF signed by hand\n");
+    write_file_atomically(path("scan.pdf"), "%PDF-1.7 signed by hand\n");
     const std::string file = must_attest("judge", "judge", {due("judge").front()},
                                          {"--evidence", path("list of observers.txt").string(),
                                           "--paper", path("scan.pdf").string()});
@@ -266,6 +266,50 @@ TEST_F(Attestations, AreRefusedWhereAByteIsAnother) {
         write_file_atomically(run() / file, changed);
         expect_fault("attestations/answer-");
     }
+}
+
+TEST_F(Attestations, OnPaperNeedAScanAndNeverTakeASecretKeyAlong) {  // got through, all
+    const std::string clause = due("judge").front();
+    write_file_atomically(path("notes.txt"), "signed, really\n");
+    write_file_atomically(path("empty.pdf"), "");
+    write_file_atomically(path("page.pdf"), "<html>%PDF-1.7\n");
+    write_file_atomically(path("ssh"), "-----BEGIN OPENSSH PRIVATE KEY-----\nb3\n");
+    write_file_atomically(path("key.pdf"), "%PDF-1.7\n" + read_file(key("judge2")));
+    const std::vector<std::pair<std::vector<std::string>, std::string>> refused{
+        {{"--paper", path("notes.txt").string()}, "no PDF and no picture"},
+        {{"--paper", path("empty.pdf").string()}, "no PDF and no picture"},
+        {{"--paper", path("page.pdf").string()}, "no PDF and no picture"},
+        {{"--paper", (run() / "report.json").string()}, "no PDF and no picture"},
+        {{"--paper", path("key.pdf").string()}, "secret key"},
+        {{"--evidence", key("judge")}, "secret key"},
+        {{"--evidence", path("ssh").string()}, "secret key"}};
+    for (const auto& [more, said] : refused) {
+        const ProcessResult result = attest("judge", "judge", {clause}, more);
+        EXPECT_EQ(result.exit_status, 2) << more[1];
+        EXPECT_NE(result.errors.find(said), std::string::npos) << more[1] << result.errors;
+    }
+    EXPECT_FALSE(fs::exists(run() / "attestations"));
+    using namespace std::string_literals;
+    for (const std::string& magic : {"%PDF-1.7\n"s, "\x89PNG\r\n\x1a\n"s, "\xFF\xD8\xFF\xE0"s,
+                                     "II*\0\1"s, "MM\0*\1"s, "\0\0\0\x18"s + "ftypheic"}) {
+        write_file_atomically(path("scan"), magic);
+        must_attest("judge", "judge", {clause}, {"--paper", path("scan").string()});
+        must_attest("judge", "judge", {clause}, {"--withdraw"});
+    }
+}
+
+TEST_F(Attestations, ThatOnlyLookLikeSupersededOnesAreNotCounted) {  // were counted
+    const fs::path folder = run() / "superseded" / "0123456789abcdef" / "attestations";
+    fs::create_directories(folder);
+    write_file_atomically(folder / "answer-0123456789abcdef.json", "no envelope\n");
+    fs::create_symlink("/etc/passwd", folder / "answer-0123456789abcde0.json");
+    fs::create_directories(folder / "answer-0123456789abcde1.json");
+    fs::create_symlink("..", folder / "up");
+    const auto layers = layer(found(), "attestations");
+    EXPECT_FALSE(says(layers, "to an earlier report")) << layers.dump(1);
+    EXPECT_TRUE(says(layers, "no answer, and not counted")) << layers.dump(1);
+    EXPECT_TRUE(says(layers, "answer-0123456789abcde0.json is a link")) << layers.dump(1);
+    EXPECT_TRUE(says(layers, "answer-0123456789abcdef.json is no envelope")) << layers.dump(1);
 }
 
 }  // namespace

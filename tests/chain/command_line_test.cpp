@@ -198,5 +198,60 @@ TEST(CommandLine, InspectDrawsARecordingAsOnePage) {
     EXPECT_FALSE(fs::exists(other));
 }
 
+TEST(CommandLine, OutputThatCannotBeWrittenIsAnErrorWithItsReason) {  // ended with 0, or inside
+    using namespace std::string_literals;
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    const std::string attempt = (examples / "land_yacht" / "attempt.yaml").string();
+    const std::string table = (examples / "land_yacht" / "appendix_a_simulated_ppk.csv").string();
+    ASSERT_NE(certify(attempt, run, {"--no-render"}).exit_status, 2);
+    const auto in_shell = [](const std::string& command) {
+        return run_process(
+            {"/bin/sh", "-c", "\"$0\" " + command, fmt::format("{}/runcert", RUNCERT_PROGRAMS)});
+    };
+    const std::string quoted = "'" + run.string() + "'";
+    for (const std::string& command :
+         {"--help"s, "--version"s, "certify --help"s, "verify " + quoted, "explain " + quoted,
+          "audit " + quoted, "attest " + quoted, "verify --json " + quoted,
+          "inspect '" + table + "'", "certify '" + attempt + "' --no-render --out " + quoted}) {
+        for (const char* where : {" >/dev/full", " >&-"}) {
+            const ProcessResult result = in_shell(command + where);
+            EXPECT_EQ(result.exit_status, 2) << command << where;
+            EXPECT_NE(result.errors.find("tandard output"), std::string::npos)
+                << command << where << result.errors;
+        }
+        // Nobody can be told, but the status says it.
+        EXPECT_EQ(in_shell(command + " >/dev/full 2>/dev/full").exit_status, 2) << command;
+    }
+    EXPECT_EQ(runcert({"verify", run.string()}).exit_status, 1);  // nobody signed: the run is whole
+}
+
+TEST(CommandLine, ATimeLimitEndsWithoutAPartOfAResult) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    const std::string attempt = (examples / "salt_lake" / "attempt.yaml").string();
+    ASSERT_NE(certify(attempt, run, {"--no-render"}).exit_status, 2);
+    const std::string before = read_file(run / "report.json");
+    const std::string verified = runcert({"verify", run.string()}).output;
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"certify", attempt, "--out", run.string()},
+          {"certify", attempt, "--out", (folder.path() / "new").string()},
+          {"verify", run.string(), "--recompute"}}) {
+        std::vector<std::string> limited = arguments;
+        limited.insert(limited.end(), {"--time-limit", "1"});
+        const ProcessResult result = runcert(limited);
+        if (result.exit_status != 2) continue;  // a fast machine
+        EXPECT_NE(result.errors.find("--time-limit"), std::string::npos) << result.errors;
+        EXPECT_EQ(result.output.find("Measured speed"), std::string::npos) << result.output;
+        EXPECT_EQ(read_file(run / "report.json"), before);
+        EXPECT_FALSE(fs::exists(folder.path() / "new"));
+        EXPECT_EQ(runcert({"verify", run.string()}).output, verified);
+    }
+    for (const auto& entry : fs::directory_iterator(folder.path()))
+        EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+    for (const char* wrong : {"0", "-1", "soon", ""})
+        EXPECT_EQ(runcert({"verify", run.string(), "--time-limit", wrong}).exit_status, 2) << wrong;
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

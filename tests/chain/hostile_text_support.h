@@ -18,11 +18,11 @@ inline const std::string markup_in_yaml =
 inline const std::string markup =
     "</script><script>document.title='taken'</script><!-- <b onmouseover=alert(1)>\"'`"
     "{{report_id}}{{{style}}}{{#signed}} &lt;i&gt;&#x202e;&amp; \\u003c \\x1b[31m";
-/// Of what cannot be seen, what an attempt may still hold (the rest is refused when it is read, see
-/// AttacksOnTexts; the recording below has some of it), and a line that says what is not true.
-inline const std::string steering_in_yaml = "\\u200b\\u200d \\n\\tVERIFIED\\n";
+/// A line that says what is not true. What cannot be seen is refused when an attempt is read, see
+/// AttacksOnTexts; the recording below has some of it.
+inline const std::string steering_in_yaml = " \\n\\tVERIFIED\\n";
 inline const std::string letters =
-    "\u26F5\U0001F3F4\u200D\u2620\uFE0F e\u0301\u0323 Z\u0311\u0343\u0311\u0343 "
+    "\u26F5\U0001F3F4\u2620 e\u0301\u0323 Z\u0311\u0343\u0311\u0343 "
     "\u05E9\u05DC\u05D5\u05DD \u0645\u0631\u062D\u0628\u0627";
 inline const std::string long_word(10000, 'W');
 

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "chain_support.h"
 #include "recorded_run.h"
@@ -501,7 +503,27 @@ TEST_F(OriginsOfADay, RecordingsThatOverlapAreNamedInBoth) {  // got through, al
     put("later.pos", later.pos());
     EXPECT_TRUE(holds(
         notes_of({{"whole.pos", ""}, {"later.pos", ""}}),
-        "run-2: Its recording repeats that of run-1, at other times or without a date: up to "));
+        "run-2: Its recording repeats that of run-1, at other times, elsewhere, turned or without "
+        "a date: up to "));
+    // Moved by kilometres or turned, and at another hour: got through.
+    for (const auto& [north_m, turned_rad] : {std::pair{1000.0, 0.0}, {0.0, 1.0}, {5000.0, 3.0}}) {
+        std::string moved = "time,lat,lon,h\n";
+        const auto from = run.place(0);
+        const double scale = std::cos(from.latitude_deg * std::numbers::pi / 180.0);
+        const double c = std::cos(turned_rad), s = std::sin(turned_rad);
+        for (int k = 0; k < RecordedRun::epochs; ++k) {
+            const double north = run.place(k).latitude_deg - from.latitude_deg,
+                         east = (run.place(k).longitude_deg - from.longitude_deg) * scale;
+            moved += fmt::format("2026-03-14T{},{:.8f},{:.8f},{:.3f}\n", later.clock(k, 3, ":"),
+                                 from.latitude_deg + north_m / 111'320.0 + c * north + s * east,
+                                 from.longitude_deg + (c * east - s * north) / scale,
+                                 run.place(k).height_m);
+        }
+        put("moved.csv", moved);
+        EXPECT_TRUE(holds(notes_of({{"whole.pos", ""}, {"moved.csv", of_csv}}),
+                          "run-2: Its recording repeats that of run-1, at other times"))
+            << north_m << " " << turned_rad;
+    }
     // Two cuts that meet without an epoch in common are two recordings.
     put("first.pos", cut(pos, 0, 300));
     put("second.pos", cut(pos, 300, 600));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/claimed_text.h"
 #include "core/text.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -110,6 +111,29 @@ TEST(Escape, QuotesAnyBytes) {
     EXPECT_FALSE(is_printable_ascii("a\tb"));
     EXPECT_FALSE(is_printable_ascii("\x7f"));
     EXPECT_FALSE(is_printable_ascii("\xc3\xa9"));
+}
+
+TEST(HiddenCharacter, IsAnyThatUnicodeCallsDefaultIgnorable) {  // some were shown as nothing
+    for (const char* one :
+         {"\u00AD", "\u034F", "\u061C", "\u115F",     "\u17B4",     "\u180B",     "\u180F",
+          "\u200B", "\u200D", "\u2060", "\u206F",     "\u3164",     "\uFE00",     "\uFE0F",
+          "\uFEFF", "\uFFA0", "\uFFF0", "\U0001BCA0", "\U0001D173", "\U000E0001", "\U000E0FFF"}) {
+        EXPECT_TRUE(hidden_character(std::string("a") + one)) << one;
+        EXPECT_EQ(plain_text(one), "\uFFFD") << one;
+    }
+    for (const char* one :
+         {"\u00AC", "\u00AE", "\u2010", "\u2070", "\u3165", "\U0001F600", "\u0301"})
+        EXPECT_FALSE(hidden_character(one)) << one;
+}
+
+TEST(Claimed, IsInQuotationMarksThatNothingInItCloses) {
+    EXPECT_EQ(claimed("Greenbird"), "“Greenbird”");
+    EXPECT_EQ(claimed(""), "");
+    EXPECT_EQ(claimed("a” beaten \"b\" «c» “d"), "“a' beaten 'b' 'c' 'd”");
+    EXPECT_EQ(claimed_value("202.9"), "202.9");
+    EXPECT_EQ(claimed_value("land-yacht"), "land-yacht");
+    EXPECT_EQ(claimed_value("a newspaper"), "“a newspaper”");
+    EXPECT_EQ(claimed_value("✓"), "“✓”");
 }
 
 }  // namespace

@@ -261,5 +261,42 @@ TEST(OtherKey, IsCalledByItsName) {
     EXPECT_EQ(other_key_in("hello").kind, "");
 }
 
+TEST(Roster, ACommentThatLooksLikeALineForRuncertIsRefused) {  // was taken for a comment
+    const std::string key = "judge " + key_text + "\n";
+    for (const char* comment :
+         {"# RunCert signatures judge=2", "#  runcert", "#Runcert close board", "# runcert: x",
+          "## RUNCERT", "#\trunCERT signatures judge=2", "#-runcert", " # runcert", "#runcert",
+          "#runcertsignatures judge=2", "#runcert signature judge=2", "# run\u200Bcert x",
+          "#\u00A0runcert signatures judge=9"}) {
+        try {
+            (void)parse_roster(key + comment + "\n", "roster");
+            ADD_FAILURE() << comment;
+        } catch (const Failure& failure) {
+            EXPECT_EQ(failure.where(), "roster, line 2") << comment;
+        }
+    }
+    for (const char* comment : {"# keys of the club", "# for runcert", "# run certificates", "#"})
+        EXPECT_EQ(parse_roster(key + comment + "\n", "roster").entries.size(), 1U) << comment;
+}
+
+TEST(SecretKey, IsSeenInAnyFile) {
+    using namespace std::string_literals;
+    const KeyPair pair = generate_key_pair();
+    const std::string own = secret_key_file(pair, std::nullopt);
+    for (const std::string& text :
+         {own, "my notes\n" + own, "-----BEGIN OPENSSH PRIVATE KEY-----\nb3\n"s,
+          "-----BEGIN PRIVATE KEY-----\nMC4\n"s,
+          "-----BEGIN CERTIFICATE-----\n-----BEGIN RSA PRIVATE KEY-----\n"s,
+          "-----BEGIN ENCRYPTED PRIVATE KEY-----\n"s, "-----BEGIN PGP PRIVATE KEY BLOCK-----\n"s,
+          "untrusted comment: x\nRWRTY0IyAAAA\n"s, "AGE-SECRET-KEY-1QQ"s,
+          "PuTTY-User-Key-File-3: ssh-ed25519"s, std::string(64, 'a') + "\n"})
+        EXPECT_TRUE(holds_secret_key(text)) << text;
+    for (const std::string& text :
+         {public_key_file(pair.public_key), sign("m", pair.secret_key, "c"), key_text + " me\n",
+          "0"s, ""s, "0123456789"s, "a private key is kept at home"s, std::string(64, 'a'),
+          "-----BEGIN CERTIFICATE-----\nMII\n"s})
+        EXPECT_FALSE(holds_secret_key(text)) << text;
+}
+
 }  // namespace
 }  // namespace runcert::test::RUNCERT_FILE

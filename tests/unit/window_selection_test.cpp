@@ -47,6 +47,15 @@ TEST(SelectionBias, OneWindowLeavesNoChoice) {
     EXPECT_GT(bias.chosen_sd_m_s, 0.0);
 }
 
+TEST(SelectionBias, IsNotSimulatedWhereNothingHangsOnIt) {  // noise took minutes and a gigabyte
+    const auto arcs = at_top_speed(1);
+    const SelectionBias bias = selection_bias<2>({windows_of(arcs[0], 21)}, models(), 60.0, 0, 1);
+    EXPECT_EQ(bias.candidates, 21);
+    EXPECT_EQ(bias.samples, 0);
+    EXPECT_EQ(bias.bounded_bias_m_s, 0.0);
+    EXPECT_EQ(bias.chosen_mean_m_s, 60.0);
+}
+
 TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
     const auto arcs = at_top_speed(2);
     std::vector<WindowCluster<2>> one{windows_of(arcs[0], 21)};

@@ -334,8 +334,12 @@ TEST_F(Origins, ACopyIsNoSecondReceiver) {
     for (Sample& one : measured)
         one.east_m += 0.6;
     judge_with(measured);
-    EXPECT_EQ(status("secondary-method"), "met");
+    EXPECT_EQ(status("secondary-method"), "attest") << "nobody has answered for its file";
     EXPECT_EQ(witnesses(), 1U);
+    for (const YamlValue& one : verdict_["with_files"].list().front()["requirements"].list())
+        if (one["clause"].text() == "secondary-method") {
+            EXPECT_EQ(one["status"].text(), "met");
+        }
 }
 
 /// Passages of so many gates from a time on, on the positions or the truth.

@@ -227,14 +227,17 @@ TEST(PhaseWitnessRun, BeatsTheRecordAndSaysWhoAgrees) {
     const PhaseRun run;
     const ProcessResult result = run.certified();
     EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
-    EXPECT_TRUE(
-        says(result.output, "witness  a second computation, from the raw signals handed in"))
+    EXPECT_TRUE(says(result.output,
+                     "can only contradict until officials have answered for them "
+                     "(phases-as-recorded)"))
         << result.output;
-    const ProfileVerdict verdict = verdict_of(run).profiles.at(0);
+    const ProfileVerdict before = verdict_of(run).profiles.at(0);
+    EXPECT_TRUE(before.unseen_drift_m_s);
+    const ProfileVerdict verdict = verdict_of(run).with_files.at(0);
     EXPECT_EQ(verdict.outcome, Outcome::beaten);
     EXPECT_LT(*verdict.expanded_uncertainty_m_s, 0.025);
     EXPECT_FALSE(verdict.unseen_drift_m_s);
-    const CertifiableWindow window = windows_of(run).profiles.at(0).best.value();
+    const CertifiableWindow window = windows_of(run).with_files.at(0).best.value();
     ASSERT_EQ(window.witnesses.size(), 1U);
     EXPECT_EQ(window.witnesses[0].slips, 1);
     const std::string report = read_file(run.run() / "report.json");
@@ -250,8 +253,9 @@ TEST(PhaseWitnessRun, BeatsTheRecordAndSaysWhoAgrees) {
     EXPECT_TRUE(says(alone.output, "The result rests on positions alone: a drift below"))
         << alone.output;
     EXPECT_TRUE(says(read_file(run.run() / "report.json"), "The result rests on positions alone"));
-    EXPECT_GT(*verdict_of(run).profiles.at(0).expanded_uncertainty_m_s,
-              2.0 * *verdict.expanded_uncertainty_m_s);
+    const double alone_m_s = *verdict_of(run).profiles.at(0).expanded_uncertainty_m_s;
+    EXPECT_GT(alone_m_s, 2.0 * *verdict.expanded_uncertainty_m_s);
+    EXPECT_NEAR(*before.expanded_uncertainty_m_s, alone_m_s, 0.01 * alone_m_s);
 }
 
 TEST(PhaseWitnessRun, RefusesADriftThatPositionsAloneWouldHaveCertified) {

@@ -263,8 +263,9 @@ TEST(Heights, OfASurfaceThatNobodyHasAnsweredForOnlyShowThatACourseIsTooSteep) {
     const Verdict flat = scene.all();
     EXPECT_EQ(scene.clause("slope").status, RequirementStatus::attest);
     ASSERT_EQ(flat.with_files.size(), 1U);
-    for (const Requirement& one : flat.with_files[0].requirements)
-        if (one.clause == "slope") EXPECT_EQ(one.status, RequirementStatus::met);
+    const auto slope = std::ranges::find(flat.with_files[0].requirements, "slope",
+                                         [](const Requirement& one) { return one.clause; });
+    EXPECT_EQ(slope->status, RequirementStatus::met);
     scene.judged.ground = ground_under_the_scene(0.02);
     EXPECT_EQ(scene.clause("slope").status, RequirementStatus::not_met);
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);

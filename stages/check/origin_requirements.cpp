@@ -197,19 +197,18 @@ Finding computation::time_scale(const Clause& clause, const ClauseContext& conte
                                        .expanded_uncertainty = std::nullopt,
                                        .note = "in millionths"}};
     const std::string steps = unusual_steps(context);
-    if (source == "satellites" && !steps.empty())
-        return {RequirementStatus::attest, what + ", by the format; but " + steps, figures};
     // Even steps prove no rate: whoever writes stamps anew writes even ones.
-    if (source == "satellites" && !could_show_rate(clause, context))
-        return {RequirementStatus::attest,
-                what +
-                    ", by the format; no witness shares the stamps, so nothing shows their rate "
-                    "(recorded velocities, phases, a second receiver or the receiver's raw "
-                    "measurements would)",
-                figures};
-    if (source == "satellites")
+    const std::string doubt =
+        !steps.empty() ? "but " + steps
+        : could_show_rate(clause, context)
+            ? ""
+            : "no witness shares the stamps, so nothing shows their rate (recorded velocities, "
+              "phases, a second receiver or the receiver's raw measurements would)";
+    if (source == "satellites" && doubt.empty())
         return {RequirementStatus::met,
                 what + "; at another rate the witnesses would contradict the speed", figures};
+    if (source == "satellites")
+        return {RequirementStatus::attest, what + ", by the format; " + doubt, figures};
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
         return {

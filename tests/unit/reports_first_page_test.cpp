@@ -163,10 +163,10 @@ TEST(FirstPage, HoldsManyOfficialsAndTheirNamesWhole) {
     const Json report = report_json(run.inputs);
     EXPECT_EQ(fact_at(report, first, "Officials"), listed);
     EXPECT_EQ(fact_at(report, first, "Pilot"), "王 小明");
-    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("שלום עולם, land-yacht"));
+    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("“שלום עולם”, land-yacht"));
     const std::string page = section_html(print_page(report), "certificate");
     // A name that is written from right to left turns nothing beside it.
-    EXPECT_NE(page.find("<dt><bdi>Craft</bdi></dt><dd><bdi>שלום עולם, land-yacht"),
+    EXPECT_NE(page.find("<dt><bdi>Craft</bdi></dt><dd><bdi>“שלום עולם”, land-yacht"),
               std::string::npos);
     EXPECT_NE(page.find("<bdi>塩湖の東岸; "), std::string::npos);
     for (const Official& official : run.inputs.attempt.officials)
@@ -195,11 +195,11 @@ TEST(FirstPage, NamesPeopleAndInstrumentAsTheAttemptStatesThem) {
     attempt.receivers[0].instrument = Instrument{.make = "Maker", .model = "M2", .serial = "77"};
     run.inputs.receivers[0].observations.device = "M2, firmware 3.1";
     const Json report = report_json(run.inputs);
-    EXPECT_EQ(fact_at(report, first, "Pilot"), "A. Pilot");
-    EXPECT_EQ(fact_at(report, first, "Organisation"), "A club, mail@example.org");
-    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("Salt Runner, R-1, land-yacht"));
+    EXPECT_EQ(fact_at(report, first, "Pilot"), "“A. Pilot”");
+    EXPECT_EQ(fact_at(report, first, "Organisation"), "“A club”, “mail@example.org”");
+    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("“Salt Runner”, “R-1”, land-yacht"));
     EXPECT_EQ(fact_at(report, first, "Instrument"),
-              "Maker M2, serial 77; the recording says M2, firmware 3.1");
+              "“Maker M2”, serial “77”; the recording says “M2, firmware 3.1”");
 }
 
 // 08:51:44.500 UTC.

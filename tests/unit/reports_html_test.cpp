@@ -118,7 +118,7 @@ TEST(ReportHtml, PutsTheVerdictFirst) {
     const std::string text = visible_text(page({}, a_signature));
     const std::size_t verdict = text.find("Measured speed exceeds the record");
     ASSERT_NE(verdict, std::string::npos);
-    EXPECT_LT(verdict, text.find("Salt Runner, land-yacht"));
+    EXPECT_LT(verdict, text.find("“Salt Runner”, land-yacht"));
     EXPECT_LT(verdict, text.find("Requirements of the rules"));
     EXPECT_NE(text.find("216.00 km/h ± 0.019 km/h"), std::string::npos);
     EXPECT_NE(text.find("Expanded uncertainty (k = 2)"), std::string::npos);

@@ -174,7 +174,7 @@ TEST(ReportHtml, WhatPeopleWroteStaysText) {
     EXPECT_EQ(html.find("<script"), std::string::npos);
     EXPECT_EQ(html.find("<b>"), std::string::npos);
     EXPECT_EQ(html.find('\a'), std::string::npos);
-    EXPECT_NE(html.find("&lt;script&gt;alert(&quot;1&quot;)&lt;/script&gt; &apos;a&apos; &amp; "
+    EXPECT_NE(html.find("&lt;script&gt;alert(&apos;1&apos;)&lt;/script&gt; &apos;a&apos; &amp; "
                         "=cmd() {{report_id}} \xF0\x9F\x9A\x80"),
               std::string::npos);
     EXPECT_NE(without_line_ends(html).find(shown), std::string::npos);

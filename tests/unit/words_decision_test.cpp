@@ -93,7 +93,8 @@ TEST(WordsOfAnAttempt, AnAgreementIsSaidWithItsDayAndWhetherItCameTooLate) {
 TEST(WordsOfAnAttempt, ACalibrationIsSaidWithWhatItIsOf) {
     Calibration calibration{
         .certificate = "K-4711", .laboratory = "a laboratory", .date = "2026-02-03"};
-    EXPECT_EQ(calibration_text(calibration), "certificate “K-4711” of 2026-02-03 by “a laboratory”");
+    EXPECT_EQ(calibration_text(calibration),
+              "certificate “K-4711” of 2026-02-03 by “a laboratory”");
     calibration.expanded_uncertainty = 0.05;
     calibration.unit = "km/h";
     calibration.quantity = "speed";

@@ -144,7 +144,7 @@ TEST_F(Origins, ARecordThatIsTypedIsToBeAttestedWithItsSource) {
     EXPECT_EQ(status("margin"), "attest");
     EXPECT_TRUE(evidence_has("margin",
                              "record.speed: 200; record.unit: km/h; "
-                             "record.source: a newspaper"));
+                             "record.source: “a newspaper”"));
     EXPECT_EQ(status("craft-and-attempts"), "attest");
     EXPECT_TRUE(evidence_has("craft-and-attempts", "attempts_made: 1"));
     EXPECT_EQ(status("accuracy"), "attest");
@@ -643,11 +643,11 @@ TEST_F(Origins, EachInputIsListedWithWhoSaysIt) {
     EXPECT_EQ(origin["record.speed"], "claimed");
     const ProcessResult explained = runcert({"explain", (folder_.path() / "run").string()});
     EXPECT_NE(explained.output.find("Claimed"), std::string::npos) << explained.output;
-    EXPECT_NE(explained.output.find("record.source: a newspaper"), std::string::npos)
+    EXPECT_NE(explained.output.find("record.source: “a newspaper”"), std::string::npos)
         << explained.output;
     const std::string report = read_file(folder_.path() / "run" / "report.json");
     EXPECT_NE(report.find("\"Who says what the figures rest on\""), std::string::npos);
-    EXPECT_NE(report.find("record.source: a newspaper"), std::string::npos);
+    EXPECT_NE(report.find("record.source: “a newspaper”"), std::string::npos);
 }
 
 }  // namespace

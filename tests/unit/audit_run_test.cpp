@@ -64,7 +64,7 @@ void expect_in(const std::string& text, const std::vector<std::string>& all) {
 TEST(WalkThrough, WhatIsThereIsShownAndWhatIsNotIsNamed) {
     const std::string text = text_of(record_of());
     expect_in(text,
-              {"Audit of the attempt small", "yacht, class land-yacht",
+              {"Audit of the attempt small", "“yacht”, class land-yacht",
                "recording  recording.primary.pos  1,234  aaaaaaaaaaaa  yes handed in as a.pos",
                "1-observations.ecsv: 2 epochs, 99 bytes", "0 epochs\n",
                "by no file of the folder: nothing shows that it was not changed",

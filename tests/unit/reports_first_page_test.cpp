@@ -72,7 +72,7 @@ TEST(FirstPage, OfARecordThatIsBeatenTheSpeedStandsLarge) {
     EXPECT_FALSE(has_fact(report, first, "Measured speed")) << "it stands there once";
     EXPECT_EQ(fact_at(report, first, "Required speed"), "204.51 km/h");
     EXPECT_EQ(fact_at(report, first, "Record to beat"),
-              "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
+              "202.9 km/h ± 0.05 km/h (k = 2): “published figure of 2009”");
     EXPECT_EQ(fact_at(report, first, "Conformance probability"),
               "99.9987 % (at least 95 % required)");
     EXPECT_EQ(fact_at(report, first, "Window"), "3.000 s from 2022-03-18T08:51:44.500Z");
@@ -157,18 +157,18 @@ TEST(FirstPage, HoldsManyOfficialsAndTheirNamesWhole) {
     for (int i = 0; i < 12; ++i) {
         const std::string name = fmt::format("{}{:02}", std::string(198, 'n'), i);
         run.inputs.attempt.officials.push_back({.role = "observer", .name = name});
-        listed += (i == 0 ? "observer: " : ", observer: ") + name;
+        listed += (i == 0 ? "observer: " : ", observer: ") + "“" + name + "”";
     }
     run.inputs.attempt.pilot = "王 小明";
     const Json report = report_json(run.inputs);
     EXPECT_EQ(fact_at(report, first, "Officials"), listed);
-    EXPECT_EQ(fact_at(report, first, "Pilot"), "王 小明");
-    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("שלום עולם, land-yacht"));
+    EXPECT_EQ(fact_at(report, first, "Pilot"), "“王 小明”");
+    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("“שלום עולם”, land-yacht"));
     const std::string page = section_html(print_page(report), "certificate");
     // A name that is written from right to left turns nothing beside it.
-    EXPECT_NE(page.find("<dt><bdi>Craft</bdi></dt><dd><bdi>שלום עולם, land-yacht"),
+    EXPECT_NE(page.find("<dt><bdi>Craft</bdi></dt><dd><bdi>“שלום עולם”, land-yacht"),
               std::string::npos);
-    EXPECT_NE(page.find("<bdi>塩湖の東岸; "), std::string::npos);
+    EXPECT_NE(page.find("<bdi>“塩湖の東岸”; "), std::string::npos);
     for (const Official& official : run.inputs.attempt.officials)
         EXPECT_NE(page.find(official.name), std::string::npos)
             << "a name of 200 letters stays whole";
@@ -195,11 +195,11 @@ TEST(FirstPage, NamesPeopleAndInstrumentAsTheAttemptStatesThem) {
     attempt.receivers[0].instrument = Instrument{.make = "Maker", .model = "M2", .serial = "77"};
     run.inputs.receivers[0].observations.device = "M2, firmware 3.1";
     const Json report = report_json(run.inputs);
-    EXPECT_EQ(fact_at(report, first, "Pilot"), "A. Pilot");
-    EXPECT_EQ(fact_at(report, first, "Organisation"), "A club, mail@example.org");
-    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("Salt Runner, R-1, land-yacht"));
+    EXPECT_EQ(fact_at(report, first, "Pilot"), "“A. Pilot”");
+    EXPECT_EQ(fact_at(report, first, "Organisation"), "“A club”, “mail@example.org”");
+    EXPECT_TRUE(fact_at(report, first, "Craft").starts_with("“Salt Runner”, “R-1”, land-yacht"));
     EXPECT_EQ(fact_at(report, first, "Instrument"),
-              "Maker M2, serial 77; the recording says M2, firmware 3.1");
+              "“Maker M2”, serial “77”; the recording says “M2, firmware 3.1”");
 }
 
 // 08:51:44.500 UTC.

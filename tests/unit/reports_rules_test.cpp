@@ -121,7 +121,7 @@ TEST(Decision, WhoAgreedOnItsRuleStandsBesideIt) {
     run.inputs.attempt.decision_rule_agreed =
         DecisionRuleAgreement{.date = "2022-03-01", .by = "the board & the team"};
     expect_in(page_of(run),
-              "The decision rule was agreed on 2022-03-01 by the board &amp; the team.</bdi>");
+              "The decision rule was agreed on 2022-03-01 by “the board &amp; the team”.</bdi>");
 }
 
 TEST(Decision, ThatIsNegativeHasARiskOfFalseRejection) {

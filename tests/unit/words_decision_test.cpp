@@ -82,7 +82,7 @@ TEST(WordsOfAnAttempt, AnAgreementIsSaidWithItsDayAndWhetherItCameTooLate) {
     EXPECT_EQ(agreement_text(std::nullopt, std::nullopt),
               "No agreement on the decision rule is stated.");
     const DecisionRuleAgreement agreed{.date = "2026-03-14", .by = "board and team"};
-    const std::string said = "The decision rule was agreed on 2026-03-14 by board and team.";
+    const std::string said = "The decision rule was agreed on 2026-03-14 by “board and team”.";
     EXPECT_EQ(agreement_text(agreed, std::nullopt), said);
     // Already 14 March where the date changes first.
     EXPECT_EQ(agreement_text(agreed, window_at("2026-03-13T10:00:01.000")), said);
@@ -93,12 +93,13 @@ TEST(WordsOfAnAttempt, AnAgreementIsSaidWithItsDayAndWhetherItCameTooLate) {
 TEST(WordsOfAnAttempt, ACalibrationIsSaidWithWhatItIsOf) {
     Calibration calibration{
         .certificate = "K-4711", .laboratory = "a laboratory", .date = "2026-02-03"};
-    EXPECT_EQ(calibration_text(calibration), "certificate K-4711 of 2026-02-03 by a laboratory");
+    EXPECT_EQ(calibration_text(calibration),
+              "certificate “K-4711” of 2026-02-03 by “a laboratory”");
     calibration.expanded_uncertainty = 0.05;
     calibration.unit = "km/h";
     calibration.quantity = "speed";
     EXPECT_EQ(calibration_text(calibration),
-              "certificate K-4711 of 2026-02-03 by a laboratory; expanded uncertainty of speed "
+              "certificate “K-4711” of 2026-02-03 by “a laboratory”; expanded uncertainty of speed "
               "0.05 km/h (k = 2)");
 }
 

@@ -157,7 +157,7 @@ TEST(FirstPage, HoldsManyOfficialsAndTheirNamesWhole) {
     for (int i = 0; i < 12; ++i) {
         const std::string name = fmt::format("{}{:02}", std::string(198, 'n'), i);
         run.inputs.attempt.officials.push_back({.role = "observer", .name = name});
-        listed += (i == 0 ? "observer: " : ", observer: ") + "“" + name + "”";
+        listed += (i == 0 ? "observer: “" : ", observer: “") + name + "”";
     }
     run.inputs.attempt.pilot = "王 小明";
     const Json report = report_json(run.inputs);

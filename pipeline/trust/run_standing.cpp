@@ -212,9 +212,9 @@ void add_superseded(const fs::path& run_dir, std::vector<std::string>& details) 
         const bool is_link = entry.is_symlink();
         if (!is_link && !name.starts_with("answer-")) continue;
         try {
-            const EnvelopeFile file{.name = name,
-                                    .text = is_link ? "" : read_handwritten(entry.path())};
-            if (name.starts_with(envelope_name(envelope_id(file)))) {
+            const std::string text = is_link ? "" : read_handwritten(entry.path());
+            if (name.starts_with(
+                    envelope_name(attestation_id(read_envelope(text, name).payload)))) {
                 ++answers;
                 continue;
             }

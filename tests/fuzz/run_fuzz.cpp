@@ -16,6 +16,7 @@
 #include "store/atomic_file.h"
 #include "store/process.h"
 #include "trust/bundle.h"
+#include "trust/run_standing.h"
 #include "trust/verification.h"
 
 namespace runcert::fuzz {
@@ -115,7 +116,7 @@ void verify_all(const MadeRun& base, bool unchanged, bool vouched_for_changed) {
     SignatureRules rules{.roster = base.roster, .by_public_keys = true};
     rules.present = rules.at = UtcSecond(std::chrono::seconds(4'000'000'000));
     // Read to where the pages are rendered again, which the tests of the chain do.
-    (void)passes([&] { return verify_pages(run, report, rules); });
+    (void)passes([&] { return verify_pages(run, report, rules, RunStanding{}); });
     const bool signers = passes([&] { return verify_signatures(run, report, rules).signatures; });
     require(!unchanged || (files && signers), "the run as it was made is verified");
     require(!vouched_for_changed || !files || !signers, "a changed run is seen");

@@ -16,11 +16,16 @@ inline std::string claimed(std::string_view text) {
     return inner.empty() ? inner : "“" + inner + "”";
 }
 
-/// The same of a value beside its key, where it is more than one plain word or number.
+/// The same of a value beside its key, where it is more than one plain word, or a number with a
+/// unit.
 inline std::string claimed_value(std::string_view text) {
+    constexpr std::string_view number = "0123456789+-.";
     constexpr std::string_view plain =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789+-_./";
-    return text.find_first_not_of(plain) == text.npos ? std::string(text) : claimed(text);
+    const std::size_t end = text.find_first_not_of(number);
+    const bool has_unit = end != 0 && end != text.npos && text[end] == ' ';
+    const std::string_view word = has_unit ? text.substr(end + 1) : text;
+    return word.find_first_not_of(plain) == word.npos ? std::string(text) : claimed(text);
 }
 
 }  // namespace runcert

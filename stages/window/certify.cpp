@@ -345,7 +345,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     std::vector<WitnessedSpeed> witnesses = heard_by();
     const auto* const by = suspected_by(choice.contradictions, choice.found, witnesses);
     if (by) suspect(*by, fault);
-    if (by || suspect_if_doubted(witnesses, choice.found.speed_m_s, estimate.lasting, fault)) {
+    if (by || suspect_if_doubted(witnesses, fault)) {
         input.fault = fault;
         alone = budget_of(input);
         figures.fault = fault.prior;

@@ -23,12 +23,10 @@ double sigma_of_difference(const WitnessedSpeed& one) {
 }
 
 /// Whether chance makes so large a difference of any of `count` witnesses in fewer than five of a
-/// hundred windows, beside what the scale of the velocities explains.
-bool doubts(const WitnessedSpeed& one, std::size_t count, double speed_m_s,
-            const LastingDifference& lasting) {
+/// hundred windows.
+bool doubts(const WitnessedSpeed& one, std::size_t count) {
     constexpr double test_size = 0.05;
-    const bool is_scaled = one.kind == WitnessKind::velocities && lasting.is_scale;
-    return std::abs(one.difference_m_s + (is_scaled ? lasting.scale * speed_m_s : 0.0)) >
+    return std::abs(one.difference_m_s) >
            -normal_quantile(0.5 * test_size / static_cast<double>(count)) *
                sigma_of_difference(one);
 }
@@ -70,9 +68,7 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
         // What only the suspicion makes a contradiction is no new one.
         const bool is_new =
             evidence.fault_probability < as_likely_as_not || one.chance_error.value_or(0.0) > 1.0;
-        if (!doubts(one, window.witnesses.size(), found.speed_m_s, estimate.lasting) &&
-            !(contradicts(one) && is_new))
-            continue;
+        if (!doubts(one, window.witnesses.size()) && !(contradicts(one) && is_new)) continue;
         const double window_s = at.last_s - at.first_s;
         Contradiction& found_here = contradictions.emplace_back(
             Contradiction{.series = found.series,
@@ -127,11 +123,9 @@ const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
     return nullptr;
 }
 
-bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, double speed_m_s,
-                        const LastingDifference& lasting, WindowFault& fault) {
-    const auto one = std::ranges::find_if(heard, [&](const WitnessedSpeed& each) {
-        return doubts(each, heard.size(), speed_m_s, lasting);
-    });
+bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault) {
+    const auto one = std::ranges::find_if(
+        heard, [&](const WitnessedSpeed& each) { return doubts(each, heard.size()); });
     if (one == heard.end() || std::ranges::any_of(heard, &contradicts)) return false;
     fault.raise(as_likely_as_not, std::abs(one->difference_m_s),
                 fmt::format("the {} differ from the positions by {:.2f} m/s in this window, more "

@@ -40,12 +40,10 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
 const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
                                   const FoundWindow& window, std::span<const WitnessedSpeed> heard);
 
-/// Takes the positions of a window of this speed to be as likely at fault as not where a witness of
-/// it (`heard`) differs from them by more than the 95 % of both, and none contradicts them
-/// outright. A scale of the velocities that explains their `lasting` difference is taken off first.
-/// Returns whether one does.
-bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, double speed_m_s,
-                        const LastingDifference& lasting, WindowFault& fault);
+/// Takes the positions of a window to be as likely at fault as not where a witness of it (`heard`)
+/// differs from them by more than the 95 % of both, and none contradicts them outright. Returns
+/// whether one does.
+bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault);
 
 /// The same of a suspect window.
 void suspect(const Contradiction& by, WindowFault& fault);

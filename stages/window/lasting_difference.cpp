@@ -170,7 +170,7 @@ LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanCom
     const double axes = across > 0.0 ? 2.0 : 1.0;
     const double beyond =
         (beside_scale(of_scale) + across) / (axes * count) - explained_m_s * explained_m_s;
-    found.is_scale = beyond <= known_m_s * known_m_s;
+    found.is_scale = beyond <= 0.25 * known_m_s * known_m_s;
     const auto best = std::ranges::min_element(sums, {}, &beside_both);
     const double variance =
         noise_variance(spans, *best, drifts[static_cast<std::size_t>(best - sums.begin())], top_m_s,

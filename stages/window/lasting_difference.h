@@ -53,7 +53,7 @@ struct LastingDifference {
 /// wrong units. The noise is the scatter of the spans about the best explanation, at least what
 /// `explained_m_s` (standard deviation, each axis) explains, enlarged by its correlation between
 /// neighbours. It is at least half of `least_velocity_sigma_m_s`, which lasts. `known_m_s` is what
-/// good velocities leave, also beside their scale. Smaller drifts than that are none.
+/// good velocities leave; beside their scale, half of it. Smaller drifts than that are none.
 LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanComparison> spans,
                                         double explained_m_s, double known_m_s);
 

@@ -57,6 +57,8 @@ export const hostileRun = () => {
   return certify("hostile", path.join(folder, "attempt.yaml"), ["--key", key("measurer").secret]);
 };
 export const hostileText = "</script><script>document.title='taken'</script><!-- {{report_id}} &amp; & \"'<b>⛵\\u003c";
+/** As a page shows it: what is claimed stands in quotation marks that it cannot close. */
+export const hostileClaimed = `“${hostileText.replaceAll('"', "'")}”`;
 /** What an attempt may hold of what is no letter: marks that turn the direction, control characters and no characters are refused when it is read. */
 const steering = "\n\t";
 /** As the page shows them. */

@@ -61,8 +61,8 @@ describe("a signed page", () => {
       assert.equal(state, "valid", words);
       assert.notEqual(await page.title(), "taken");
       const text = await page.evaluate(() => document.querySelector("main").textContent);
-      assert.ok(text.includes(pages.hostileText), "the name as it was written");
-      assert.ok(text.includes(pages.steeringShown + pages.hostileText), "what steers is shown as such");
+      assert.ok(text.includes(pages.hostileClaimed), "the name as it was written, in quotation marks");
+      assert.ok(text.includes(`“${pages.steeringShown}${pages.hostileClaimed.slice(1)}`), "what steers is shown as such");
       assert.match(text, /2 in the role “judge”/);
       assert.equal(await page.locator("main script, main b, main style").count(), 0);
       assert.ok(text.includes("W".repeat(10000)), "a word of ten thousand letters");

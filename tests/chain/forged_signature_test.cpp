@@ -90,14 +90,13 @@ TEST_F(ForgedSignature, ByASecondKeyInTheFileOfAKeyIsRefused) {
     EXPECT_NE(result.errors.find("A public key is one line"), std::string::npos) << result.errors;
 }
 
-TEST_F(ForgedSignature, AmongThousandsIsRefusedAtOnce) {
+TEST_F(ForgedSignature, AmongHundredsStopsNothing) {
     must_sign("measurer", "measurer");
     const std::string signature = read_file(run() / "report.json.minisig");
     for (int i = 0; i < 201; ++i)
         std::ofstream(run() / fmt::format("report.json.{}.minisig", i)) << signature;
     const ProcessResult result = verify({"--roster", roster()});
-    EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_NE(result.errors.find("202 signatures"), std::string::npos) << result.errors;
+    EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
 }
 
 TEST_F(ForgedSignature, KeysFolderHoldsKeysAlone) {

@@ -133,6 +133,8 @@ TEST(Claimed, IsInQuotationMarksThatNothingInItCloses) {
     EXPECT_EQ(claimed_value("202.9"), "202.9");
     EXPECT_EQ(claimed_value("land-yacht"), "land-yacht");
     EXPECT_EQ(claimed_value("a newspaper"), "“a newspaper”");
+    EXPECT_EQ(claimed_value("0.010 m"), "0.010 m");
+    EXPECT_EQ(claimed_value("0.010 m by far"), "“0.010 m by far”");
     EXPECT_EQ(claimed_value("✓"), "“✓”");
 }
 

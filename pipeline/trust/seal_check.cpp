@@ -110,7 +110,7 @@ std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::s
 std::optional<std::string> fault_under_seal(std::string_view sealed, std::string_view own) {
     static const std::regex other(
         "stream|%%EOF\\s*[^\\s]|/(?!(AcroForm|Adobe\\.PPKLite|Annots?|BaseFont|BleedBox|ByteRange|"
-        "Catalog|Contents|Creator|D[AR]|Dests|DisplayDocTitle|EmbeddedFiles|Encoding|FT?|Fields|"
+        "Catalog|Contents|Creator|DA|DR|Dests|DisplayDocTitle|EmbeddedFiles|Encoding|FT?|Fields|"
         "Filter|FirstChar|Font|Ft[0-9]+|Helvetica|ID|Info|Lang|LastChar|M|MarkInfo|Marked|MediaBox|"
         "Metadata|ModDate|Names|Outlines|P|Pages?|Parent|Prev|Producer|Reason|Rect|Resources|Root|"
         "S(ig|igFlags|ize)?|StructParents|StructTreeRoot|Sub(Filter|ject|type)|T|Tabs|Title|"

@@ -2,6 +2,7 @@
 
 #include <map>
 
+#include "answered.h"
 #include "core/random.h"
 #include "simulated_arc.h"
 #include "stages/smooth/smooth.h"
@@ -96,8 +97,8 @@ void judge(benchmark::State& state) {
             {.phases = run.phases ? &*run.phases : nullptr, .handed_in = run.beside.handed_in});
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
-        const Windows windows =
-            find_windows(screened, trajectory, {profile}, config, std::nullopt, run.beside);
+        const Windows windows = test::answered(
+            find_windows(screened, trajectory, {profile}, config, std::nullopt, run.beside));
         benchmark::DoNotOptimize(windows.profiles.front().best->speed_m_s);
         state.counters["witnesses"] =
             static_cast<double>(windows.profiles.front().best->witnesses.size());

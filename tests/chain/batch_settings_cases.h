@@ -239,6 +239,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 /// What no value of its own kind alone can stand for: the walk over the field table does the rest.
 inline constexpr const char* profile_changes = R"yaml(
 - {key: looked_at, set: {/rules/time/looked_at: "2026-01-02"}}
+- {key: superseded_from, set: {/rules/time/superseded_by: another-rule, /rules/time/superseded_from: "2026-01-02"}}
 - {key: valid_from, set: {/rules/time/valid_from: "2026-01-02"}}
 - {key: "clauses[].looked_at", set: {/rules/time/clauses/0/looked_at: "2026-01-02"}}
 - {key: evidence, set: {/rules/alpha: {schema: profile/1.0, id: alpha, body: a body, title: a title, evidence: true, clauses: [{id: seen, text: a witness, source: a book, certainty: quoted, decided_by: attest}]}}, redoes: window}

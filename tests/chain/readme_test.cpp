@@ -107,9 +107,9 @@ TEST_F(Readme, TheLandYachtGoesFromCertifyToRecordBeaten) {
                       closed = "Closed by board (board), 20",
                       later = "lies here, but the close does not list it";
     const std::vector<std::pair<std::string, std::string>> pages{
-        {exceeds + "13 requirements" + due,
+        {exceeds + "14 requirements" + due,
          "Neither answered nor closed when this report was made."},
-        {exceeds + "8 requirements" + due, ": measurer measurer. " + open},
+        {exceeds + "9 requirements" + due, ": measurer measurer. " + open},
         {exceeds + "2 requirements" + due, ": judge judge-a, measurer measurer. " + open},
         {exceeds + "2 requirements" + due + " and 1 requirement answered no",
          ": judge judge-a and judge-b, measurer measurer. " + open},

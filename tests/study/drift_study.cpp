@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "answered.h"
 #include "core/failure.h"
 #include "core/parallel.h"
 #include "people_study.h"
@@ -86,9 +87,9 @@ class DriftingRun {
         if (screened.size() > 1)
             beside.receivers.push_back(
                 {.screened = &screened.back(), .trajectory = &trajectories.back()});
-        Windows windows =
+        Windows windows = test::answered(
             find_windows(screened.front(), trajectories.front(), {rule},
-                         window_config(attempt, attempt.receivers.front()), std::nullopt, beside);
+                         window_config(attempt, attempt.receivers.front()), std::nullopt, beside));
         const ReceiverFindings findings =
             findings_of(screened.front(), std::move(trajectories.front()), std::move(windows));
         const ProfileVerdict verdict = verdict_at(attempt, std::nullopt, findings, rule);

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "answered.h"
 #include "core/failure.h"
 #include "core/parallel.h"
 #include "stages/smooth/smooth.h"
@@ -162,7 +163,7 @@ void certify(const ScreenedTable& screened, const SimulatedRecording& recording,
     // The draws check the budget, which does not rest on them.
     config.monte_carlo_trials_max = 100'000;
     const Windows windows =
-        find_windows(screened, trajectory, {profile}, config, std::nullopt, beside);
+        test::answered(find_windows(screened, trajectory, {profile}, config, std::nullopt, beside));
     if (const auto& best = windows.profiles.front().best)
         judge_window(*best, trajectory.estimation, profile,
                      true_speed(recording, run.errors, best->span), run);

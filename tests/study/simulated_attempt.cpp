@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "answered.h"
 #include "motion/sensitivity.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
@@ -139,8 +140,8 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     // The draws check the budget, which does not rest on them.
     config.monte_carlo_trials_max = 100'000;
-    const Windows windows =
-        find_windows(screened_, trajectory_, {profile}, config, std::nullopt, beside);
+    const Windows windows = test::answered(
+        find_windows(screened_, trajectory_, {profile}, config, std::nullopt, beside));
     best_ = windows.profiles.front().best;
     WitnessedRun run;
     if (!best_) return run;

@@ -176,7 +176,7 @@ TEST(CalibrationClause, IsTheProgramsOwnWhereTheRuleHasNone) {
     const Requirement agreed = scene.clause("decision-rule");
     EXPECT_EQ(agreed.status, RequirementStatus::attest);
     EXPECT_EQ(agreed.evidence,
-              "decision_rule_agreed.date: 2022-03-01; decision_rule_agreed.by: the board");
+              "decision_rule_agreed.date: 2022-03-01; decision_rule_agreed.by: “the board”");
     EXPECT_EQ(agreed.answered_by->role, "judge");
 }
 

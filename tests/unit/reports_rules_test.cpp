@@ -113,7 +113,7 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
               "Figures: speed rounded down; uncertainty, required speed and acceptance limit "
               "rounded up.");
     expect_in(page, "99.9987 % (at least 95 % required)");
-    expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
+    expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): “published figure of 2009”");
 }
 
 TEST(Decision, WhoAgreedOnItsRuleStandsBesideIt) {

@@ -43,6 +43,7 @@ struct Scene {
         noise.motion_m_s = 0.0;
         noise.speed.standard_uncertainty_m_s = 0.005;
         selection.treatment = SelectionTreatment::covered;
+        selection.samples = 1000;
     }
     NoiseSummary& fit() { return trajectory.estimation.horizontal.noise; }
     void set_speed(double speed_m_s) {

@@ -40,8 +40,8 @@ WitnessedRun made(Heard heard) {
     WitnessedRun run{.table = to_be_screened(recording.screened),
                      .beside = {},
                      .phases = {},
-                     .second = {},
-                     .second_screened = {}};
+                     .second_screened = {},
+                     .second = {}};
     run.table.facts.first_epoch = study_start();
     run.table.facts.georeferenced = true;
     run.table.origin = study_origin();

@@ -77,8 +77,8 @@ void require_recorded(const fs::path& folder, const std::vector<std::string>& ta
                       GpsTime latest) {
     for (const std::string& name : tables) {
         if (!name.starts_with(products::observations.stem)) continue;
-        const std::string text = read_file(folder / name);
-        const EcsvReader table(text, name);
+        const FileView view(folder / name);
+        const EcsvReader table(view.bytes(), name);  // reads the header alone
         const auto first = read_members<RecordingFacts>(YamlValue(table.meta(), name)).first_epoch;
         if (first && *first > latest)
             throw Failure(name,

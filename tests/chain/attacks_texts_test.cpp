@@ -116,7 +116,7 @@ TEST_F(AttacksOnTexts, Text03ItIsRefusedInRulesDaysAndSimulations) {
 TEST_F(AttacksOnTexts, Text04ItIsRefusedAsItIsToo) {
     for (const char* bare : {"\xE2\x80\xAE", "\xF0\x9F\xBF\xBE", "\x1B[31m"}) {
         write("name: simulated land yacht", fmt::format("name: land {}yacht", bare));
-        expect_refused("name: land", "control characters");
+        expect_refused("name: land", "characters that are not seen");
     }
 }
 

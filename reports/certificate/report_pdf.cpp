@@ -7,6 +7,21 @@
 #include "store/external_program.h"
 
 namespace runcert {
+namespace {
+
+/// The PDF with the dates of what is attached to it set to 1970. WeasyPrint 62 takes them from the
+/// clock whatever SOURCE_DATE_EPOCH says, and the same report must give the same bytes.
+std::string without_dates(std::string pdf) {
+    constexpr std::string_view epoch = "19700101000000Z";
+    for (const std::string_view key : {"/CreationDate (D:", "/ModDate (D:"})
+        for (std::size_t at = pdf.find(key); at != std::string::npos; at = pdf.find(key, at)) {
+            at += key.size();
+            if (pdf.find(')', at) == at + epoch.size()) pdf.replace(at, epoch.size(), epoch);
+        }
+    return pdf;
+}
+
+}  // namespace
 
 std::string report_pdf(const std::string& html, const std::string& report_text) {
     const TemporaryFolder folder;
@@ -31,7 +46,7 @@ std::string report_pdf(const std::string& html, const std::string& report_text) 
             fmt::format("the PDF could not be made: {}", external_problem(call, result)),
             "Install the package weasyprint again, or leave the PDF out with --no-render");
     }
-    return read_file(pdf);
+    return without_dates(read_file(pdf));
 }
 
 }  // namespace runcert

@@ -50,7 +50,8 @@ void write_recordings(const fs::path& folder) {
 /// Another legal value for a figure, a word or a text.
 Json other_value(const FieldRule& rule, const Json& value) {
     if (!rule.values.empty())
-        return *std::ranges::find_if(rule.values, [&](const auto& word) { return word != value; });
+        return *std::ranges::find_if(rule.values,
+                                     [&](const auto& word) { return Json(word) != value; });
     if (value.is_boolean()) return !value.get<bool>();
     if (value.is_string()) return "other-" + value.get<std::string>();
     if (value.is_number_integer()) return value.get<int>() + 1;

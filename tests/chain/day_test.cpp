@@ -113,8 +113,9 @@ TEST_F(Day, HoldsWhatTheVerdictsSay) {
         const std::string id = attempt["id"].text();
         const YamlValue verdict = read_yaml(out("old") / id / "6-verdict.yaml");
         const auto report = Json::parse(read_file(out("old") / id / "report.json"))["predicate"];
-        EXPECT_EQ(attempt["report_id"].text(), report["report_id"]);
-        EXPECT_EQ(attempt["craft"]["name"].text(), report["attempt"]["craft_name"]);
+        EXPECT_EQ(attempt["report_id"].text(), report["report_id"].get<std::string>());
+        EXPECT_EQ(attempt["craft"]["name"].text(),
+                  report["attempt"]["craft_name"].get<std::string>());
         const auto results = attempt["results"].list();
         const auto verdicts = verdict["profiles"].list();
         ASSERT_EQ(results.size(), verdicts.size());

@@ -34,7 +34,8 @@ class Watched {
         for (const auto& subject : report.at("subject")) {
             const std::string name = subject.at("name");
             ASSERT_TRUE(files.contains(name)) << name;
-            EXPECT_EQ(sha256_hex(files.at(name)), subject.at("digest").at("sha256")) << name;
+            const auto hash = subject.at("digest").at("sha256").get<std::string>();
+            EXPECT_EQ(sha256_hex(files.at(name)), hash) << name;
             named.insert(name);
         }
         for (const auto& [name, bytes] : files) {

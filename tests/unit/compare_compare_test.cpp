@@ -89,7 +89,7 @@ Comparison compared(const Sample& one, bool with_truth = true) {
                            with_truth ? &one.truth : nullptr);
 }
 
-const MethodResult& method(const Comparison& comparison, const std::string& name) {
+MethodResult method(const Comparison& comparison, const std::string& name) {
     for (const MethodResult& result : comparison.profiles.at(0).methods)
         if (result.name.starts_with(name)) return result;
     throw std::runtime_error("no method " + name);
@@ -104,7 +104,7 @@ TEST(Compare, EachMethodsFiguresAreItsOwn) {
     EXPECT_EQ(profile.candidates, 90);
     EXPECT_NEAR(*profile.true_m_s, true_mean_m_s, 1e-12);
 
-    const MethodResult& smoother = method(comparison, "smoother of the trajectory");
+    const MethodResult smoother = method(comparison, "smoother of the trajectory");
     EXPECT_EQ(smoother.best_start->nanoseconds, 4'500'000'000);
     EXPECT_NEAR(*smoother.best_m_s, true_mean_m_s, 1e-12);
     EXPECT_NEAR(*smoother.rms_error_m_s, 0.0, 1e-12);
@@ -113,7 +113,7 @@ TEST(Compare, EachMethodsFiguresAreItsOwn) {
     // Mean of the 31 speeds, (t - 6)^2 = 0.01 k^2 for k from -15 to 15.
     const double sum_of_squares = 2.0 * 15.0 * 16.0 * 31.0 / 6.0;
     const double mean_of_31 = 20.0 - 0.25 * 0.01 * sum_of_squares / 31.0;
-    const MethodResult& batch = method(comparison, "batch");
+    const MethodResult batch = method(comparison, "batch");
     EXPECT_NEAR(*batch.best_m_s, mean_of_31 + 0.5, 1e-12);
     EXPECT_NEAR(*batch.rms_error_m_s, 0.5, 1e-12);
     EXPECT_NEAR(*batch.certified_error_m_s, mean_of_31 + 0.5 - true_mean_m_s, 1e-12);
@@ -121,19 +121,19 @@ TEST(Compare, EachMethodsFiguresAreItsOwn) {
     EXPECT_NEAR(*method(comparison, "v1").rms_error_m_s, 0.25, 1e-12);
 
     // A filter that is 1 s late finds its best window 1 s late.
-    const MethodResult& late = method(comparison, "Kalman filter");
+    const MethodResult late = method(comparison, "Kalman filter");
     EXPECT_EQ(late.best_start->nanoseconds, 5'500'000'000);
     EXPECT_NEAR(*late.best_m_s, mean_of_31, 1e-12);
     EXPECT_NEAR(*late.best_error_m_s, mean_of_31 - (true_east_m(8.5) - true_east_m(5.5)) / 3.0,
                 1e-12);
 
     // Positions alone have no speed of an epoch.
-    const MethodResult& robust = method(comparison, "robust batch");
+    const MethodResult robust = method(comparison, "robust batch");
     EXPECT_NEAR(*robust.certified_m_s, 2.0 * true_mean_m_s, 1e-12);
     EXPECT_FALSE(robust.rms_error_m_s.has_value());
 
     EXPECT_FALSE(method(comparison, "v2").best_m_s.has_value());  // it has no value anywhere
-    const MethodResult& certified = method(comparison, "certified");
+    const MethodResult certified = method(comparison, "certified");
     EXPECT_NEAR(*certified.certified_error_m_s, 19.7 - true_mean_m_s, 1e-12);
 }
 
@@ -182,7 +182,7 @@ TEST(Compare, AcrossABridgedStepOnlyMeansOfSpeedsAreCompared) {
     EXPECT_EQ(comparison.notes.at(comparison.notes.size() - 3),
               "Steps of the positions were bridged: windows across them are not compared");
     for (const char* name : {"raw positions", "smoother of the trajectory", "fixed lag, full"}) {
-        const MethodResult& result = method(comparison, name);
+        const MethodResult result = method(comparison, name);
         EXPECT_LT(*result.best_m_s, 20.0) << name;  // with the step inside it would be 21.5
         EXPECT_FALSE(result.certified_m_s || result.certified_error_m_s) << name;
     }

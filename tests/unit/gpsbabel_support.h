@@ -26,6 +26,12 @@ inline bool has_gpsbabel() {
     }
 }
 
+/// Whether the gpsbabel that is installed reads a format of files: that of Debian 13 reads fewer.
+inline bool gpsbabel_reads(const std::string& type) {
+    return has_gpsbabel() &&
+           run_process({"gpsbabel", "-^3"}).output.find("\t" + type + "\t") != std::string::npos;
+}
+
 /// The tracks of a recording, given as gpsbabel's format `from`, as its format `to` (options after
 /// commas). A failure of gpsbabel is one of the test.
 inline std::string gpsbabel_converted(const std::string& from, std::string_view bytes,

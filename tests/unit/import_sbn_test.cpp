@@ -215,7 +215,7 @@ TEST(SbnBad, EveryTruncationEndsInRowsOrAMessage) {
 }
 
 TEST(SbnRoundTrip, GpsbabelReadsTheSame) {
-    if (!has_gpsbabel()) GTEST_SKIP() << "gpsbabel is not installed";
+    if (!gpsbabel_reads("sbn")) GTEST_SKIP() << "no gpsbabel that reads SBN";
     const std::string bytes = log_of(300, {.course = 12'345});
     const Observations ours = import_text(sbn_receiver(), bytes);
     const std::vector<ReferencePoint> theirs = gpsbabel_points("sbn", bytes);

@@ -246,7 +246,7 @@ TEST(SbpLeapSecond, RepeatedRecordIsNone) {
 }
 
 TEST(SbpRoundTrip, GpsbabelReadsTheSame) {
-    if (!has_gpsbabel()) GTEST_SKIP() << "gpsbabel is not installed";
+    if (!gpsbabel_reads("sbp")) GTEST_SKIP() << "no gpsbabel that reads SBP";
     const std::string bytes = log_of(500, 200, {.course = 12'345});
     const Observations ours = import_text(sbp_receiver(), bytes);
     const std::vector<ReferencePoint> theirs = gpsbabel_points("sbp", bytes);

@@ -38,7 +38,8 @@ Converted convert(const std::string& type, const RecordingBytes& recording) {
         throw Failure(
             place_in(recording, 1, 1),
             fmt::format("gpsbabel cannot read it as {}: {}", type, external_problem(call, result)),
-            "Is the recording whole, and gpsbabel_type right? If so, convert it to GPX");
+            "Is the recording whole, gpsbabel_type right, and the format one that the gpsbabel "
+            "here reads (gpsbabel -^3 lists them)? If so, convert it to GPX");
     converted.gpx = read_file(folder.path() / "track.gpx");
     return converted;
 }

@@ -88,9 +88,10 @@ for suite in "${suites[@]}"; do
     system=$suite begun=$SECONDS
     for run in "$work"/shared/*-*/; do
         name=$(basename "$run")
-        inside /root/runcert/runcert verify "/shared/$name" --recompute >"$work/verified.log" ||
+        # Nobody signed these runs, so that verify says no on the whole.
+        inside /root/runcert/runcert verify "/shared/$name" --recompute >"$work/verified.log" || true
+        grep '^yes  recompute' "$work/verified.log" | sed "s|^|$suite, $name: |" ||
             { cat "$work/verified.log"; status=1; }
-        echo "$suite recomputes $name: $(grep recompute "$work/verified.log")"
     done
     said "recomputed"
 done

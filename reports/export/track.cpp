@@ -155,18 +155,6 @@ std::vector<TrackGate> gates_of(const Attempt& attempt) {
 
 }  // namespace
 
-std::string_view to_text(TrackWindowKind kind) {
-    switch (kind) {
-        case TrackWindowKind::best:
-            return "window";
-        case TrackWindowKind::further:
-            return "further_window";
-        case TrackWindowKind::refused:
-            return "refused_window";
-    }
-    return {};
-}
-
 Track track_of(const TrackInput& input) {
     const TrajectoryTable& trajectory = *input.trajectory;
     if (!trajectory.facts.georeferenced || !trajectory.origin)

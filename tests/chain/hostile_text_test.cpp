@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
@@ -194,14 +193,12 @@ TEST_F(HostileText, IsTextInTablesAndOnMaps) {
             }
         }
     }
-    for (const std::string format : {"kml", "gpx"}) {
-        write_plainly(folder_->path() / format, export_text({"--format", format}));
-        const ProcessResult result =
-            run_process({"xmllint", "--noout", (folder_->path() / format).string()});
-        EXPECT_EQ(result.exit_status, 0) << result.errors;
-    }
-    EXPECT_TRUE(holds(nlohmann::json::parse(export_text({"--format", "geojson"})).dump(),
-                      "document.title='taken'"));
+    const std::string map = export_text({"--format", "kml"});
+    write_plainly(folder_->path() / "kml", map);
+    const ProcessResult result =
+        run_process({"xmllint", "--noout", (folder_->path() / "kml").string()});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_TRUE(holds(map, "document.title="));
 }
 
 TEST_F(HostileText, DoesNotReachTheBundlesNamesAndInstructions) {

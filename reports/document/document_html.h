@@ -37,7 +37,7 @@ std::string sections_html(const nlohmann::ordered_json& document,
                           const nlohmann::ordered_json& beside = {},
                           Medium medium = Medium::screen);
 
-/// The sections' template, which a page that makes itself again carries, and the style of all.
+/// The sections' template, and the style of all.
 std::string_view sections_template();
 std::string_view document_style();
 

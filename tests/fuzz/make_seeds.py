@@ -493,28 +493,17 @@ def imus():
         return f"%{body}*{value:08x}\r\n"
 
     table = logger = kf_gins = rawimu = ""
-    log = b""
     for i in range(40):
         shake = .001 * (i * 7 % 13)
         table += f"{100001 + .01 * i:.3f},{.01 + shake:.6f},-0.02,0.03,{.1 + shake:.6f},-0.2,-9.79\n"
         logger += f"0.12 {.027 + shake:.3f} 1.01 -0.67 {3 + shake:.3f} 0.2 {261906 + 10 * i + i % 2}\n"
         kf_gins += f"{100001 + .005 * i:.6f} 0.00005 -0.0001 {.00015 + shake / 1e4:.8f} 0.0005 -0.001 {-.04895 + shake / 1e3:.6f}\n"
         rawimu += sealed(f"RAWIMUSA,2400,{100001 + .01 * i:.3f};2400,{100001 + .01 * i:.9f},00000077,{63811 + i},-6290,6253,7,-31,14")
-        if i % 10 == 0:
-            pvt = struct.pack("<IHBBBBBBIiBBBB", 100001000 + 100 * i, 2026, 1, 5, 3, 46, 23 + i // 10, 0x37, 100, 0, 3, 1, 0, 14)
-            log += ubx_frame(1, 7, pvt.ljust(92, b"\0"))
-        data = [(14, 2048), (13, -6144), (5, 10240 + i), (16, 256), (17, -512), (18, -9984)]
-        words = [kind << 24 | value & 0xFFFFFF for kind, value in data]
-        if i % 2:
-            log += ubx_frame(16, 3, b"\0" * 4 + b"".join(struct.pack("<II", w, 0xFFFFFF00 + 256 * i & 0xFFFFFFFF) for w in words))
-        else:
-            log += ubx_frame(16, 2, struct.pack("<IHH", 0xFFFFFF00 + 256 * i & 0xFFFFFFFF, 6 << 11, 0) + b"".join(struct.pack("<I", w) for w in words))
     save("imu", "table", table)
     save("imu", "table_named", "t,gx,gy,gz,ax,ay,az\n" + table)
     save("imu", "logger", logger)
     save("imu", "kf_gins", kf_gins)
     save("imu", "rawimu", rawimu)
-    save("imu", "esf", log)
 
 
 def surfaces():

@@ -508,15 +508,10 @@ def imus():
 
 def surfaces():
     corners = [(0, 0, 5), (10, 0, 5), (10, 10, 6), (0, 10, 6)]
-    lines = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
-    save("surface", "obj", "# a course\n" + lines + "vn 0 0 1\nf 1 2 3\nf 1/1 4/1 -2/1\n")
     save("surface", "landxml", '<?xml version="1.0"?>\n<LandXML version="1.2"><Units><Metric linearUnit="meter"/></Units>'
          '<Surfaces><Surface name="a"><Definition surfType="TIN"><Pnts>'
          + "".join(f'<P id="{7 + i}">{y} {x} {z}</P>' for i, (x, y, z) in enumerate(corners))
          + '</Pnts><Faces><F>7 8 9</F><F>7 9 10</F><F i="1">8 9 10</F></Faces></Definition></Surface></Surfaces></LandXML>\n')
-    save("surface", "ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-         + "".join(f"{x} {y} {z}\n" for x, y, z in corners) + "3 0 1 2\n3 0 2 3\n")
     vertices = "vertex,x,y,z\n" + "".join(f"{i + 1},{x},{y},{z}\n" for i, (x, y, z) in enumerate(corners))
     own = (TESTS / "golden/v1.0/1-surface.ecsv").read_text().split("vertex,4,")
     save("surface", "own", own[0] + "vertex,4,35.13480948300,136.97757427500,105.0000,,,,,,,\n" + own[1].split("\n", 1)[1])

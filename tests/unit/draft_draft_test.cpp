@@ -121,7 +121,7 @@ TEST(Draft, AnImuIsWrittenAsItsFileSaysAndItsArmIsAskedFor) {
 }
 
 TEST(Draft, OfASurfaceFrameHeightsAndSourceAreAskedFor) {
-    HandedIn ground{.path = "course.obj"};
+    HandedIn ground{.path = "course.csv"};
     ground.is.kind = RecordingKind::surface;
     ground.is.triangles = 2;
     for (const char* key : {"frame", "unit", "source"})
@@ -160,7 +160,7 @@ TEST(Draft, OfASurfaceFrameHeightsAndSourceAreAskedFor) {
     draft.set("profiles", "nalsa");
     const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
     const Surface& surface = *attempt.receivers[0].surface;
-    EXPECT_EQ(surface.file, "course.obj");
+    EXPECT_EQ(surface.file, "course.csv");
     EXPECT_EQ(surface.frame->utm_zone->zone, 53);
     EXPECT_EQ(surface.undulation, -3.2);
     EXPECT_EQ(surface.source, "a survey, the day before");

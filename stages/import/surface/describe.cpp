@@ -50,14 +50,12 @@ void refuse_other_kinds(const RecordingBytes& file) {
     throw Failure(file.name,
                   fmt::format("this is {}, and surfaces are not read from it",
                               dxf ? "a drawing (DXF)" : "GeoJSON"),
-                  "Export LandXML 1.2, OBJ or PLY (ascii)");
+                  "Export LandXML 1.2");
 }
 
 std::optional<SeenSurface> read_seen(const RecordingBytes& file) {
     refuse_other_kinds(file);
     if (is_landxml(file.bytes)) return SeenSurface{.raw = read_landxml(file)};
-    if (is_ply(file.bytes)) return SeenSurface{.raw = read_ply(file)};
-    if (is_obj(file.bytes)) return SeenSurface{.raw = read_obj(file)};
     if (is_own(file.bytes)) return read_own(file);
     if (is_vertex_table(file.bytes)) return SeenSurface{.raw = read_vertex_table(file)};
     if (is_triangle_table(file.bytes))

@@ -16,7 +16,7 @@ using TemplateData = kainjow::mustache::data;
 enum class Medium { screen, paper };
 
 /// What a template gets for a value of JSON: objects have `has_NAME` beside each list; an empty
-/// text, as in a page's own script, is nothing; every other one is plain (plain_text).
+/// text is nothing; every other one is plain (plain_text).
 TemplateData template_data(const nlohmann::ordered_json& value);
 
 /// The text of a template with this data, escaped for HTML. Failure where it is no template.

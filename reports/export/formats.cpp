@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <kainjow/mustache.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <utility>
@@ -16,17 +16,9 @@ void add_text(pugi::xml_node parent, const char* name, const std::string& text) 
     parent.append_child(name).text().set(plain_text(text).c_str());
 }
 
-/// Text from outside for what others show as HTML: plain, with &, <, > and quotes as entities.
+/// Text from outside for what others show as HTML.
 std::string html_text(std::string_view text) {
-    constexpr std::pair<char, std::string_view> entities[] = {
-        {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-    std::string html;
-    for (const char c : plain_text(text)) {
-        const auto* const entity =
-            std::ranges::find_if(entities, [c](const auto& one) { return one.first == c; });
-        html += entity == std::end(entities) ? std::string_view(&c, 1) : entity->second;
-    }
-    return html;
+    return kainjow::mustache::html_escape(plain_text(text));
 }
 
 /// KML's colours are opacity, blue, green, red.

@@ -255,6 +255,8 @@ TEST(SurfaceFormats, AreRecognisedWithWhatMustBeSaid) {
     };
     EXPECT_TRUE(
         says(refusal(without_faces()), "points, and no triangles. Export it with its faces"));
+    EXPECT_TRUE(says(refusal("# a course\nv 0 0 5\nv 9 0 5\nv 0 9 5\nf 1 2 3\n"), "this is OBJ"));
+    EXPECT_TRUE(says(refusal("ply\nformat ascii 1.0\n"), "this is PLY"));
     EXPECT_TRUE(says(refusal("  0\nSECTION\n  2\nENTITIES\n  0\n3DFACE\n"), "a drawing (DXF)"));
     EXPECT_TRUE(says(refusal(R"({"type": "FeatureCollection", "features": [{"geometry": )"
                              R"({"type": "Polygon", "coordinates": [[[136, -31, 10]]]}}]})"),

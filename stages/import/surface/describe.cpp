@@ -46,10 +46,14 @@ void refuse_other_kinds(const RecordingBytes& file) {
     const bool dxf = (first == "0" || first == "999") && head.find("SECTION") != head.npos;
     const bool geojson = first.starts_with('{') && head.find("\"Polygon\"") != head.npos &&
                          head.find("\"coordinates\"") != head.npos;
-    if (!dxf && !geojson) return;
-    throw Failure(file.name,
-                  fmt::format("this is {}, and surfaces are not read from it",
-                              dxf ? "a drawing (DXF)" : "GeoJSON"),
+    const bool obj = first.starts_with("v ") || head.find("\nv ") != head.npos;
+    const char* const kind = dxf              ? "a drawing (DXF)"
+                             : geojson        ? "GeoJSON"
+                             : first == "ply" ? "PLY"
+                             : obj            ? "OBJ"
+                                              : nullptr;
+    if (kind == nullptr) return;
+    throw Failure(file.name, fmt::format("this is {}, and surfaces are not read from it", kind),
                   "Export LandXML 1.2");
 }
 

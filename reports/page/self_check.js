@@ -42,24 +42,19 @@ function embeddedText(id) {
   return found[0].textContent;
 }
 
-/** The embedded report: its text as signed, and its predicate with numbers as written. */
-function embeddedReport() {
-  const json = embeddedText("report-json");
+/** What stands in a part of the page, read as JSON. */
+function embeddedPart(id) {
+  const text = embeddedText(id);
   try {
-    return { json, predicate: parseWithNumbersAsWritten(json).predicate };
+    return parseWithNumbersAsWritten(text);
   } catch (error) {
-    throw new PageFault("the report inside this page is not JSON: it was changed");
+    throw new PageFault(`the part “${id}” of this page is not JSON: it was changed`);
   }
 }
 
-/** What stands in a part of the page, read as JSON. */
-function embeddedPart(id) {
-  try {
-    return parseWithNumbersAsWritten(embeddedText(id));
-  } catch (error) {
-    throw error instanceof PageFault ? error : new PageFault(`the part “${id}” of this page was changed`);
-  }
-}
+/** The embedded report: its text as signed, and its predicate with numbers as written. */
+const embeddedReport = () =>
+  ({ json: embeddedText("report-json"), predicate: embeddedPart("report-json").predicate });
 
 const sha256Of = (text) => hexOf(nobleHashes.sha256(utf8Bytes(text)));
 

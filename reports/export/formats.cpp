@@ -79,9 +79,6 @@ std::string csv_text(std::string_view table, const std::string& where) {
 
 std::string kml_text(const Track& track) {
     pugi::xml_document xml;
-    pugi::xml_node declaration = xml.append_child(pugi::node_declaration);
-    declaration.append_attribute("version") = "1.0";
-    declaration.append_attribute("encoding") = "UTF-8";
     pugi::xml_node kml = xml.append_child("kml");
     kml.append_attribute("xmlns") = "http://www.opengis.net/kml/2.2";
     pugi::xml_node document = kml.append_child("Document");

@@ -151,8 +151,7 @@ std::string yaml_of(const SeenSurface& seen, const std::string& name) {
 std::string format_words(const std::string& format) {
     if (format == "landxml") return "LandXML 1.2, a TIN";
     if (format == "runcert") return "written by runcert surface";
-    if (format == "csv") return "a table (CSV)";
-    return format;
+    return "a table (CSV)";
 }
 
 void add_coordinates(const SeenSurface& seen, Block& found) {

@@ -101,7 +101,6 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
     const std::vector<AttemptOutcome> outcomes = run_day(day, selected, context,
                                                          {.jobs = order.jobs,
-                                                          .memory_bytes = order.memory_bytes,
                                                           .finish = interrupts.finish(),
                                                           .stop = interrupts.stop()},
                                                          *progress);

@@ -288,6 +288,15 @@ TEST(GoldenProfile, OfACourse) {
     EXPECT_EQ(profile.decision_probability, 0.975);
 }
 
+TEST(GoldenProfile, OverAnother) {
+    const Profile profile = read_profile(text_of("v1.0/profile.extends.yaml"), "f");
+    EXPECT_EQ(profile.id, "my-course");
+    EXPECT_EQ(profile.distance_m, 600.0);
+    EXPECT_EQ(profile.margin, 0.01);
+    EXPECT_EQ(profile.clauses.at(0).text, "From line to line, 600 m.");
+    EXPECT_EQ(profile.clauses.at(2).id, "current");
+}
+
 TEST(GoldenProfile, WhereItIsKnownFromAndHowLongItHolds) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.looked_at, "2026-11-27");

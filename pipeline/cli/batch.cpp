@@ -237,8 +237,8 @@ std::string footer() {
         "    record: {{speed: 202.9, unit: km/h, source: where it is published}}\n"
         "    profiles: [nalsa]\n"
         "  attempts:\n"
-        "    - recording: \"morning/*.pos\"     # one attempt for each file\n"
-        "    - {{id: final, recording: final.pos, craft: {{name: other yacht}}}}\n"
+        "    - {{id: first, recording: morning/first.pos}}\n"
+        "    - {{id: final, recording: final.pos, craft: {{name: other, class: land-yacht}}}}\n"
         "    - {{attempt: heats/attempt.yaml}}  # as it is\n\n"
         "Every key (defaults and attempts beside have the keys of an attempt: runcert certify "
         "--help):\n{}",

@@ -4,14 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
 #include "core/text.h"
 #include "schemas/common/document.h"
 #include "schemas/profile/profile.h"
-#include "store/yaml_output.h"
 
 namespace runcert {
 
@@ -162,39 +160,10 @@ YamlValue extended(const YamlValue& document, std::vector<std::string> ids) {
     return {Extension(base, document).joined(), document.where()};
 }
 
-void write_node(const YamlNode& node, int indent, std::string& out) {
-    const std::string blanks(static_cast<std::size_t>(indent), ' ');
-    for (std::size_t i = 0; i < node.size(); ++i) {
-        const YamlNode value = node.is_map() ? node.value(i) : node.item(i);
-        out += blanks + (node.is_map() ? std::string(node.key(i).scalar()) + ":" : "-");
-        if (value.is_scalar() && value.is_quoted()) {
-            out += ' ' + to_yaml_text(std::string(value.scalar()));
-        } else if (value.size() == 0) {
-            out += fmt::format(" {}\n", value.is_map()    ? "{}"
-                                        : value.is_list() ? "[]"
-                                        : value.is_null() ? "null"
-                                                          : value.scalar());
-        } else if (node.is_list() && value.is_map()) {
-            std::string block;
-            write_node(value, indent + 2, block);
-            out += ' ' + block.substr(static_cast<std::size_t>(indent) + 2);
-        } else {
-            out += '\n';
-            write_node(value, indent + 2, out);
-        }
-    }
-}
-
 }  // namespace
 
 YamlValue extended(const YamlValue& document) {
     return extended(document, {});
-}
-
-std::string plain_yaml_text(const YamlNode& document) {
-    std::string text;
-    write_node(document, 0, text);
-    return text;
 }
 
 }  // namespace runcert

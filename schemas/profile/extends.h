@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <string_view>
-
 #include "store/yaml_input.h"
 
 namespace runcert {
@@ -12,8 +9,5 @@ namespace runcert {
 /// `extends`. Failure, with that place, for an unknown rule, one that extends itself, or an id of
 /// `leaves_out` that the other rule does not have.
 YamlValue extended(const YamlValue& document);
-
-/// A document as block-style YAML text: keys in their order, what was plain stays plain.
-std::string plain_yaml_text(const YamlNode& document);
 
 }  // namespace runcert

@@ -13,6 +13,7 @@
 #include "schemas/common/document.h"
 #include "schemas/profile/extends.h"
 #include "store/sha256.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 

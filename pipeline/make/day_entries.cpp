@@ -25,8 +25,7 @@ void add_files(const YamlNode& keys, const char* key, Files& files) {
     const YamlNode value = keys[key];
     if (value.is_scalar()) files.push_back({key, std::string(value.scalar())});
     for (std::size_t i = 0; value.is_list() && i < value.size(); ++i)
-        if (value.item(i).is_scalar())
-            files.push_back({key, std::string(value.item(i).scalar())});
+        if (value.item(i).is_scalar()) files.push_back({key, std::string(value.item(i).scalar())});
 }
 
 /// The files that an attempt's keys name, the receivers' first, in their order; a name that is not
@@ -93,9 +92,7 @@ class EntryReader {
         throw Failure(entry_.place, what, remedy);
     }
 
-    std::string source() const {
-        return fmt::format("{}:{}", plain_text(file_name_), entry_.line);
-    }
+    std::string source() const { return fmt::format("{}:{}", plain_text(file_name_), entry_.line); }
 
     /// What its id is made of: its id, or the name of its first file.
     std::string name() const {

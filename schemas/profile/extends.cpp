@@ -42,9 +42,8 @@ class Extension {
 
   private:
     bool has_entry(const char* list, const std::string& id) const {
-        return std::ranges::any_of(base_[list].list(), [&](const YamlValue& entry) {
-            return entry["id"].text() == id;
-        });
+        return std::ranges::any_of(
+            base_[list].list(), [&](const YamlValue& entry) { return entry["id"].text() == id; });
     }
 
     /// A node of the base, at the place where the rule says that it extends it.
@@ -73,8 +72,7 @@ class Extension {
         builder_.begin(YamlKind::map, own.mark());
         for (std::size_t i = 0; i < base.size(); ++i) {
             const YamlNode key = base.key(i), replaced = own[key.scalar()];
-            if (replaced.is_defined() ? replaced.is_null()
-                                      : is_rule && !is_inherited(key.scalar()))
+            if (replaced.is_defined() ? replaced.is_null() : is_rule && !is_inherited(key.scalar()))
                 continue;
             copy_of_base(key);
             // Entries that are left out go from a list that the rule says nothing of, too.
@@ -119,7 +117,8 @@ class Extension {
             else
                 same->own = entry;
         }
-        builder_.begin(YamlKind::list, own.is_defined() ? own.mark() : own_["extends"].node().mark());
+        builder_.begin(YamlKind::list,
+                       own.is_defined() ? own.mark() : own_["extends"].node().mark());
         for (const Entry& entry : entries) {
             if (!entry.own.is_defined())
                 copy_of_base(entry.base);
@@ -141,8 +140,9 @@ YamlValue extended(const YamlValue& document, std::vector<std::string> ids) {
     const YamlValue extends = document["extends"];
     if (!extends.exists()) {
         if (document["leaves_out"].exists())
-            document["leaves_out"].fail("the rule extends none that it could leave something out of",
-                                        "Add extends: with the rule's id, or remove it");
+            document["leaves_out"].fail(
+                "the rule extends none that it could leave something out of",
+                "Add extends: with the rule's id, or remove it");
         return document;
     }
     const std::string name = extends.text();
@@ -153,9 +153,8 @@ YamlValue extended(const YamlValue& document, std::vector<std::string> ids) {
     const std::string file = name + ".yaml";
     const std::string_view text = builtin_profile_text(file);
     if (text.empty())
-        extends.fail(
-            fmt::format("no rule \"{}\" comes with the program", escape_for_message(name)),
-            fmt::format("Use one of: {}", fmt::join(builtin_profiles(), ", ")));
+        extends.fail(fmt::format("no rule \"{}\" comes with the program", escape_for_message(name)),
+                     fmt::format("Use one of: {}", fmt::join(builtin_profiles(), ", ")));
     const YamlValue base = extended(parse_input(text, file, profile_schema()), std::move(ids));
     return {Extension(base, document).joined(), document.where()};
 }

@@ -55,17 +55,17 @@ TEST_F(DayEntries, IdsMadeOfNames) {
     put("a.b.sbp");
     put(std::string(100, 'z') + ".ubx");
     put("run2.csv");
-    put_day("  - {recording: \"\xc3\x89mile's run.pos\"}\n"
-            "  - {recording: --.obs}\n"
-            "  - {recording: -x.vbo}\n"
-            "  - {recording: a.b.sbp}\n"
-            "  - {recording: " +
-            std::string(100, 'z') +
-            ".ubx}\n"
-            "  - {recording: [run2.csv, a.b.sbp]}\n");
+    put_day(
+        "  - {recording: \"\xc3\x89mile's run.pos\"}\n"
+        "  - {recording: --.obs}\n"
+        "  - {recording: -x.vbo}\n"
+        "  - {recording: a.b.sbp}\n"
+        "  - {recording: " +
+        std::string(100, 'z') +
+        ".ubx}\n"
+        "  - {recording: [run2.csv, a.b.sbp]}\n");
     const Day day = read();
-    EXPECT_EQ(ids_of(day),
-              (Ids{"mile-s-run", "run", "x", "a-b", std::string(64, 'z'), "run2"}));
+    EXPECT_EQ(ids_of(day), (Ids{"mile-s-run", "run", "x", "a-b", std::string(64, 'z'), "run2"}));
     EXPECT_TRUE(notes_say(day, "day.yaml:4: \"\xc3\x89mile's run\" as an id is mile-s-run"));
     EXPECT_TRUE(notes_say(day, "\"--\" as an id is run"));
     EXPECT_EQ(day.notes.size(), 6U);
@@ -137,23 +137,10 @@ TEST_F(DayEntries, AttemptFilesAreTakenAsTheyAre) {
 }
 
 /// Letters that YAML or a shell would read otherwise.
-const std::vector<std::string> odd_names{"a b",
-                                         "a'b",
-                                         "a\"b",
-                                         "a: b #",
-                                         "[a]",
-                                         "a\\b",
-                                         "\xc3\x89mile",
-                                         "\xf0\x9f\x8f\x81",
-                                         "yes",
-                                         "0042",
-                                         "~",
-                                         "*",
-                                         "what?",
-                                         "- a",
-                                         "!tag",
-                                         "&anchor",
-                                         "%a"};
+const std::vector<std::string> odd_names{
+    "a b", "a'b",  "a\"b", "a: b #", "[a]",   "a\\b", "\xc3\x89mile", "\xf0\x9f\x8f\x81",
+    "yes", "0042", "~",    "*",      "what?", "- a",  "!tag",         "&anchor",
+    "%a"};
 
 TEST_F(DayEntries, AFileOfAnyNameIsFoundByTheAttemptThatNamesIt) {
     std::string entries;

@@ -55,10 +55,12 @@ TEST(DayDefaults, StandWhereTheEntryIsSilent) {
 }
 
 TEST(DayDefaults, TextStaysAsItIsWritten) {
-    EXPECT_EQ(text_of("{}", "{id: a, craft: {name: 0042, \"x: y\": \"\"}, place: 1.50, date: "
-                            "\"2026-03-14\", officials: [], record: {}}"),
-              head + "craft:\n  name: 0042\n  \"x: y\": \"\"\nplace: 1.50\ndate: "
-                     "\"2026-03-14\"\nofficials: []\nrecord: {}\n");
+    EXPECT_EQ(text_of("{}",
+                      "{id: a, craft: {name: 0042, \"x: y\": \"\"}, place: 1.50, date: "
+                      "\"2026-03-14\", officials: [], record: {}}"),
+              head +
+                  "craft:\n  name: 0042\n  \"x: y\": \"\"\nplace: 1.50\ndate: "
+                  "\"2026-03-14\"\nofficials: []\nrecord: {}\n");
 }
 
 /// The lines of an attempt as an entry of a day.
@@ -76,8 +78,8 @@ TEST(DayDefaults, AnAttemptIsTheSameAttemptAfterwards) {
         const std::string file = std::string(RUNCERT_SOURCE_DIR "/tests/golden/") + name;
         SCOPED_TRACE(name);
         const std::string text = test::slurp(file);
-        const DayFile day = read_day_file(
-            "schema: day/1.0\nattempts:\n  -\n" + indented_keys(text), "f");
+        const DayFile day =
+            read_day_file("schema: day/1.0\nattempts:\n  -\n" + indented_keys(text), "f");
         const DayEntry& entry = day.entries.at(0);
         ASSERT_FALSE(entry.refused) << entry.refused->what();
         const std::string again = attempt_text(entry.id, entry.keys, "again");

@@ -46,9 +46,9 @@ TEST(ProfileExtends, WhatItLeavesOutIsAsThere) {
     EXPECT_EQ(profile.accuracy_limit, 0.5);
     EXPECT_EQ(clause_ids(profile),
               (std::vector<std::string>{"average-over-500-m", "first", "margin", "doppler-speeds",
-                                        "acceleration", "hdop", "satellites",
-                                        "distance-above-5-kn", "original-files", "handed-in",
-                                        "approved-device", "error-deduction", "last"}));
+                                        "acceleration", "hdop", "satellites", "distance-above-5-kn",
+                                        "original-files", "handed-in", "approved-device",
+                                        "error-deduction", "last"}));
     EXPECT_EQ(profile.clauses.at(2).text, "Any higher speed counts.");
     EXPECT_EQ(profile.clauses.at(2).source, base.clauses.at(1).source);
     EXPECT_EQ(profile.clauses.at(2).answered_by, Answerer{});
@@ -65,9 +65,10 @@ TEST(ProfileExtends, ItsHashIsThatOfTheTextWrittenOut) {
     EXPECT_EQ(profile.sha256, read_profile(text, "p").sha256);
     EXPECT_EQ(profile.origin, RuleOrigin::own);
     // Text that looks like a number is text still.
-    const std::string edition = replaced(club, "text: t, source: s, certainty: quoted, decided_by: attest",
-                                         "text: t, source: s, certainty: quoted, decided_by: attest, "
-                                         "edition: 9.10, where: \"2.0\"");
+    const std::string edition =
+        replaced(club, "text: t, source: s, certainty: quoted, decided_by: attest",
+                 "text: t, source: s, certainty: quoted, decided_by: attest, "
+                 "edition: 9.10, where: \"2.0\"");
     const Profile again = read_profile(resolved_profile(edition, "p"), "p");
     EXPECT_EQ(again.clauses.at(1).edition, "9.10");
     EXPECT_EQ(again.clauses.at(1).where, "2.0");

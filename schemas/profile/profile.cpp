@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <set>
 #include <sstream>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/document.h"
+#include "schemas/profile/extends.h"
 #include "store/sha256.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 
@@ -285,7 +289,22 @@ ClauseLimit limit_of(Computation computation) {
 }
 
 std::string_view builtin_profile(std::string_view name) {
-    return builtin_profile_text(std::string(name) + ".yaml");
+    static std::mutex mutex;
+    static std::map<std::string, std::string> resolved;
+    const std::string file = std::string(name) + ".yaml";
+    const std::string_view text = builtin_profile_text(file);
+    if (text.empty()) return {};
+    const std::lock_guard lock(mutex);
+    const auto known = resolved.find(file);
+    return known != resolved.end()
+               ? known->second
+               : resolved.emplace(file, resolved_profile(text, file)).first->second;
+}
+
+std::string resolved_profile(std::string_view text, const std::string& where) {
+    const YamlValue document(parse_yaml(text, where), where);
+    if (!document.is_map() || !document["extends"].exists()) return std::string(text);
+    return plain_yaml_text(read_profile(text, where).written.node());
 }
 
 std::vector<std::string> builtin_profiles() {
@@ -328,9 +347,12 @@ ErrorFloors read_members(const YamlValue& map) {
 }
 
 Profile read_profile(std::string_view text, const std::string& where) {
-    const YamlValue document = read_input(text, where, profile_schema());
+    const YamlValue as_written = parse_input(text, where, profile_schema());
+    const YamlValue document = extended(as_written);
+    profile_schema().validate(document);
     Profile profile{read_members<ProfileDocument>(document)};
-    profile.sha256 = sha256_hex(text);
+    profile.sha256 = sha256_hex(as_written["extends"].exists() ? plain_yaml_text(document.node())
+                                                               : std::string(text));
     profile.written = document;
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
     if (profile.evidence)

@@ -132,6 +132,11 @@ inline constexpr GoldenKind kinds[] = {
          (void)read_profile(text, where);
          return std::string();
      }},
+    {"profile.extends.yaml", "profile",
+     [](const std::string& text, const std::string& where) {
+         (void)read_profile(text, where);
+         return std::string();
+     }},
     {"profile.part.yaml", "profile",
      [](const std::string& text, const std::string& where) {
          (void)read_profile(text, where);

@@ -309,12 +309,12 @@ TEST(Draft, ADayHasWhatIsAnsweredInCommon) {
     const YamlValue read(parse_yaml(day.text(), "day.yaml"), "day.yaml");
     EXPECT_EQ(read["id"].text(), "Lake-day");
     EXPECT_EQ(read["defaults"]["craft"]["name"].text(), "Yacht");
-    const YamlValue common = read["defaults"]["receivers"].list().at(0);
+    const YamlValue common = read["defaults"];
     EXPECT_EQ(common["solution"].text(), "fixed");
     EXPECT_FALSE(common["recording"].exists());
     ASSERT_EQ(read["attempts"].list().size(), 3U);
     EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-2");
-    const YamlValue third = read["attempts"].list()[2]["receivers"].list().at(0);
+    const YamlValue third = read["attempts"].list()[2];
     EXPECT_EQ(third["recording"].text(), "log.csv");
     EXPECT_EQ(third["columns"]["time"].integer(), 1);
 }

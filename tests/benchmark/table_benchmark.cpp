@@ -8,7 +8,7 @@
 
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/import/format.h"
 #include "stages/import/import.h"
 #include "store/sha256.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "store_test_support.h"
 

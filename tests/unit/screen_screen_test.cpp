@@ -242,7 +242,7 @@ TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
                                               .statistic = 88.0,
                                               .threshold = 40.0,
                                               .estimated = {}};
-    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, MarkOptions{});
+    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal);
     finish_arcs(rows, 20.0, 2);
     EXPECT_EQ(rows[3].reason, Reason::outlier);
     EXPECT_EQ(rows[3].statistic, 88.0);

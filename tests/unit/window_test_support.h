@@ -9,7 +9,7 @@
 #include "motion/speed.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/window/window.h"
 #include "witness/arcs.h"
 

@@ -78,7 +78,6 @@ TrajectoryTable trajectory_table() {
         row.robust_weight = 0.9;
         row.arc = 1;
         row.usable = true;
-        row.step_before = false;
         table.rows.push_back(row);
     }
     return table;

@@ -327,8 +327,8 @@ void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::s
         if (excursion.ends()) continue;
         for (const ScreeningDecision* ramp : excursion.ramps)
             leave_out_range(rows, arc_rows,
-                            reach_of(rows, arc_rows, decisions, *ramp, axes, on_the_ground), *ramp, axes,
-                            losses);
+                            reach_of(rows, arc_rows, decisions, *ramp, axes, on_the_ground), *ramp,
+                            axes, losses);
     }
 }
 

@@ -8,8 +8,8 @@
 namespace runcert {
 
 /// Writes the decisions on an arc into its rows (`arc_rows` are their indices). Rows already marked
-/// keep their mark. A step ends the arc. `on_the_ground` says that the craft's vertical speed is not
-/// a result in its own right.
+/// keep their mark. A step ends the arc. `on_the_ground` says that the craft's vertical speed is
+/// not a result in its own right.
 ///
 /// Positions that drift are left out between a ramp and the one that ends it (their rates sum to
 /// zero). Where the drift does not end, both sides of the ramp are left out, because it is unknown

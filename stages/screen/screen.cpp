@@ -78,8 +78,8 @@ struct AdaptedArcs {
 };
 
 template <int Axes>
-void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
-               bool on_the_ground, ScreeningBasis& basis) {
+void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool on_the_ground,
+               ScreeningBasis& basis) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];

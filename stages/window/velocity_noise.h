@@ -30,8 +30,8 @@ struct ComparedSpeed {
 };
 
 /// The compared speeds of all usable epochs whose speed belongs to their own moment, in order of
-/// time. A stretch ends with its arc, at an epoch that is left out, and at a step longer than a second and
-/// than one and a half intervals.
+/// time. A stretch ends with its arc, at an epoch that is left out, and at a step longer than a
+/// second and than one and a half intervals.
 std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
                                            const TrajectoryTable& trajectory,
                                            const std::vector<ArcRows>& arcs, Dimension dimension);

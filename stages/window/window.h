@@ -36,9 +36,9 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
 /// A certifiable window lies in one arc and contains no unusable epoch. It has no time step longer
-/// than the rule's rate allows, and is as long as the rule says. Windows are compared on the trajectory, or on the recorded
-/// velocities where the profile uses these. The fastest are taken, or those with the highest speed
-/// that can be claimed where these prove more.
+/// than the rule's rate allows, and is as long as the rule says. Windows are compared on the
+/// trajectory, or on the recorded velocities where the profile uses these. The fastest are taken,
+/// or those with the highest speed that can be claimed where these prove more.
 ///
 /// The speed of the best is the estimate with the position error bounded by the profile's rule
 /// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by

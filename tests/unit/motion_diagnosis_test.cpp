@@ -250,8 +250,7 @@ TYPED_TEST(DiagnosisAgainstDense, AStepThatWasFoundIsTestedAsIfItWereNot) {
         const auto found =
             ArcDiagnosis<TestFixture::axes>(known, test::singer_with_error).bridged_step(k);
         EXPECT_NEAR(found.statistic(), unknown.statistic(), 1e-4 * unknown.statistic()) << k;
-        EXPECT_LT((found.estimate() - unknown.estimate()).norm(),
-                  1e-4 * unknown.estimate().norm())
+        EXPECT_LT((found.estimate() - unknown.estimate()).norm(), 1e-4 * unknown.estimate().norm())
             << k;
     }
 }

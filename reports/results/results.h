@@ -101,8 +101,7 @@ Block frame_facts(const std::optional<FrameOrigin>& origin);
 std::vector<Block> screening_results(const ScreenedTable& screened, std::size_t faults_shown = 3);
 /// The estimate, and the noise that it rests on.
 std::vector<Block> estimation_blocks(const EstimationSummary& estimation);
-/// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and
-/// axes.
+/// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and axes.
 std::vector<Block> attitude_facts(const AttitudeTable& attitude);
 
 /// Counts hold every fault of the time stamps, the table a thousand of them at most.

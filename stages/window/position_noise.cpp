@@ -56,11 +56,11 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     const double lag_s =
         screened.rows[last_row].time.seconds() - screened.rows[first_row].time.seconds();
     for (const FixType fix : fixes)
-        if (const auto shown =
-                standing_error_m<Axes>(screened, stands, fix, lag_s, noise.measurement_scale.value))
+        if (const auto shown = standing_error_m<Axes>(screened, stands, fix, lag_s,
+                                                      noise.measurement_scale.value))
             bound.standing_m = std::max(*shown, bound.standing_m.value_or(0.0));
-    bound.sigma_m =
-        std::max({bound.fitted_m, bound.stated_m, bound.standing_m.value_or(0.0), bound.floor_m});
+    bound.sigma_m = std::max(
+        {bound.fitted_m, bound.stated_m, bound.standing_m.value_or(0.0), bound.floor_m});
     bound.decided_by = bound.sigma_m == bound.floor_m    ? BoundSource::floor
                        : bound.sigma_m == bound.stated_m ? BoundSource::stated
                        : bound.sigma_m == bound.fitted_m ? BoundSource::fitted

@@ -11,15 +11,7 @@ template <int Axes>
 LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
                                      const EstimationModel& model)
     : epochs_(arc.size()) {
-    if (std::ranges::any_of(arc.subspan(1), &ArcEpoch<Axes>::step_before))
-        for (const BridgedStep& step : smooth<Axes>(arc, model).bridged)
-            bridges_.emplace_back().step = step;
     KalmanFilter<Axes> filter(model);
-    auto bridge = bridges_.begin();
-    const auto keep_bridge_end = [&](std::size_t k, const StateMatrix<Axes>& covariance) {
-        if (bridge != bridges_.end() && k == bridge->step.epoch) (bridge++)->after = covariance;
-        if (bridge != bridges_.end() && k + 1 == bridge->step.epoch) bridge->before = covariance;
-    };
     filter_along<Axes>(filter, arc,
                        [&](std::size_t k, const StateEstimate<Axes>& predicted,
                            const Innovation<Axes>* seen, const StateEstimate<Axes>&) {
@@ -38,7 +30,6 @@ LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
                                for (std::size_t b = 0; b < axes; ++b)
                                    epoch.weight[a][b] = weight(row, static_cast<Eigen::Index>(b));
                            }
-                           keep_bridge_end(k, predicted.covariance);
                        });
     std::int64_t last_ns = -1;
     for (std::size_t k = 0; k + 1 < arc.size(); ++k) {
@@ -60,7 +51,6 @@ struct LinearSmoother<Axes>::Pass {
     const LinearSmoother& smoother;
     std::vector<Positions> positions;  ///< predicted, then smoothed
     std::vector<Positions> weighted;   ///< weighted innovations
-    std::vector<State> at_bridges;     ///< states at the two ends of each bridge
 
     template <std::size_t Count>
     static void set_zero(std::array<Lane, Count>& numbers) {
@@ -73,15 +63,10 @@ struct LinearSmoother<Axes>::Pass {
         set_zero(state);
         for (std::size_t a = 0; a < axes; ++a)
             state[a] = measured[0][a];
-        auto bridge = smoother.bridges_.begin();
         for (std::size_t k = 0; k < measured.size(); ++k) {
             const Epoch& epoch = smoother.epochs_[k];
             if (k > 0)
                 kernel::carry<Axes>(smoother.steps_[smoother.epochs_[k - 1].step], state.data());
-            for (; bridge != smoother.bridges_.end() && k == bridge->step.epoch; ++bridge)
-                at_bridges.push_back(state);
-            if (bridge != smoother.bridges_.end() && k + 1 == bridge->step.epoch)
-                at_bridges.push_back(state);
             Positions residual;
             for (std::size_t a = 0; a < axes; ++a)
                 residual[a] = measured[k][a] - state[a] - state[3 * axes + a];
@@ -103,8 +88,6 @@ struct LinearSmoother<Axes>::Pass {
     void backward() {
         State score;
         set_zero(score);
-        auto bridge = smoother.bridges_.rbegin();
-        auto state = at_bridges.rbegin();
         for (std::size_t k = positions.size(); k-- > 0;) {
             const Epoch& epoch = smoother.epochs_[k];
             if (k + 1 < positions.size())
@@ -122,37 +105,6 @@ struct LinearSmoother<Axes>::Pass {
                 for (std::size_t i = 0; i < size; ++i)
                     smoothed[a] += epoch.position[a][i] * score[i];
             positions[k] = smoothed;
-            if (bridge != smoother.bridges_.rend() && k + 1 == bridge->step.epoch)
-                smooth_state((bridge++)->before, score, *state++);
-            if (bridge != smoother.bridges_.rend() && k == bridge->step.epoch)
-                smooth_state(bridge->after, score, *state++);
-        }
-    }
-
-    /// Turns the predicted state into the smoothed one.
-    static void smooth_state(const StateMatrix<Axes>& covariance, const State& score,
-                             State& state) {
-        for (std::size_t i = 0; i < size; ++i)
-            for (std::size_t j = 0; j < size; ++j)
-                state[i] += covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) *
-                            score[j];
-    }
-
-    /// Removes the offset of each bridged step: the jump of the positions minus the motion there.
-    void take_off_offsets() {
-        for (std::size_t b = 0; b < smoother.bridges_.size(); ++b) {
-            const BridgedStep& step = smoother.bridges_[b].step;
-            const State& before = at_bridges[2 * b];
-            const State& after = at_bridges[2 * b + 1];
-            for (std::size_t a = 0; a < axes; ++a) {
-                const Lane offset = after[a] - before[a] -
-                                    step.velocity_before_s * before[axes + a] -
-                                    step.acceleration_before_s2 * before[2 * axes + a] -
-                                    step.velocity_after_s * after[axes + a] -
-                                    step.acceleration_after_s2 * after[2 * axes + a];
-                for (std::size_t k = step.epoch; k < positions.size(); ++k)
-                    positions[k][a] -= offset;
-            }
         }
     }
 };
@@ -165,11 +117,9 @@ std::vector<LanePositions<Axes, Lanes>> LinearSmoother<Axes>::smooth_lanes(
     using Positions = std::vector<LanePositions<Axes, Lanes>>;
     Pass<Lanes> pass{.smoother = *this,
                      .positions = Positions(measured.size()),
-                     .weighted = Positions(measured.size()),
-                     .at_bridges = {}};
+                     .weighted = Positions(measured.size())};
     pass.forward(measured);
     pass.backward();
-    pass.take_off_offsets();
     return std::move(pass.positions);
 }
 

@@ -30,8 +30,7 @@ class LinearSmoother {
     /// Every epoch of the arc must have a measurement. Failure as for `smooth`.
     LinearSmoother(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model);
 
-    /// The smoothed positions (m), one for each epoch of the arc. Offsets of bridged steps are
-    /// removed, so that differences are displacements (`displacement` of speed.h).
+    /// The smoothed positions (m), one for each epoch of the arc.
     std::vector<PositionVector<Axes>> operator()(
         std::span<const PositionVector<Axes>> measured) const;
 
@@ -54,18 +53,11 @@ class LinearSmoother {
         std::array<std::array<double, axes>, axes> weight{};  ///< inverse innovation covariance
         Rows position{};  ///< the position's rows of the predicted state's covariance
     };
-    /// A bridged step with the predicted covariances at its two ends.
-    struct Bridge {
-        BridgedStep step;
-        StateMatrix<Axes> before = StateMatrix<Axes>::Zero();
-        StateMatrix<Axes> after = StateMatrix<Axes>::Zero();
-    };
     template <int Lanes>
     struct Pass;
 
     std::vector<Epoch> epochs_;
     std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
-    std::vector<Bridge> bridges_;
 };
 
 }  // namespace runcert

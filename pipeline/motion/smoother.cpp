@@ -36,45 +36,6 @@ Factor<Axes> factorise(const StateMatrix<Axes>& covariance, double time_s, std::
                   "Check the stated standard deviations and the time steps around this epoch");
 }
 
-/// The motion over a step given velocity and acceleration at both ends. It combines the model's
-/// motion without noise with the regression of the position noise on the noise of velocity and
-/// acceleration.
-BridgedStep bridge(std::size_t epoch, const AxisStep& step) {
-    const Eigen::Matrix3d& f = step.transition;
-    const Eigen::Matrix3d& q = step.process_noise;
-    const Eigen::RowVector2d with_position = q.block<1, 2>(0, 1);
-    const Eigen::RowVector2d regression =
-        q.bottomRightCorner<2, 2>().llt().solve(with_position.transpose()).transpose();
-    return {.epoch = epoch,
-            .velocity_before_s = f(0, 1) - regression(0),
-            .acceleration_before_s2 = f(0, 2) - regression(0) * f(1, 2) - regression(1) * f(2, 2),
-            .velocity_after_s = regression(0),
-            .acceleration_after_s2 = regression(1),
-            .variance_m2 = q(0, 0) - regression.dot(with_position)};
-}
-
-/// Covariance of the sums of gradients[i]' state[s + i], one for each column of the gradients.
-template <int Axes, int Columns>
-Eigen::Matrix<double, Columns, Columns> joint_covariance(
-    const SmoothedArc<Axes>& arc, std::size_t s,
-    const std::vector<Eigen::Matrix<double, state_size<Axes>, Columns>>& gradients) {
-    assert(!gradients.empty() && s + gradients.size() <= arc.states.size());
-    using Gradient = Eigen::Matrix<double, state_size<Axes>, Columns>;
-    using Covariance = Eigen::Matrix<double, Columns, Columns>;
-    const auto of = [&](const Gradient& gradient, std::size_t k) -> Covariance {
-        return gradient.transpose() * (arc.states[k].covariance * gradient);
-    };
-    Covariance sum = Covariance::Zero();
-    Gradient carried = gradients[0];
-    for (std::size_t i = 0; i + 1 < gradients.size(); ++i) {
-        const std::size_t k = s + i;
-        const Gradient next = arc.gains[k].transpose() * carried;
-        sum += of(carried, k) - of(next, k + 1);
-        carried = gradients[i + 1] + next;
-    }
-    return sum + of(carried, s + gradients.size() - 1);
-}
-
 /// The RTS step: updates `state`, given the measurements up to its own epoch, with what later ones
 /// say about the next epoch.
 template <int Axes>
@@ -99,23 +60,19 @@ StateMatrix<Axes> SmoothedArc<Axes>::cross_covariance(std::size_t s, std::size_t
 
 template <int Axes>
 double SmoothedArc<Axes>::variance(std::size_t s, const Gradients<Axes>& gradients) const {
-    return joint_covariance<Axes, 1>(*this, s, gradients).value();
-}
-
-template <int Axes>
-SpeedMatrix<Axes> SmoothedArc<Axes>::covariance(std::size_t s,
-                                                const CountedGradients<Axes>& gradients) const {
-    const SpeedMatrix<Axes> covariance =
-        joint_covariance<Axes, speed_axes<Axes>>(*this, s, gradients);
-    return 0.5 * (covariance + covariance.transpose());
-}
-
-template <int Axes>
-std::span<const BridgedStep> SmoothedArc<Axes>::bridged_between(std::size_t s,
-                                                                std::size_t e) const {
-    const auto first = std::ranges::upper_bound(bridged, s, {}, &BridgedStep::epoch);
-    const auto last = std::ranges::upper_bound(bridged, e, {}, &BridgedStep::epoch);
-    return {first, last};
+    assert(!gradients.empty() && s + gradients.size() <= states.size());
+    const auto of = [&](const StateVector<Axes>& gradient, std::size_t k) -> double {
+        return gradient.transpose() * (states[k].covariance * gradient);
+    };
+    double sum = 0.0;
+    StateVector<Axes> carried = gradients[0];
+    for (std::size_t i = 0; i + 1 < gradients.size(); ++i) {
+        const std::size_t k = s + i;
+        const StateVector<Axes> next = gains[k].transpose() * carried;
+        sum += of(carried, k) - of(next, k + 1);
+        carried = gradients[i + 1] + next;
+    }
+    return sum + of(carried, s + gradients.size() - 1);
 }
 
 template <int Axes>
@@ -138,7 +95,6 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
     result.gains.resize(arc.size() - 1);
     for (std::size_t k = arc.size() - 1; k-- > 0;) {
         const StepKind kind = step_kind(arc[k], arc[k + 1]);
-        if (arc[k + 1].step_before) result.bridged.push_back(bridge(k + 1, filter.step_of(kind)));
         const StateEstimate<Axes>& predicted = predictions[k + 1];
         const Factor<Axes> factor =
             factorise<Axes>(predicted.covariance, arc[k + 1].time_s, result.repaired);
@@ -160,7 +116,6 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
                 "Check the stated standard deviations and the time steps around this epoch");
         result.gains[k] = gain;
     }
-    std::ranges::reverse(result.bridged);
     return result;
 }
 

@@ -20,42 +20,12 @@ using SpeedVector = Eigen::Matrix<double, speed_axes<Axes>, 1>;
 template <int Axes>
 using SpeedMatrix = Eigen::Matrix<double, speed_axes<Axes>, speed_axes<Axes>>;
 
-/// A vector of functionals along these axes: for each state a matrix with one column for each
-/// coordinate.
-template <int Axes>
-using CountedGradients = std::vector<Eigen::Matrix<double, state_size<Axes>, speed_axes<Axes>>>;
-
-/// A step of an arc at which the positions jump by an unknown offset. The craft's own motion over
-/// it follows, on each axis, from velocity and acceleration at its two ends. The mean of the motion
-/// model given these four is their sum with the factors here. Where acceleration persists, it is dt
-/// (v + v') / 2 - dt^2 (a' - a) / 12, with variance q dt^5 / 720 around it, q being the square of
-/// the jerk density.
-struct BridgedStep {
-    std::size_t epoch = 0;  ///< the first epoch with offset positions
-    double velocity_before_s = 0.0;
-    double acceleration_before_s2 = 0.0;
-    double velocity_after_s = 0.0;
-    double acceleration_after_s2 = 0.0;
-    double variance_m2 = 0.0;  ///< of the motion around its mean, independent of all states
-
-    /// The mean motion (m), given the states before and after the step.
-    template <int Axes>
-    PositionVector<Axes> motion(const StateVector<Axes>& before,
-                                const StateVector<Axes>& after) const {
-        return velocity_before_s * before.template segment<Axes>(Axes) +
-               acceleration_before_s2 * before.template segment<Axes>(2 * Axes) +
-               velocity_after_s * after.template segment<Axes>(Axes) +
-               acceleration_after_s2 * after.template segment<Axes>(2 * Axes);
-    }
-};
-
 /// The smoothed states of an arc, and the gains needed for the joint covariance of any of them.
 template <int Axes>
 struct SmoothedArc {
     std::vector<StateEstimate<Axes>> states;  ///< given all measurements of the arc
     /// Gain[k] = P[k|k] F' P[k+1|k]^-1, one fewer than states.
     std::vector<StateMatrix<Axes>> gains;
-    std::vector<BridgedStep> bridged;  ///< in order of time
     double innovation_sum = 0.0;  ///< sum of the innovation statistics: the least-squares minimum
     std::int64_t measurements = 0;
     std::int64_t repaired = 0;       ///< covariances that had to be made positive definite again
@@ -71,18 +41,9 @@ struct SmoothedArc {
     /// x[k] = m[k] + Gain[k] (x[k+1] - m[k+1]) + w, w of variance P[k] - Gain[k] P[k+1] Gain[k]'.
     /// The cost is linear in the number of states.
     double variance(std::size_t s, const Gradients<Axes>& gradients) const;
-
-    /// Covariance of a vector of such sums, along the axes of a displacement.
-    SpeedMatrix<Axes> covariance(std::size_t s, const CountedGradients<Axes>& gradients) const;
-
-    /// The bridged steps between epochs s and e: those with s < epoch <= e.
-    std::span<const BridgedStep> bridged_between(std::size_t s, std::size_t e) const;
 };
 
 /// Forward Kalman filter and backward RTS smoother [YSM22] over one arc.
-///
-/// From a bridged step on, smoothed positions are offset as the measured ones are. speed.h computes
-/// displacements across the step.
 ///
 /// Times must increase strictly, and the first epoch must have a measurement. A predicted
 /// covariance that rounding has made indefinite is repaired and counted, if its smallest eigenvalue

@@ -20,7 +20,7 @@ namespace runcert {
 /// One entry of an audit: rows of a table (indices, both included) and what was decided of them.
 struct AuditEntry {
     enum class Kind {
-        arc_break,  ///< before one row: an arc begins there, or a step inside it is bridged
+        arc_break,  ///< before one row: an arc begins there
         left_out,   ///< rows that are not usable
         used        ///< one row that is usable
     };

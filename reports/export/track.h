@@ -7,7 +7,7 @@
 
 #include "reports/export/track.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 

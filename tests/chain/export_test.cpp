@@ -5,7 +5,7 @@
 
 #include "core/text.h"
 #include "handover_support.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 // Exports, judged by the programs that others read them with: gpsbabel, PROJ.
 

@@ -4,7 +4,7 @@
 #include "core/geodesy.h"
 #include "core/text.h"
 #include "rules_support.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 // What the rules say of recordings that are made, so that their speeds are known.
 

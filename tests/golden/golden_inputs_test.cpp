@@ -208,7 +208,7 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.duration_s, 10.0);
     EXPECT_EQ(profile.dimension, Dimension::vertical);
     EXPECT_EQ(profile.speed_source, SpeedSource::position);
-    EXPECT_TRUE(profile.exact_duration && profile.repaired_steps);
+    EXPECT_TRUE(profile.exact_duration);
     EXPECT_EQ(profile.ends, WindowEnds::epochs);
     EXPECT_EQ(profile.windows, 1);
     EXPECT_EQ(profile.proximity_m, 25.0);

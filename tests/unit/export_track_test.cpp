@@ -144,13 +144,14 @@ TEST(HostileText, IsTextOnTheMap) {
     EXPECT_TRUE(holds(said, "&lt;script&gt;alert(1)&lt;/script&gt;&amp;amp;]]")) << said;
 }
 
-TEST(TrackAtGaps, AnUnknownStepAndARowOutsideEndAnArc) {
+TEST(TrackAtGaps, AnotherArcAndARowOutsideEndAnArc) {
     TrajectoryTable table = flat_trajectory();
     Attempt attempt;
     Receiver receiver;
     receiver.height_m = 100.0;
     const TrackInput input{.attempt = &attempt, .receiver = &receiver, .trajectory = &table};
-    table.rows[1].step_before = true;
+    for (std::size_t i = 1; i < table.rows.size(); ++i)
+        ++*table.rows[i].arc;
     EXPECT_EQ(track_of(input).arcs.size(), 2u);
     table.rows[1].arc.reset();
     const Track track = track_of(input);

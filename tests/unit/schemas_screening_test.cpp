@@ -63,7 +63,7 @@ TEST(ScreenedWords, EveryValueHasOneOfItsOwn) {
         EXPECT_FALSE(from_text("slip", none));
     };
     check(Reason::baseline);
-    check(ArcBreak::bridged);
+    check(ArcBreak::time_shift);
     check(Hypothesis::baseline);
     check(TestedAxes::vertical);
 }
@@ -79,7 +79,7 @@ TEST(Summarise, CountsDecisionsByHypothesis) {
          decided(Reason::physical_limit, Hypothesis::vertical_rate),
          decided(Reason::baseline, Hypothesis::baseline),
          decided(Reason::none, Hypothesis::step, ArcBreak::step),
-         decided(Reason::none, Hypothesis::outlier, ArcBreak::bridged),
+         decided(Reason::none, Hypothesis::outlier, ArcBreak::step),
          decided(Reason::outlier, Hypothesis::outlier, ArcBreak::ramp),
          decided(Reason::none, std::nullopt, ArcBreak::time_shift),
          decided(Reason::none, std::nullopt, ArcBreak::gap),

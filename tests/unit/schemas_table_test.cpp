@@ -7,7 +7,7 @@
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "store_test_support.h"
 
 // What holds for every product that is a table, tried on the golden files.

@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/revision.h"
 #include "schemas/products/products.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
@@ -92,7 +91,7 @@ std::string read_home(const Json& program, const std::string& where) {
     return home;
 }
 
-/// The model's own version has to be known before anything else of the report can be understood.
+/// Of another version nothing else of the report can be understood.
 void require_known_version(const Json& json, const std::string& where) {
     if (json.at("_type").get<std::string>() != statement_type)
         throw Failure(where, "this is no in-toto statement of version 1, as every report is",
@@ -104,23 +103,15 @@ void require_known_version(const Json& json, const std::string& where) {
                                   "\"{}\"",
                                   escape_for_message(type, 80)),
                       "Give the folder that runcert certify wrote");
-    const SchemaVersion own = version_of(report_field_table());
+    const std::string& own = report_field_table().version();
     for (const std::string& version :
          {type.substr(predicate_prefix.size()),
-          json.at("predicate").at("schema").at("version").get<std::string>()}) {
-        const auto found = parse_schema_version(version);
-        if (!found)
-            throw Failure(
-                where, fmt::format("\"{}\" is no version of a report", escape_for_message(version)),
-                take_original);
-        if (found->model > own.model ||
-            (found->model == own.model && found->revision > own.revision))
+          json.at("predicate").at("schema").at("version").get<std::string>()})
+        if (version != own)
             throw Failure(where,
-                          fmt::format("the report is newer than this program: it is of version {}, "
-                                      "this program knows {}",
-                                      version, report_field_table().version()),
-                          "Use the version of the program that made it, or a newer one");
-    }
+                          fmt::format("the report is of version \"{}\", this program knows {}",
+                                      escape_for_message(version), own),
+                          "Certify the recording again with this program");
 }
 
 /// Of a time in UTC with a fraction of a second, which is cut off.

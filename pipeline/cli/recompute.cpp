@@ -200,7 +200,8 @@ VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& 
                                       : "report.json says what its files make";
     if (compared.first) step.details.push_back(plain_text(compared.sentence()));
     if (compared.first && !is_made_here(report))
-        step.details.push_back(plain_text("note: " + made_by_another(report)));
+        step.details.push_back(plain_text(fmt::format(
+            "note: {}: verify with that program, or certify again", made_by_another(report))));
     return step;
 }
 

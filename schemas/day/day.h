@@ -39,8 +39,8 @@ struct DayFile {
 /// looked at: `attempt_text` makes the text that `read_attempt` judges.
 DayFile read_day_file(std::string_view text, const std::string& where);
 
-/// The file of an attempt with those keys, of the newest revision of the schema attempt, its keys
-/// in the order of that field table. `comment` is its first line.
+/// The file of an attempt with those keys, in the order of the schema attempt's field table.
+/// `comment` is its first line.
 std::string attempt_text(const nlohmann::ordered_json& keys, const std::string& comment);
 
 const DocumentSchema& day_schema();

@@ -98,7 +98,7 @@ const Product& product_of(std::string_view file, const std::string& where) {
         throw Failure(where,
                       fmt::format("\"{}\" is no product of a stage that this program knows",
                                   escape_for_message(file)),
-                      "Use the version of the program that made the file, or a newer one");
+                      "Certify the recording again with this program");
     return *found;
 }
 

@@ -154,7 +154,6 @@ Subjects subjects_of(const Json& json, const std::string& where) {
 std::vector<RequiredSignatures> required_of(const Json& predicate, const std::string& where) {
     constexpr std::size_t most = 100;
     std::vector<RequiredSignatures> required;
-    if (!predicate.contains("signatures_required")) return required;
     for (const Json& entry : predicate.at("signatures_required")) {
         RequiredSignatures one{.role = entry.at("role").get<std::string>()};
         require_role(one.role, where + ", signatures_required");
@@ -191,13 +190,12 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
         facts.program_home = read_home(predicate.at("program"), where);
         facts.arithmetic = predicate.at("program").at("arithmetic").get<std::string>();
-        facts.drawn_by = predicate.value("page", Json::object()).value("drawn_by_sha256", "");
+        facts.drawn_by = predicate.at("page").at("drawn_by_sha256").get<std::string>();
         Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);
-        if (const Json& end = predicate.value("certificate", Json::object());
-            end.contains("end_performance"))
+        if (const Json& end = predicate.at("certificate"); end.contains("end_performance"))
             facts.recorded_until = whole_second(end.at("end_performance").get<std::string>());
     } catch (const nlohmann::json::exception& error) {
         throw Failure(where, fmt::format("not a report: {}", escape_for_message(error.what(), 200)),

@@ -173,11 +173,10 @@ void judge(FileComparison& file, const std::string& old_text, const std::string&
     if (file.file.ends_with(".ecsv"))
         judge_table(file, compare_tables(new_text, old_text, new_where, old_where, rules));
     else
-        judge_values(
-            file,
-            value_differences(results_of(new_text, new_where), results_of(old_text, old_where),
-                              rules),
-            "");
+        judge_values(file,
+                     value_differences(results_of(new_text, new_where),
+                                       results_of(old_text, old_where), rules),
+                     "");
     // Who made it does not count; by which parameters does.
     judge_exact(file, given_in(header_of(new_text, new_where)),
                 given_in(header_of(old_text, old_where)), "parameter ");

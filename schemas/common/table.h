@@ -158,8 +158,7 @@ struct ColumnBinding {
 
 template <class Row, auto Member>
 ColumnBinding<Row> column(std::string name) {
-    return {std::move(name),
-            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
+    return {std::move(name), [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
                 cell::read(in, index, row.*Member);
             }};

@@ -164,8 +164,8 @@ struct GoldenFile {
 inline std::vector<GoldenFile> all_files() {
     std::vector<GoldenFile> files;
     for (const GoldenKind& kind : kinds)
-        files.push_back({std::string("v1.0/") + kind.name, kind,
-                         std::string(kind.name).ends_with(".ecsv")});
+        files.push_back(
+            {std::string("v1.0/") + kind.name, kind, std::string(kind.name).ends_with(".ecsv")});
     return files;
 }
 

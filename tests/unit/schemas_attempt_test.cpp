@@ -84,8 +84,8 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
 }
 
 TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
-    const Attempt attempt = read_attempt(
-        replaced(least, "  - {id: primary, recording: r.csv}\n", R"(  - id: primary
+    const Attempt attempt =
+        read_attempt(replaced(least, "  - {id: primary, recording: r.csv}\n", R"(  - id: primary
     recording: [a.obs, b.obs]
     format: rinex
     base: base.obs
@@ -96,7 +96,7 @@ TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
     start_date: "2026-08-01"
     gpsbabel_type: garmin_fit
 )"),
-        "f");
+                     "f");
     const Receiver& receiver = attempt.receivers.at(0);
     EXPECT_EQ(receiver.recordings, (std::vector<std::string>{"a.obs", "b.obs"}));
     EXPECT_EQ(receiver.base, "base.obs");

@@ -68,9 +68,8 @@ TEST(CheckVersion, KnowsOne) {
 }
 
 TEST(ReadDocument, AnotherVersionIsRefusedWithWhatToDo) {
-    const auto said = failure_of([] {
-        read_document(replaced(document, "1.0", "1.1"), "f", product());
-    });
+    const auto said =
+        failure_of([] { read_document(replaced(document, "1.0", "1.1"), "f", product()); });
     EXPECT_EQ(said.problem,
               "version \"1.1\" of the schema sample is not known, this program reads 1.0");
     EXPECT_EQ(said.remedy, "Certify the recording again with this program");

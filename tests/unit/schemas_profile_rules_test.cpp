@@ -69,8 +69,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
 }
 
 TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
-    for (const std::string& text :
-         {complete, replaced(complete, "kind: time, ", "")}) {
+    for (const std::string& text : {complete, replaced(complete, "kind: time, ", "")}) {
         const Profile profile = read_profile(text, "p");
         EXPECT_EQ(profile.window_kind, WindowKind::time);
         EXPECT_EQ(profile.dimension, Dimension::horizontal);

@@ -62,7 +62,7 @@ struct AuditSubject {
 
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
 /// the recording, the minimal detectable biases. Entries begin with "epoch ..." or "epochs ...",
-/// those of breaks with "before epoch ...". With `all` used rows are entries. Any table revision.
+/// those of breaks with "before epoch ...". With `all` used rows are entries.
 std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
                                     bool all);
 

@@ -31,7 +31,7 @@ const DocumentSchema& profile_schema() {
 
 namespace {
 
-/// Whether this very text is a revision of a rule that this program, or one before it, came with.
+/// Whether this very text is that of a rule that comes with the program.
 bool is_published(const Profile& profile) {
     static const std::set<std::string> lines = [] {
         std::istringstream table{std::string(published_rules_text("published_rules.txt"))};
@@ -319,7 +319,7 @@ void require_own_id(const Profile& profile, const std::string& where) {
     if (profile.origin == RuleOrigin::built_in || builtin_profile(profile.id).empty()) return;
     throw Failure(where,
                   fmt::format("the id \"{}\" is that of a rule that comes with the program, and "
-                              "this text (SHA-256 {}...) is no published revision of it",
+                              "this text (SHA-256 {}...) is not that rule's",
                               profile.id, profile.sha256.substr(0, 16)),
                   "Claim the program's rule by its id alone; give a rule of your own another id, "
                   "and its file the same name");

@@ -50,7 +50,6 @@ export const hostileRun = () => {
   const attempt = fs.readFileSync(path.join(folder, "attempt.yaml"), "utf8")
     .replace(/name: [^,}\n]+/, () => `name: ${inYaml(hostileText)}`)
     .replace(/^place: .*$/m, `place: ${"W".repeat(10000)}`)
-    .replace("attempt/1.0", "attempt/1.0")
     .replace(/^ {2}source: .*$/m, `  source: ${inYaml(steering + hostileText)}`)
     .replace(/^profiles:/m, () => `signatures: [{role: judge, count: 2}]\nprofiles:`);
   fs.writeFileSync(path.join(folder, "attempt.yaml"), attempt);

@@ -241,8 +241,7 @@ TEST(HostileTextRefused, AtItsPlaceInPlainWords) {
     for (const auto& [what, by] : cases) {
         SCOPED_TRACE(by);
         const TemporaryFolder folder;
-        write_plainly(folder.path() / "attempt.yaml",
-                      replaced(replaced(good_attempt, "attempt/1.0", "attempt/1.0"), what, by));
+        write_plainly(folder.path() / "attempt.yaml", replaced(good_attempt, what, by));
         write_plainly(folder.path() / "recording.pos", good_recording());
         const ProcessResult result =
             certify(folder.path() / "attempt.yaml", folder.path() / "run", {"--no-render"});

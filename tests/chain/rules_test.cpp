@@ -331,19 +331,5 @@ TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
     EXPECT_LT(covered.mean_square, 2.3);
 }
 
-TEST(RulesOfBefore, JudgeStillAndVerifySaysThatANewerRevisionShips) {
-    const Rules rules;
-    rules.put("recording.csv", northwards(30.0).text());
-    rules.put("fisly.yaml",
-              read_file(fs::path(RUNCERT_SOURCE_DIR) / "tests/chain/data/fisly.2.yaml"));
-    const ProfileVerdict verdict = rules.judge_one(plane_attempt("fisly.yaml"));
-    EXPECT_EQ(verdict.rule.revision, 2);
-    EXPECT_EQ(verdict.rule.origin, RuleOrigin::built_in);
-    // Its requirements are those of its day.
-    EXPECT_EQ(requirement_of(verdict, "accuracy").decided_by, Computation::attest);
-    const ProcessResult result = runcert({"verify", rules.run().string()});
-    EXPECT_TRUE(contains(result.output, "revision 3 comes with this program")) << result.output;
-}
-
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

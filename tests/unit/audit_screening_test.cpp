@@ -28,11 +28,11 @@ std::vector<ScreenedEpoch> rows_of(std::size_t count) {
     return rows;
 }
 
-/// A table of revision 1.2; 1 / 1.7e-9 is 588 million.
+/// 1 / 1.7e-9 is 588 million.
 ScreenedTable table_of(std::vector<ScreenedEpoch> rows) {
     ScreenedTable table;
     table.header.schema_name = "screened";
-    table.header.schema_version = "1.2";
+    table.header.schema_version = "1.0";
     table.facts.receiver = "primary";
     table.facts.nominal_interval_s = 0.1;
     table.rows = std::move(rows);

@@ -8,7 +8,7 @@
 #include "schemas/windows/windows.h"
 #include "store_test_support.h"
 
-// What revision 1.1 and later ones added to trajectory and windows, written and read again.
+// Trajectory and windows, written and read again.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -18,7 +18,7 @@ using test::failure_of;
 Header header(const std::string& stage) {
     Header header;
     header.stage = stage;
-    header.program_version = "1.1.0";
+    header.program_version = "1.0.0";
     header.source_revision = "0";
     return header;
 }

@@ -5,8 +5,7 @@
 #include "schemas/windows/windows.h"
 #include "store_test_support.h"
 
-// What revision 1.3 of the windows added: the rule that they follow, and several that make a
-// figure.
+// The rule that windows follow, and several that make a figure.
 
 namespace runcert::RUNCERT_FILE {
 namespace {

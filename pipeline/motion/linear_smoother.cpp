@@ -16,6 +16,7 @@ LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
                        [&](std::size_t k, const StateEstimate<Axes>& predicted,
                            const Innovation<Axes>* seen, const StateEstimate<Axes>&) {
                            assert(seen);
+                           if (!seen) return;  // GCC 12 takes it for possible, and warns
                            Epoch& epoch = epochs_[k];
                            const auto gain = filter.gain(predicted, *seen);
                            const PositionMatrix<Axes> weight =

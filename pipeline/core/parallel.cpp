@@ -1,10 +1,17 @@
 #include "core/parallel.h"
 
+#include <sched.h>
+
 #include <charconv>
 #include <cstdlib>
 #include <string_view>
 
 namespace runcert {
+namespace {
+
+std::atomic<unsigned> further_threads = 0;
+
+}  // namespace
 
 unsigned threads_allowed() {
     if (const char* const said = std::getenv("RUNCERT_THREADS")) {
@@ -15,7 +22,19 @@ unsigned threads_allowed() {
             threads <= 1024)
             return threads;
     }
+    cpu_set_t processors;
+    if (sched_getaffinity(0, sizeof processors, &processors) == 0)
+        return std::max(1U, static_cast<unsigned>(CPU_COUNT(&processors)));
     return std::max(1U, std::thread::hardware_concurrency());
+}
+
+FurtherThread::FurtherThread(unsigned threads) {
+    taken_ = further_threads.fetch_add(1) + 1 < threads;
+    if (!taken_) --further_threads;
+}
+
+FurtherThread::~FurtherThread() {
+    if (taken_) --further_threads;
 }
 
 }  // namespace runcert

@@ -9,17 +9,32 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace runcert {
 
-/// How many threads a run may use: the environment variable RUNCERT_THREADS (1 to 1024). Without a
-/// valid value, the number of processors available to this process. No result depends on it.
+/// How many threads this process may use: the environment variable RUNCERT_THREADS (1 to 1024).
+/// Without a valid value, the number of processors that it may run on. No result depends on it.
 unsigned threads_allowed();
 
-/// Calls run(0) to run(runs - 1) on `threads` threads (0: as many as the machine has). After a run
-/// throws, no further runs start. If several throw, the exception of the lowest-numbered run is
-/// rethrown here, whichever came first in time.
+/// A thread of this process beside its first, for as long as this lives.
+class FurtherThread {
+  public:
+    /// Whether the process had fewer than `threads` threads at work, so that there may be one more.
+    explicit FurtherThread(unsigned threads);
+    FurtherThread(FurtherThread&& other) noexcept : taken_(std::exchange(other.taken_, false)) {}
+    ~FurtherThread();
+    explicit operator bool() const { return taken_; }
+
+  private:
+    bool taken_ = false;
+};
+
+/// Calls run(0) to run(runs - 1) on `threads` threads (0: `threads_allowed()`). Within a run of
+/// another such call, the threads of both together are no more than `threads`. After a run throws,
+/// no further runs start. If several throw, the exception of the lowest-numbered run is rethrown
+/// here, whichever came first in time.
 template <class Run>
 void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
     std::atomic<std::int64_t> next = 0;
@@ -41,10 +56,12 @@ void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
         }
     };
     std::vector<std::jthread> others;
-    const std::int64_t wanted = std::min<std::int64_t>(
-        runs, threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()));
-    for (std::int64_t i = 1; i < wanted; ++i)
-        others.emplace_back(work);
+    if (threads == 0) threads = threads_allowed();
+    for (std::int64_t i = 1; i < runs; ++i) {
+        FurtherThread one(threads);
+        if (!one) break;
+        others.emplace_back([&work, taken = std::move(one)] { work(); });
+    }
     work();
     others.clear();
     if (failure) std::rethrow_exception(failure);

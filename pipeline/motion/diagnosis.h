@@ -140,7 +140,7 @@ class ArcDiagnosis {
     void transpose_transition(std::size_t k, Matrix& matrix) const;
 
     std::vector<Epoch> epochs_;
-    std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
+    std::vector<kernel::StepNumbers<double>> steps_;  ///< one for each run of equal lengths
     std::vector<std::size_t> step_of_;                ///< from each epoch to the next, an index
                                                       ///< into steps_
     EstimationModel model_;

@@ -57,7 +57,7 @@ class LinearSmoother {
     struct Pass;
 
     std::vector<Epoch> epochs_;
-    std::vector<kernel::StepNumbers<double>> steps_;  ///< distinct ones
+    std::vector<kernel::StepNumbers<double>> steps_;  ///< one for each run of equal lengths
 };
 
 }  // namespace runcert

@@ -7,6 +7,7 @@
 #include "core/angle.h"
 #include "inertial/attitude.h"
 #include "reports/certificate/json_figures.h"
+#include "schemas/common/rows_by_epoch.h"
 
 namespace runcert {
 namespace {
@@ -106,6 +107,7 @@ Json two_points(const AroundWindow& around, const TrajectoryTable& trajectory,
         time_label, fmt::format("horizontal speed ({})", unit.name));
     Curve antenna({"antenna", "line", "orange"}), craft({"reference point", "line", "blue"});
     Range speeds;
+    const RowsByEpoch by_epoch(trajectory.rows);
     for (const AttitudeEpoch* row : around.rows) {
         const Eigen::Vector2d velocity(*row->reference_velocity_east_m_s,
                                        *row->reference_velocity_north_m_s);
@@ -115,9 +117,8 @@ Json two_points(const AroundWindow& around, const TrajectoryTable& trajectory,
         const double sigma = std::hypot(along.x() * *row->sigma_reference_velocity_east_m_s,
                                         along.y() * *row->sigma_reference_velocity_north_m_s);
         craft.add(row->time.seconds(), speed * unit.per_m_s, 2.0 * sigma * unit.per_m_s, speeds);
-        const auto at =
-            std::ranges::lower_bound(trajectory.rows, row->epoch, {}, &TrajectoryEpoch::epoch);
-        if (at == trajectory.rows.end() || at->epoch != row->epoch || !at->speed_m_s) continue;
+        const TrajectoryEpoch* const at = by_epoch.find(row->epoch);
+        if (!at || !at->speed_m_s) continue;
         antenna.add(row->time.seconds(), *at->speed_m_s * unit.per_m_s);
         speeds.widen(*at->speed_m_s * unit.per_m_s);
     }

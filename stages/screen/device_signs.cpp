@@ -79,7 +79,7 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
         }
     }
     if (third.empty()) return signs;
-    // The upper quartile of the non-zero values, robust against the rows that are looked for.
+    // The median of the values that are not zero: the rows that are looked for have zeros.
     std::erase_if(third, [&](double one) { return one <= 3.0 * tolerance_m; });
     if (third.empty()) return signs;
     constexpr double median_of_normal = 0.6745;

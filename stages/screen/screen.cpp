@@ -199,7 +199,8 @@ bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcC
     return any;
 }
 
-/// Asks the witnesses in turn. Their marks change the motion, so that they are asked again.
+/// Asks the witnesses in turn. Their marks change the motion, so that they are asked again, for a
+/// few rounds. The physical limits hold for every epoch that is left, however many rounds it takes.
 Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check,
                                   const ScreeningWitnesses& beside, ScreeningBasis& basis) {
     constexpr int rounds = 4;
@@ -216,8 +217,11 @@ Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check
             continue;
         return motion;
     }
-    finish_arcs(screened, check.config);
-    return examined();
+    for (;;) {
+        finish_arcs(screened, check.config);
+        Motion motion = examined();
+        if (!limits_are_broken(screened, motion, check, basis)) return motion;
+    }
 }
 
 /// A receiver screened on its own, with what is needed to examine its arcs again.

@@ -135,6 +135,8 @@ void add_crossings(const SampleSeries& series, std::size_t index, const Surveyed
                                           : crossing_in(series, *off_line, side_before, side);
             crossing.series = index;
             crossing.forward = side > 0.0;
+            crossing.speed_m_s = std::abs(side - side_before) / (gate.right - gate.left).norm() /
+                                 (series.times[k].seconds() - series.times[*off_line].seconds());
             if (between_ends(gate, crossing.position)) found.push_back(crossing);
         }
         off_line = k;

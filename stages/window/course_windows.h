@@ -24,6 +24,7 @@ struct Crossing {
     ElapsedTime time;       ///< rounded to the nanosecond
     double fraction = 0.0;  ///< of the step after that sample, in [0, 1]; 0 at the sample
     bool forward = false;   ///< in the direction of the course
+    double speed_m_s = 0.0; ///< across the line, from the sample before it to the one after
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< east, north (m)
 };
 
@@ -36,10 +37,13 @@ struct Crossing {
 /// are ignored. Failure if the ends of the gate coincide.
 std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const SurveyedLine& gate);
 
+/// A line that is crossed slower has no certain time of crossing.
+inline constexpr double slowest_crossing_m_s = 0.05;
+
 /// A passage from the start line to the finish line in the course's direction.
 struct Passage {
     Crossing start, finish;
-    std::string refusal;  ///< empty if it is unambiguous, otherwise sentences
+    std::string refusal;  ///< empty if its time is certain, otherwise sentences
 };
 
 /// The passages in order of time. A passage is a forward crossing of the start line directly
@@ -49,7 +53,8 @@ struct Passage {
 /// It is ambiguous which crossing counts if the start line was crossed forward before with no
 /// crossing of the finish line in between. The same holds if the finish line is crossed forward
 /// again with no crossing of the start line in between. The passage is then refused, with the times
-/// (s) of all of them. Crossings on the way back from the finish line to before the start line do
+/// (s) of all of them. So is a passage with a line crossed below `slowest_crossing_m_s`, where the
+/// track runs along the line or stands on it. Crossings on the way back from the finish line to before the start line do
 /// not count.
 ///
 /// Where both lines are crossed at once the finish comes first, so that one gate can be both, for

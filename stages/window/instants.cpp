@@ -31,13 +31,8 @@ double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const SurveyedL
     const Eigen::Vector2d normal = along_course(gate);
     const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
     const Eigen::Vector2d velocity = smoothed.states[k].mean.segment<2>(2);
-    const double speed_m_s = normal.dot(velocity);
-    constexpr double slowest_m_s = 0.05;
-    if (speed_m_s < slowest_m_s)
-        throw Failure("course",
-                      "the track runs along one of its lines where it crosses it, or "
-                      "stands: the time of the crossing has no certain value",
-                      "Check the surveyed lines, or measure with a line that is crossed at speed");
+    // A slower passage is refused; the smoothed track may be slower than the one between epochs.
+    const double speed_m_s = std::max(normal.dot(velocity), slowest_crossing_m_s);
     return normal.dot(gate.left - position) / speed_m_s;
 }
 

@@ -30,8 +30,7 @@ struct CrossingTimes {
 };
 
 /// The crossings of the two gates by the smoothed track, starting from `straight`, those of
-/// straight lines between its epochs (three Newton iterations). Failure if the track runs along
-/// a gate there.
+/// straight lines between its epochs (three Newton iterations).
 CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
                                  const EstimationModel& model, const CrossingTimes& straight,
                                  const SurveyedLine& start, const SurveyedLine& finish);

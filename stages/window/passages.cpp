@@ -81,7 +81,16 @@ std::string count_of(std::size_t count) {
     return count == 1 ? "once" : fmt::format("{} times", count);
 }
 
-std::string refusal_of(const std::vector<Crossing>& starts, const std::vector<Crossing>& finishes) {
+std::string slow_crossing(std::string_view line, const Crossing& crossing) {
+    if (crossing.speed_m_s >= slowest_crossing_m_s) return {};
+    return fmt::format(
+        "Where the track crosses the {} line, at {:.3f} s, it runs along that line or stands: the "
+        "time of the crossing is not certain.",
+        line, crossing.time.seconds());
+}
+
+std::string ambiguity_of(const std::vector<Crossing>& starts,
+                         const std::vector<Crossing>& finishes) {
     std::string text;
     if (starts.size() > 1)
         text = fmt::format(
@@ -98,10 +107,15 @@ std::string refusal_of(const std::vector<Crossing>& starts, const std::vector<Cr
 
 std::vector<Passage> passages_in(const LineCrossings& all) {
     std::vector<Passage> found;
-    for (std::size_t k = 0; k + 1 < all.size(); ++k)
-        if (is_passage(all[k], all[k + 1]))
-            found.push_back({all[k].crossing, all[k + 1].crossing,
-                             refusal_of(starts_of(all, k), finishes_of(all, k + 1))});
+    for (std::size_t k = 0; k + 1 < all.size(); ++k) {
+        if (!is_passage(all[k], all[k + 1])) continue;
+        const Crossing &start = all[k].crossing, &finish = all[k + 1].crossing;
+        std::vector<std::string> refusals{ambiguity_of(starts_of(all, k), finishes_of(all, k + 1)),
+                                          slow_crossing("start", start),
+                                          slow_crossing("finish", finish)};
+        std::erase(refusals, "");
+        found.push_back({start, finish, fmt::format("{}", fmt::join(refusals, " "))});
+    }
     return found;
 }
 

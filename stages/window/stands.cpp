@@ -96,17 +96,19 @@ template <int Axes>
 std::vector<StandingPosition<Axes>> positions_in(const ScreenedTable& screened, const Stand& stand,
                                                  std::optional<FixType> fix) {
     std::vector<StandingPosition<Axes>> positions;
-    const auto seconds = [](const ScreenedEpoch& row) { return row.time.seconds(); };
-    for (auto row = std::ranges::lower_bound(screened.rows, stand.from_s, {}, seconds);
-         row != screened.rows.end() && seconds(*row) <= stand.to_s; ++row) {
-        if (!row->usable || (fix && row->fix != *fix) || (Axes == 1 && !row->up_m)) continue;
+    // Only the usable rows are sure to be in the order of time.
+    for (const ScreenedEpoch& row : screened.rows) {
+        if (!row.usable || (fix && row.fix != *fix) || (Axes == 1 && !row.up_m)) continue;
+        const double time_s = row.time.seconds();
+        if (time_s < stand.from_s) continue;
+        if (time_s > stand.to_s) break;
         auto& one = positions.emplace_back();
-        one.row = &*row;
-        one.time_s = seconds(*row);
+        one.row = &row;
+        one.time_s = time_s;
         if constexpr (Axes == 2)
-            one.position = {*row->east_m, *row->north_m};
+            one.position = {*row.east_m, *row.north_m};
         else
-            one.position(0) = *row->up_m;
+            one.position(0) = *row.up_m;
     }
     return positions;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/course_angle.h"
+#include "schemas/common/rows_by_epoch.h"
 #include "stages/window/craft_speeds.h"
 
 namespace runcert {
@@ -49,12 +50,11 @@ void set_courses(const TrajectoryTable& trajectory, Windows& windows) {
     const auto last = std::ranges::find_if(rows.rbegin(), rows.rend(), known);
     if (first == rows.end()) return;
     windows.course = course_between(frames, *first, *last);
+    const RowsByEpoch by_epoch(rows);
     for_each_window(windows, [&](auto& window) {
-        const auto row = [&](std::int64_t epoch) {
-            return std::ranges::lower_bound(rows, epoch, {}, &TrajectoryEpoch::epoch);
-        };
-        const auto begin = row(window.span.first_epoch), end = row(window.span.last_epoch);
-        if (begin != rows.end() && end != rows.end() && known(*begin) && known(*end))
+        const auto* const begin = by_epoch.find(window.span.first_epoch);
+        const auto* const end = by_epoch.find(window.span.last_epoch);
+        if (begin && end && known(*begin) && known(*end))
             window.course = course_between(frames, *begin, *end);
     });
 }

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -67,10 +68,44 @@ TEST(Parallel, TasksAreAllDoneOnOneThreadOrMore) {
     }
 }
 
-TEST(Parallel, TheEnvironmentSaysHowManyThreadsAndNonsenseIsNotHeard) {
-    const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
+TEST(Parallel, RunsWithinRunsHaveNoMoreThreadsThanAllowed) {
+    for (const unsigned allowed : {1U, 2U, 3U}) {
+        const Threads said(std::to_string(allowed).c_str());
+        std::atomic<unsigned> at_work = 0, most = 0;
+        const auto task = [&] {
+            for (int parts = 0; parts < 20; ++parts)
+                for_each_run(4, threads_allowed(), [&](std::int64_t) {
+                    const unsigned now = ++at_work;
+                    for (unsigned seen = most; seen < now && !most.compare_exchange_weak(seen, now);)
+                        ;
+                    std::this_thread::sleep_for(std::chrono::microseconds(200));
+                    --at_work;
+                });
+        };
+        do_together(task, task, task);
+        EXPECT_LE(most, allowed);
+        EXPECT_GE(most, 1U);
+    }
+}
+
+TEST(Parallel, OnlyProcessorsThatTheProcessMayRunOnAreCounted) {
     unsetenv("RUNCERT_THREADS");
-    EXPECT_EQ(threads_allowed(), processors);
+    cpu_set_t all, one;
+    ASSERT_EQ(sched_getaffinity(0, sizeof all, &all), 0);
+    int first = 0;
+    while (!CPU_ISSET(first, &all))
+        ++first;
+    CPU_ZERO(&one);
+    CPU_SET(first, &one);
+    ASSERT_EQ(sched_setaffinity(0, sizeof one, &one), 0);
+    EXPECT_EQ(threads_allowed(), 1U);
+    ASSERT_EQ(sched_setaffinity(0, sizeof all, &all), 0);
+    EXPECT_EQ(threads_allowed(), static_cast<unsigned>(CPU_COUNT(&all)));
+}
+
+TEST(Parallel, TheEnvironmentSaysHowManyThreadsAndNonsenseIsNotHeard) {
+    unsetenv("RUNCERT_THREADS");
+    const unsigned processors = threads_allowed();
     for (const char* const nonsense : {"", "0", "-1", "two", "3 ", "99999999999"})
         EXPECT_EQ((Threads(nonsense), threads_allowed()), processors) << nonsense;
     EXPECT_EQ((Threads("3"), threads_allowed()), 3U);

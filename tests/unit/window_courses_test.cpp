@@ -70,6 +70,20 @@ TEST(WindowCourses, PartFromThePlaneByTheConvergence) {
     EXPECT_FALSE(windows.profiles[0].further[0].course);
 }
 
+TEST(WindowCourses, OfALateSessionAreKnownToo) {
+    // The second half was recorded first: its numbers are lower, and its rows stand behind.
+    TrajectoryTable trajectory = straight_line();
+    for (TrajectoryEpoch& row : trajectory.rows)
+        row.epoch = row.epoch < 5 ? row.epoch + 100 : row.epoch;
+    Windows windows = with_window(102, 7);
+    set_courses(trajectory, windows);
+    ASSERT_TRUE(windows.profiles[0].best->course);
+    Windows in_order = with_window(2, 7);
+    set_courses(straight_line(), in_order);
+    EXPECT_EQ(windows.profiles[0].best->course->geodesic_deg,
+              in_order.profiles[0].best->course->geodesic_deg);
+}
+
 TEST(WindowCourses, InAPlaneWithoutAPlaceThereIsNone) {
     Windows windows = with_window(3, 6);
     TrajectoryTable trajectory = straight_line();

@@ -228,6 +228,20 @@ TEST(Passages, AFinishLineCrossedAgainIsRefused) {
               "3.500 s: it is not known which crossing ended the run.");
 }
 
+TEST(Passages, ALineAlongWhichTheTrackRunsHasNoCertainCrossing) {
+    const auto across = [](double step_m) {
+        return passages_of({north_through({-10.0, -0.5 * step_m, 0.5 * step_m, 250.0, 510.0})});
+    };
+    ASSERT_EQ(across(0.04).size(), 1u);
+    EXPECT_NE(across(0.04)[0].refusal.find("crosses the start line, at 1.500 s, it runs along"),
+              std::string::npos)
+        << across(0.04)[0].refusal;
+    EXPECT_EQ(across(0.06)[0].refusal, "");
+    const auto standing = passages_of({north_through({-10.0, 250.0, 499.99, 500.01, 510.0})});
+    ASSERT_EQ(standing.size(), 1u);
+    EXPECT_NE(standing[0].refusal.find("crosses the finish line"), std::string::npos);
+}
+
 TEST(Passages, BothRefusalsAreStated) {
     const auto found = passages_of({north_through({-10, 10, -10, 490, 510, 490, 510, -10})});
     ASSERT_EQ(found.size(), 1u);

@@ -103,6 +103,16 @@ TEST(Stands, OnlyUsableEpochsOfTheWindowsFixTypeCount) {
     EXPECT_LT(*standing_error_m<2>(table, stands_in(table), FixType::fixed, 2.0, 1.0), 0.004);
 }
 
+TEST(Stands, AStampThatIsWrongDoesNotEndThem) {
+    ScreenedTable table = table_of({});
+    for (const std::size_t k : {200U, 500U}) {
+        table.rows[k].time = {k == 200U ? 900'000'000'000 : 0};
+        table.rows[k].usable = false;
+    }
+    // Pairs over 1 s of 1000 epochs; each of the two is in two of them.
+    EXPECT_EQ(stands_in(table)[0].pairs, stands_in(table_of({}))[0].pairs - 4);
+}
+
 TEST(Stands, StandsByPositionsAloneDecideNothing) {
     const ScreenedTable table = table_of({.correlated_m = 0.050});
     TrajectoryTable trajectory;

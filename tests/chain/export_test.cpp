@@ -171,7 +171,9 @@ TEST_F(Export, WindowsSayWhatTheVerdictSays) {
         const std::size_t at = said.find(label);
         ASSERT_NE(at, said.npos) << said;
         const std::size_t from = at + std::string(label).size();
-        EXPECT_TRUE(holds(verdict, key + said.substr(from, said.find('<', from) - from))) << said;
+        std::string figure = said.substr(from, said.find('<', from) - from);
+        figure.erase(figure.find_last_not_of('0') + 1);  // as YAML writes it
+        EXPECT_TRUE(holds(verdict, key + figure)) << said;
     }
     for (const char* part : {"Rule: nalsa<", "Begins (UTC): 2026-03-14T03:20:57.000Z<",
                              "Ends (UTC): 2026-03-14T03:21:00.000Z<", "Duration (s): 3.000<"})

@@ -11,7 +11,6 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "make/memory_budget.h"
 #include "make/slurm.h"
 #include "reports/diff/day_difference.h"
 #include "reports/document/document_text.h"
@@ -28,7 +27,6 @@ struct BatchOptions {
     std::vector<std::string> day;
     std::string out;
     std::int64_t jobs = 0;
-    std::int64_t memory_mib = 0;
     double time_limit_s = 600.0;
     bool force = false;
     std::string from;
@@ -94,9 +92,6 @@ BatchOrder order_of(const BatchOptions& options) {
         .style = style_of(options), .explain = options.explain, .columns = columns_of_a_log};
     order.jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
                                   : std::max(1U, std::thread::hardware_concurrency());
-    order.memory_bytes = options.memory_mib > 0
-                             ? static_cast<std::uint64_t>(options.memory_mib) << 20
-                             : available_memory();
     order.only = options.only;
     order.wait = options.wait;
     return order;
@@ -175,11 +170,6 @@ void add_choices(CLI::App* command, BatchOptions& options) {
     command->add_option("--jobs", options.jobs, "runs side by side (default: one for each core)")
         ->check(CLI::Range(1, 1024));
     command
-        ->add_option("--memory", options.memory_mib,
-                     "MiB that runs may be expected to need together; a run beyond it runs alone "
-                     "(default: four fifths of what is free)")
-        ->check(CLI::Range(1, 1 << 30));
-    command
         ->add_option("--time-limit", options.time_limit_s,
                      "seconds after which a step is ended and its run has failed (default: 600)")
         ->check(CLI::Range(0.1, 1e7));
@@ -247,8 +237,8 @@ std::string footer() {
         "    record: {{speed: 202.9, unit: km/h, source: where it is published}}\n"
         "    profiles: [nalsa]\n"
         "  attempts:\n"
-        "    - recording: \"morning/*.pos\"     # one attempt for each file\n"
-        "    - {{id: final, recording: final.pos, craft: {{name: other yacht}}}}\n"
+        "    - {{id: first, recording: morning/first.pos}}\n"
+        "    - {{id: final, recording: final.pos, craft: {{name: other, class: land-yacht}}}}\n"
         "    - {{attempt: heats/attempt.yaml}}  # as it is\n\n"
         "Every key (defaults and attempts beside have the keys of an attempt: runcert certify "
         "--help):\n{}",

@@ -63,9 +63,8 @@ void say(const std::string& label, const std::string& text) {
 
 /// The speed as it is to be read, and what it had to reach.
 void print_speed(const ProfileVerdict& verdict) {
-    const auto& own = verdict.own_arithmetic;
-    const std::string by_rule =
-        own && !own->shown.empty() ? own->shown + " by the rule's own arithmetic" : std::string();
+    const std::string& own = verdict.own_arithmetic.shown;
+    const std::string by_rule = own.empty() ? own : own + " by the rule's own arithmetic";
     if (!verdict.speed_m_s) {
         if (!by_rule.empty()) say("speed", "none measured; " + by_rule);
         return;

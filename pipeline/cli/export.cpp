@@ -29,10 +29,9 @@ int export_run(const ExportOptions& options) {
 
 void add_export(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<ExportOptions>();
-    CLI::App* command =
-        app.add_subcommand("export", "A run for maps (KML, GeoJSON, GPX) and spreadsheets (CSV)");
+    CLI::App* command = app.add_subcommand("export", "A run for maps (KML) and spreadsheets (CSV)");
     command->add_option("RUN_DIR", options->run_dir, "folder that certify wrote")->required();
-    command->add_option("--format", options->format, "kml, geojson, gpx or csv")->required();
+    command->add_option("--format", options->format, "kml or csv")->required();
     command->add_option("--out", options->out,
                         "file to write, - for standard output (default: the attempt's id with "
                         "the format's ending, here)");
@@ -45,17 +44,13 @@ void add_export(CLI::App& app, Command& chosen) {
                         "of a map: only every so many epochs of the track (default: 1, all)");
     command->add_flag("--force", options->force, "replace the file if it exists");
     command->footer(
-        "KML and GeoJSON: the smoothed track, cut at gaps; the best window of each rule, and "
-        "faster\n"
-        "ones that were refused, marked so; the course's lines. GPX: the track alone. CSV: a "
-        "table\n"
-        "of the run, one header row, no comments. Its table rule_speeds has, for each epoch and "
-        "rule,\n"
-        "the speed over the rule's time or distance that ends there, by the smoothed trajectory.\n"
-        "Positions are WGS 84; heights are above the\n"
-        "ellipsoid, not above sea level (in KML the lines lie on the ground). A run in "
-        "engineering\n"
-        "coordinates is on no map: of it, only CSV. Hashes are checked.");
+        "KML: the smoothed track, cut at gaps; the best window of each rule, and faster ones that\n"
+        "were refused, marked so; the course's lines. CSV: a table of the run, one header row, no\n"
+        "comments. Its table rule_speeds has, for each epoch and rule, the speed over the rule's\n"
+        "time or distance that ends there, by the smoothed trajectory. Positions are WGS 84;\n"
+        "heights are above the ellipsoid, not above sea level (in KML the lines lie on the "
+        "ground).\n"
+        "A run in engineering coordinates is on no map: of it, only CSV. Hashes are checked.");
     command->callback([&chosen, options] { chosen = [options] { return export_run(*options); }; });
 }
 

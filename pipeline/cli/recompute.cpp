@@ -102,20 +102,10 @@ struct Comparisons {
     std::vector<FileComparison> different;  ///< beyond the tolerance, in the order of the chain
     std::optional<FileComparison> widest;   ///< of the largest ratio among the others
     std::vector<std::string> makers;        ///< of the folder's files, where not this program
-    std::size_t reworded = 0;               ///< sentences of those files
 };
-
-/// A note on sentences of another program that this one words otherwise.
-std::string reworded_text(std::size_t count, const std::string& first) {
-    return plain_text(fmt::format(
-        "note: {} of another program, in other words than this one's, but with no other number{}",
-        count == 1 ? std::string("a sentence") : fmt::format("{} sentences", count),
-        first.empty() ? "" : "; the first: " + first));
-}
 
 void add(Comparisons& all, FileComparison file) {
     ++all.files;
-    all.reworded += file.reworded;
     if (!file.maker.empty() && std::ranges::find(all.makers, file.maker) == all.makers.end())
         all.makers.push_back(file.maker);
     if (file.identical)
@@ -186,7 +176,6 @@ VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts
             plain_text(fmt::format("note: the mathematical library or the processor that computed "
                                    "({}) is another than here ({})",
                                    report.arithmetic, arithmetic_fingerprint())));
-    if (all.reworded > 0) step.details.push_back(reworded_text(all.reworded, ""));
     for (const std::string& maker : all.makers)
         step.details.push_back(plain_text(
             fmt::format("note: the folder's files were made by {}, recomputed by runcert {}, "
@@ -210,8 +199,9 @@ VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& 
                    : compared.first   ? "report.json is not what its files make"
                                       : "report.json says what its files make";
     if (compared.first) step.details.push_back(plain_text(compared.sentence()));
-    if (compared.reworded > 0)
-        step.details.push_back(reworded_text(compared.reworded, compared.first_reworded));
+    if (compared.first && !is_made_here(report))
+        step.details.push_back(plain_text(fmt::format(
+            "note: {}: verify with that program, or certify again", made_by_another(report))));
     return step;
 }
 

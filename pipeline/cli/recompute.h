@@ -21,11 +21,7 @@ struct FileComparison {
     /// Of the tolerated differences the largest ratio, no unit, and the place of that value.
     double largest_ratio = 0.0;  ///< of what is: to its standard uncertainty
     std::string where_largest = {};
-    std::string maker = {};      ///< of the folder's file; empty where it is this program
-    bool other_program = false;  ///< whether another program than this one made the folder's
-    /// Then: sentences that this one words otherwise, and the first.
-    std::size_t reworded = 0;
-    std::string first_reworded = {};
+    std::string maker = {};  ///< of the folder's file; empty where it is this program
 
     /// "4-trajectory.ecsv, line 360, column speed: 62.1 in the folder, 62.2 recomputed"
     std::string sentence() const { return file + ", " + first.value_or(""); }
@@ -34,10 +30,9 @@ struct FileComparison {
 /// Compares a product, or report.json, of two folders. Types, resolutions and uncertainties are the
 /// recomputed file's and this program's declarations. Figures of the windows and of the verdict
 /// must agree to a millionth of their uncertainty or 1e-9 of themselves where the folder's were
-/// computed by `same_arithmetic`; a report, which follows from its files, to the letter. Of a file
-/// of another program sentences may be worded otherwise, and it may lack what this one says. Where
-/// the folder's file says that this very program made it, with the same arithmetic, every byte must
-/// be the same. What says who made it from which bytes is not compared. A file that is missing in
+/// computed by `same_arithmetic`; a report, which follows from its files, to the letter. Where the
+/// folder's file says that this very program made it, with the same arithmetic, every byte must be
+/// the same. What says who made it from which bytes is not compared. A file that is missing in
 /// one folder, or cannot be understood, is a difference and no Failure; one that cannot be opened
 /// is a Failure.
 FileComparison compare_file(const std::filesystem::path& run_dir,

@@ -57,7 +57,8 @@ class DraftText {
         for (const HandedIn& file : draft_.files_) {
             const Draft one({file},
                             {.receivers = {{.id = "primary", .recordings = {0}}}, .said = {}});
-            Json entry{{"id", one.keys()["id"]}, {"receivers", one.keys()["receivers"]}};
+            Json entry = one.keys()["receivers"][0];
+            entry["id"] = one.keys()["id"];
             const std::string stem = entry["id"];
             for (int again = 2; !ids.insert(entry["id"]).second; ++again)
                 entry["id"] = fmt::format("{}-{}", stem, again);
@@ -139,20 +140,23 @@ class DraftText {
     std::string receivers() const {
         std::string text;
         for (const Json& one : draft_.keys_["receivers"]) {
-            Json receiver = one;
-            if (draft_.of_day_) receiver.erase("recording");
-            const std::string gaps = receiver_gaps(one);
-            if (draft_.of_day_ && receiver.size() == 1 && gaps.empty()) continue;
-            const std::string block = to_yaml_text({{"receivers", Json::array({receiver})}});
-            text += reasons(receiver["id"]) + block.substr(block.find('\n') + 1) + gaps;
+            if (draft_.of_day_) {
+                // Beside the keys of the attempt, as the entries have them.
+                Json receiver = one;
+                receiver.erase("id");
+                receiver.erase("recording");
+                return (receiver.empty() ? "" : to_yaml_text(receiver)) + receiver_gaps(one, "");
+            }
+            const std::string block = to_yaml_text({{"receivers", Json::array({one})}});
+            text += reasons(one["id"]) + block.substr(block.find('\n') + 1) +
+                    receiver_gaps(one, "    ");
         }
-        return text.empty() ? text : "receivers:\n" + text;
+        return "receivers:\n" + text;
     }
 
     /// Why a table is read as it is.
     std::string reasons(const std::string& id) const {
         std::string text;
-        if (draft_.of_day_) return text;
         for (const ArrangedReceiver& arranged : draft_.arrangement_.receivers)
             if (arranged.id == id)
                 for (const std::size_t file :
@@ -166,7 +170,7 @@ class DraftText {
     }
 
     /// What is left out of a receiver; keys of one map stand together.
-    std::string receiver_gaps(const Json& receiver) const {
+    std::string receiver_gaps(const Json& receiver, const std::string& blanks) const {
         const std::string before = fmt::format("receivers.{}.", receiver["id"].get<std::string>());
         std::string text;
         std::set<std::string> maps;
@@ -175,7 +179,7 @@ class DraftText {
             const std::string key = gap.key.substr(before.size());
             const std::size_t point = key.find('.');
             if (point == std::string::npos) {
-                text += "    " + left_out(key + ": " + gap.example, why_of(gap));
+                text += blanks + left_out(key + ": " + gap.example, why_of(gap));
                 continue;
             }
             const std::string map = key.substr(0, point);
@@ -187,7 +191,7 @@ class DraftText {
                         "{}: {}", other.key.substr(before.size() + map.size() + 1), other.example));
             const bool there = receiver.contains(map);
             text +=
-                "    " + left_out(there ? fmt::format("in {}: {}", map, fmt::join(pairs, ", "))
+                blanks + left_out(there ? fmt::format("in {}: {}", map, fmt::join(pairs, ", "))
                                         : fmt::format("{}: {{{}}}", map, fmt::join(pairs, ", ")),
                                   gap.why);
         }

@@ -99,12 +99,9 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     BatchContext context = order.context;
     // Runs side by side use the processors already; their steps need not share one out again.
     context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
-    const std::vector<AttemptOutcome> outcomes = run_day(day, selected, context,
-                                                         {.jobs = order.jobs,
-                                                          .memory_bytes = order.memory_bytes,
-                                                          .finish = interrupts.finish(),
-                                                          .stop = interrupts.stop()},
-                                                         *progress);
+    const std::vector<AttemptOutcome> outcomes = run_day(
+        day, selected, context,
+        {.jobs = order.jobs, .finish = interrupts.finish(), .stop = interrupts.stop()}, *progress);
     DaySummary summary = summary_of(outcomes, selected);
     if (std::string words = foreign_records_words(outcomes); !words.empty())
         summary.closing.push_back(std::move(words));

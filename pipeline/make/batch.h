@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,7 +23,6 @@ struct BatchOrder {
     ProgressOptions progress = {};
     /// Runs side by side, at least 1.
     std::size_t jobs = 1;
-    std::uint64_t memory_bytes = 0;  ///< that runs side by side may be expected to need together
     std::vector<std::string> only = {};  ///< patterns of ids; empty for all
     bool wait = false;                   ///< for another batch on the same folder to end
     /// A sentence if the secret that seals records holds for this call alone; else empty.

@@ -5,7 +5,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "make/memory_budget.h"
 #include "schemas/common/header.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -42,15 +41,6 @@ FileHashes recording_hashes(const Claim& claim) {
         for (const AttemptFile& file : files_of_receiver(receiver))
             hashes[file.name] = sha256_hex(open_attempt_file(file, receiver, claim.source).bytes());
     return hashes;
-}
-
-std::uint64_t estimated_epochs(const Claim& claim) {
-    std::uint64_t epochs = 0;
-    for (const Receiver& receiver : claim.attempt.receivers)
-        for (const AttemptFile& file : files_of_receiver(receiver))
-            if (file.role == "recording")
-                epochs += estimated_epochs(open_attempt_file(file, receiver, claim.source).bytes());
-    return epochs;
 }
 
 HeldJson settings_of_step(std::string_view step, const Attempt& attempt,

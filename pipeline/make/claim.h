@@ -33,9 +33,6 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
 /// SHA-256 hashes of all files that import reads for a claim, by name in the run folder.
 FileHashes recording_hashes(const Claim& claim);
 
-/// About how many epochs a claim's recordings hold together, without reading them.
-std::uint64_t estimated_epochs(const Claim& claim);
-
 /// What a step uses of the attempt and its profiles beside its input files: for a stage, the fields
 /// declared for it, which are all that it gets; null for the steps that read whole files.
 HeldJson settings_of_step(std::string_view step, const Attempt& attempt,

@@ -48,9 +48,8 @@ struct ListedAttempts {
     std::vector<std::string> notes = {};
 };
 
-/// The attempts of a day file: one for each entry or, where that is a pattern, for each file that
-/// it matches. What is wrong with an entry refuses it, or the one of its attempts that it concerns,
-/// in the words and with the place of the day file.
+/// The attempts of a day file, one for each entry. What is wrong with an entry refuses it, in the
+/// words and with the place of the day file.
 ListedAttempts attempts_of_day(const DayFile& day, const std::filesystem::path& file);
 
 }  // namespace runcert

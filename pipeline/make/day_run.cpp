@@ -9,7 +9,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "make/memory_budget.h"
 #include "make/run_files.h"
 #include "schemas/common/product_files.h"
 #include "store/pattern.h"
@@ -59,8 +58,7 @@ class AttemptRun {
     AttemptRun(std::size_t index, const DayAttempt& attempt, Progress& progress)
         : index_(index), attempt_(attempt), progress_(progress) {}
 
-    AttemptOutcome run(const BatchContext& context, const LocalEngine& engine,
-                       MemoryBudget& budget) {
+    AttemptOutcome run(const BatchContext& context, const LocalEngine& engine) {
         if (engine.finish.stop_requested()) {
             progress_.attempt_skipped(index_);
             // What is there from before counts, unless all is to stop now.
@@ -72,7 +70,7 @@ class AttemptRun {
         }
         progress_.attempt_begins(index_, attempt_.id);
         const auto begin = std::chrono::steady_clock::now();
-        const RunState state = made(context, engine, budget);
+        const RunState state = made(context, engine);
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
         report(state, elapsed.count());
         AttemptOutcome outcome =
@@ -84,22 +82,12 @@ class AttemptRun {
     }
 
   private:
-    RunState made(const BatchContext& context, const LocalEngine& engine, MemoryBudget& budget) {
+    RunState made(const BatchContext& context, const LocalEngine& engine) {
         if (attempt_.refused) return {.failure = refusal_of(*attempt_.refused)};
-        std::optional<std::uint64_t> held;
         const StepWatch watch{
-            .admitted =
-                [&](std::uint64_t epochs) {
-                    const std::uint64_t need = expected_memory(epochs);
-                    if (!budget.acquire(need, engine.finish)) return false;
-                    held = need;
-                    return true;
-                },
             .begins = [&](const std::string& step) { progress_.step_begins(index_, step); },
             .ends = [&](const StepReport& step) { progress_.step_ends(index_, step); }};
-        RunState state = update_run(attempt_, context, watch, engine.stop);
-        if (held) budget.release(*held);
-        return state;
+        return update_run(attempt_, context, watch, engine.stop);
     }
 
     void report(const RunState& state, double seconds) {
@@ -188,11 +176,10 @@ std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& sel
                                     const BatchContext& context, const LocalEngine& engine,
                                     Progress& progress) {
     std::vector<AttemptOutcome> outcomes(day.attempts.size());
-    MemoryBudget budget(engine.memory_bytes);
     for_each_index(day.attempts.size(), engine.jobs, [&](std::size_t i) {
         const DayAttempt& attempt = day.attempts[i];
         if (selected[i]) {
-            outcomes[i] = AttemptRun(i, attempt, progress).run(context, engine, budget);
+            outcomes[i] = AttemptRun(i, attempt, progress).run(context, engine);
             return;
         }
         progress.attempt_skipped(i);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <stop_token>
 #include <string>
@@ -17,10 +16,9 @@ namespace runcert {
 
 /// How a day's attempts are run on this computer.
 struct LocalEngine {
-    std::size_t jobs = 1;            ///< runs side by side
-    std::uint64_t memory_bytes = 0;  ///< that they may be expected to need together
-    std::stop_token finish = {};     ///< no further run is begun
-    std::stop_token stop = {};       ///< what runs is ended
+    std::size_t jobs = 1;         ///< runs side by side
+    std::stop_token finish = {};  ///< no further run is begun
+    std::stop_token stop = {};    ///< what runs is ended
 };
 
 /// What the day's results need to know of an attempt.

@@ -63,7 +63,6 @@ std::multimap<std::string, std::string> RunMaking::known_files() const {
 /// step to read.
 void RunMaking::prepare() {
     if (!prepared_) {
-        if (!watch_.admitted(estimated_epochs(claim_))) throw Interrupted{};
         files_.open_work(known_files());
         prepared_ = true;
     }
@@ -103,7 +102,7 @@ void RunMaking::make() {
 
 void RunMaking::begin(const std::string& step) {
     if (stop_.stop_requested()) throw Interrupted{};
-    prepare();  // which may wait for memory; a step's time is its own
+    prepare();
     watch_.begins(step);
     if (step == "claim" && given_.file.empty()) {
         // Messages about the attempt name this file.

@@ -47,11 +47,8 @@ struct RunState {
     bool foreign_record = false;
 };
 
-/// `admitted` is asked before the first step is run, with about how many epochs the recordings
-/// hold; false leaves the run as it is. The others are told when a step begins, and when it has
-/// ended or is kept.
+/// Told when a step begins, and when it has ended or is kept.
 struct StepWatch {
-    std::function<bool(std::uint64_t epochs)> admitted = [](std::uint64_t) { return true; };
     std::function<void(const std::string& step)> begins = [](const std::string&) {};
     std::function<void(const StepReport& step)> ends = [](const StepReport&) {};
 };

@@ -115,7 +115,7 @@ std::string remedy_for(const ProcessResult& result) {
     if (result.end == ProcessEnd::over_time)
         return "Give it more time with --time-limit, or cut the recording down to the run";
     if (result.end == ProcessEnd::by_signal && result.signal == SIGKILL)
-        return "Where memory ran out, use fewer --jobs or a smaller --memory; run the batch again";
+        return "Where memory ran out, use fewer --jobs; run the batch again";
     return "This is a fault of the program; please report it with the attempt. Run the batch again "
            "to try it once more";
 }

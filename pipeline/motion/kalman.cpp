@@ -29,15 +29,9 @@ template <int Axes>
 void KalmanFilter<Axes>::prepare(const StepKind& kind) {
     if (kind == kind_) return;
     kind_ = kind;
-    step_ = axis_step(model_, kind);
-    numbers_ = kernel::numbers_of(step_);
-    transition_ = runcert::transition<Axes>(step_);
-}
-
-template <int Axes>
-const AxisStep& KalmanFilter<Axes>::step_of(const StepKind& kind) {
-    prepare(kind);
-    return step_;
+    const AxisStep step = axis_step(model_, kind);
+    numbers_ = kernel::numbers_of(step);
+    transition_ = runcert::transition<Axes>(step);
 }
 
 template <int Axes>

@@ -31,7 +31,8 @@ struct ArcEpoch {
     double time_s = 0.0;
     std::optional<PositionMeasurement<Axes>> measurement;
     /// From here on the measured positions are offset by an unknown constant (a cycle slip), and so
-    /// are the estimated ones: the step is bridged. Has no meaning at an arc's first epoch.
+    /// are the estimated ones. Only screening goes on past a step that it has found; arcs to be
+    /// estimated end there. Has no meaning at an arc's first epoch.
     bool step_before = false;
     /// Jerk density of the craft between the previous epoch and this one, in units of the model's.
     double jerk_factor = 1.0;
@@ -94,9 +95,7 @@ class KalmanFilter {
     Innovation<Axes> take_in(StateEstimate<Axes>& estimate,
                              const PositionMeasurement<Axes>& measurement) const;
 
-    /// For a kind of step: its matrices for one axis, the five numbers of its transition, and its
-    /// transition for all axes.
-    const AxisStep& step_of(const StepKind& kind);
+    /// For a kind of step: the five numbers of its transition, and its transition for all axes.
     const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
     const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
@@ -106,7 +105,6 @@ class KalmanFilter {
 
     EstimationModel model_;
     StepKind kind_;
-    AxisStep step_;
     kernel::StepNumbers<double> numbers_;
     StateMatrix<Axes> transition_;
 };

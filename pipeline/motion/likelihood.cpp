@@ -70,11 +70,6 @@ class Likelihood {
         UnknownsToTell unknowns;
         for (std::size_t k = 0; k < arc.size(); ++k) {
             if (k > 0) carry(step_kind(arc[k - 1], arc[k]));
-            if (k > 0 && arc[k].step_before) {
-                for (int a = 0; a < Axes; ++a)
-                    covariance_[a * size + a] += vague_position_sigma_m * vague_position_sigma_m;
-                unknowns.add_step();
-            }
             if (arc[k].measurement) {
                 take_in(arc[k], !unknowns.determined_by_measurement());
             }

@@ -9,8 +9,8 @@
 namespace runcert {
 
 /// Sums of one forward filter over one or more arcs. The first measurements of each arc are left
-/// out, and the first after each bridged step, because a vague prior predicts them. Positions are
-/// in m, so that innovation covariances are in m^2.
+/// out, because a vague prior predicts them. Positions are in m, so that innovation covariances are
+/// in m^2.
 struct InnovationSums {
     double statistic = 0.0;        ///< sum of the innovation statistics
     double log_determinant = 0.0;  ///< sum over the innovation covariances

@@ -23,60 +23,17 @@ SpeedEstimate vertical_speed(double velocity_m_s, double variance) {
     return {std::abs(velocity_m_s), std::sqrt(std::max(variance, 0.0))};
 }
 
-namespace {
-
-/// Gradients of the displacement between epochs s and e: with respect to the states of both and,
-/// around each bridged step, to those of the motion that replaces the difference of the positions.
-template <int Axes>
-CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
-                                              std::size_t e) {
-    CountedGradients<Axes> gradients(e - s + 1, CountedGradients<Axes>::value_type::Zero());
-    const auto add = [&](std::size_t k, int block, double factor) {
-        gradients[k - s].template middleRows<speed_axes<Axes>>(block * Axes).diagonal().array() +=
-            factor;
-    };
-    add(s, 0, -1.0);
-    add(e, 0, 1.0);
-    for (const BridgedStep& step : arc.bridged_between(s, e)) {
-        add(step.epoch - 1, 0, 1.0);
-        add(step.epoch, 0, -1.0);
-        add(step.epoch - 1, 1, step.velocity_before_s);
-        add(step.epoch, 1, step.velocity_after_s);
-        add(step.epoch - 1, 2, step.acceleration_before_s2);
-        add(step.epoch, 2, step.acceleration_after_s2);
-    }
-    return gradients;
-}
-
-}  // namespace
-
 template <int Axes>
 SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
     constexpr int counted = speed_axes<Axes>;
-    const auto position = [&](std::size_t k) {
-        return arc.states[k].mean.template head<counted>();
-    };
-    SpeedVector<Axes> displacement = position(e) - position(s);
-    for (const BridgedStep& step : arc.bridged_between(s, e)) {
-        const std::size_t k = step.epoch;
-        displacement -= position(k) - position(k - 1);
-        displacement +=
-            step.motion<Axes>(arc.states[k - 1].mean, arc.states[k].mean).template head<counted>();
-    }
-    return displacement;
+    return arc.states[e].mean.template head<counted>() -
+           arc.states[s].mean.template head<counted>();
 }
 
 template <int Axes>
 SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
                                           std::size_t e) {
     constexpr int counted = speed_axes<Axes>;
-    const std::span<const BridgedStep> bridged = arc.bridged_between(s, e);
-    if (!bridged.empty()) {
-        SpeedMatrix<Axes> covariance = arc.covariance(s, displacement_gradients(arc, s, e));
-        for (const BridgedStep& step : bridged)
-            covariance.diagonal().array() += step.variance_m2;
-        return covariance;
-    }
     const SpeedMatrix<Axes> cross =
         arc.cross_covariance(s, e).template topLeftCorner<counted, counted>();
     return arc.states[s].covariance.template topLeftCorner<counted, counted>() +
@@ -103,9 +60,8 @@ Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     if (moved.norm() == 0.0) return gradients;
     const SpeedVector<Axes> direction = moved.normalized() / duration_s;
-    const CountedGradients<Axes> of_both = displacement_gradients(arc, s, e);
-    for (std::size_t i = 0; i < gradients.size(); ++i)
-        gradients[i] = of_both[i] * direction;
+    gradients.front().template head<speed_axes<Axes>>() -= direction;
+    gradients.back().template head<speed_axes<Axes>>() += direction;
     return gradients;
 }
 
@@ -139,11 +95,9 @@ template <int Axes>
 SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                          double duration_s) {
     double length_m = 0.0;
-    double variance = arc.variance(s, path_speed_gradients(arc, s, e, duration_s));
+    const double variance = arc.variance(s, path_speed_gradients(arc, s, e, duration_s));
     for (std::size_t k = s; k < e; ++k)
         length_m += displacement(arc, k, k + 1).norm();
-    for (const BridgedStep& bridged : arc.bridged_between(s, e))
-        variance += bridged.variance_m2 / (duration_s * duration_s);
     return {length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
 }
 

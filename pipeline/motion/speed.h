@@ -22,28 +22,25 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
 SpeedEstimate vertical_speed(double velocity_m_s, double variance);
 
 /// Horizontal displacement (m) of the craft between epochs s and e (s < e) of an arc: the
-/// difference of the smoothed positions. Across a bridged step that difference would contain the
-/// unknown offset. There the motion follows from velocity and acceleration at both ends of the step
-/// (`BridgedStep`).
+/// difference of the smoothed positions.
 template <int Axes>
 SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
 /// Covariance (m^2) of `displacement`: P_s + P_e - C - C', from the joint covariance of both
-/// positions. Across bridged steps it uses the joint covariance of all states in between.
+/// positions.
 template <int Axes>
 SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
                                           std::size_t e);
 
 /// Horizontal displacement divided by time between epochs s and e of an arc. Its variance is u'
-/// [P_s + P_e - C - C'] u / T^2, or that of `displacement_covariance` across bridged steps. u is
-/// the direction of the displacement, and T (s) the time between the epochs.
+/// [P_s + P_e - C - C'] u / T^2. u is the direction of the displacement, and T (s) the time between
+/// the epochs.
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s);
 
 /// Length of the horizontal path through the smoothed positions from epoch s to e, divided by time,
-/// with its uncertainty from the joint covariance of all these positions. Over a bridged step the
-/// path is the displacement.
+/// with its uncertainty from the joint covariance of all these positions.
 template <int Axes>
 SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                          double duration_s);

@@ -124,7 +124,8 @@ FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
 
 std::string find_profile(const std::string& claimed, const AttemptSource& source) {
     if (source.earlier_run)
-        return read_handwritten(*source.earlier_run / profile_copy_name(claimed));
+        return resolved_profile(read_handwritten(*source.earlier_run / profile_copy_name(claimed)),
+                                claimed);
     if (const std::string_view text = builtin_profile(claimed); !text.empty())
         return std::string(text);
     const fs::path path = inside_folder(claimed, source, source.file.string());
@@ -133,7 +134,7 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
                       fmt::format("Use one of {}; or give the path of a profile file (.yaml) "
                                   "relative to the attempt's folder",
                                   fmt::join(builtin_profiles(), ", ")));
-    return read_handwritten(path);
+    return resolved_profile(read_handwritten(path), claimed);
 }
 
 std::vector<AttemptFile> series_files(const Attempt& attempt) {

@@ -54,6 +54,7 @@ struct AttemptSource {
 /// what else is on the machine, nor have it published in a run folder.
 FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
                            const AttemptSource& source);
+/// Of a profile that extends another, the resolved text.
 std::string find_profile(const std::string& claimed, const AttemptSource& source);
 
 /// The series that the attempt names, as its fields declare them (`series`), with their keys as

@@ -27,7 +27,7 @@ std::optional<FieldOrigin> read_origin(const YamlValue& entry) {
 }
 
 FieldRule read_rule(const std::string& path, const YamlValue& entry) {
-    FieldRule rule{.path = path, .default_value = entry["default"], .since = entry["since"]};
+    FieldRule rule{.path = path, .default_value = entry["default"]};
     const std::string types = entry["type"].text();
     for (std::size_t begin = 0; begin <= types.size();) {
         const std::size_t end = std::min(types.find('|', begin), types.size());
@@ -135,11 +135,8 @@ DocumentSchema DocumentSchema::read(const YamlNode& table, const std::string& wh
     schema.name_ = schema.source_["schema"].text();
     schema.version_ = schema.source_["version"].text();
     if (common)
-        for (FieldRule rule : common->fields_) {
-            // What it says of revisions is of another table's.
-            rule.since = YamlValue(YamlNode(), where);
-            schema.add(std::move(rule));
-        }
+        for (const FieldRule& rule : common->fields_)
+            schema.add(rule);
     const YamlValue fields = schema.source_["fields"];
     for (const std::string& path : fields.keys())
         schema.add(read_rule(path, fields[path]));
@@ -149,17 +146,6 @@ DocumentSchema DocumentSchema::read(const YamlNode& table, const std::string& wh
 DocumentSchema DocumentSchema::parse(std::string_view text, const std::string& where,
                                      const DocumentSchema* common) {
     return read(parse_yaml(text, where), where, common);
-}
-
-DocumentSchema DocumentSchema::restricted(std::string version,
-                                          const std::function<bool(const FieldRule&)>& keep) const {
-    DocumentSchema schema;
-    schema.name_ = name_;
-    schema.version_ = std::move(version);
-    schema.source_ = source_;
-    for (const FieldRule& rule : fields_)
-        if (keep(rule)) schema.add(rule);
-    return schema;
 }
 
 const FieldRule* DocumentSchema::find(std::string_view path) const {
@@ -250,8 +236,8 @@ struct DocumentSchema::Step {
 /// The check of one document.
 class DocumentSchema::Validation {
   public:
-    Validation(const DocumentSchema& schema, const YamlValue& document, bool newer_revision)
-        : schema_(schema), document_(document), newer_(newer_revision) {}
+    Validation(const DocumentSchema& schema, const YamlValue& document)
+        : schema_(schema), document_(document) {}
 
     void map(const YamlNode& node, const Step& step, const std::string& path) const {
         const std::vector<std::string_view> known = schema_.children(path);
@@ -263,7 +249,7 @@ class DocumentSchema::Validation {
                 value(node.value(i), below, field_path(path, key));
             } else if (const std::string any = field_path(path, "*"); schema_.find(any)) {
                 value(node.value(i), below, any);
-            } else if (!newer_) {
+            } else {
                 if (i > 0) refuse_decimal_comma(node, i, step);
                 refuse_key(node.key(i), path, known);
             }
@@ -335,14 +321,13 @@ class DocumentSchema::Validation {
 
     const DocumentSchema& schema_;
     const YamlValue& document_;
-    bool newer_;
 };
 
-void DocumentSchema::validate(const YamlValue& document, bool newer_revision) const {
+void DocumentSchema::validate(const YamlValue& document) const {
     if (!document.is_map())
         document.fail("the document is not a map of keys and values",
                       fmt::format("See the field table of {}/{}", name_, version_));
-    Validation(*this, document, newer_revision).map(document.node(), Step{}, "");
+    Validation(*this, document).map(document.node(), Step{}, "");
 }
 
 std::string DocumentSchema::field_table() const {

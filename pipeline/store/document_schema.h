@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -31,7 +30,6 @@ struct FieldRule {
     std::optional<double> maximum{};
     int decimals = 6;  ///< of a real, as written by the program
     YamlValue default_value;
-    YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
     /// Of a map with the key `file`: what the series there gives (`SeriesQuantities`).
@@ -53,9 +51,6 @@ class DocumentSchema {
     /// The same of a table's text.
     static DocumentSchema parse(std::string_view text, const std::string& where,
                                 const DocumentSchema* common = nullptr);
-    /// This table with that version and only the fields that `keep` accepts.
-    DocumentSchema restricted(std::string version,
-                              const std::function<bool(const FieldRule&)>& keep) const;
 
     const std::string& name() const { return name_; }
     const std::string& version() const { return version_; }
@@ -79,10 +74,8 @@ class DocumentSchema {
     YamlNode part_read_by(const YamlValue& document, std::string_view stage) const;
 
     /// Checks every key, type, range and required field of a document. The first deviation is a
-    /// Failure with file, line and column; an unknown key's names the nearest known one. Keys
-    /// that are unknown are passed over where `newer_revision` says that the document follows a
-    /// later revision of the same model.
-    void validate(const YamlValue& document, bool newer_revision = false) const;
+    /// Failure with file, line and column; an unknown key's names the nearest known one.
+    void validate(const YamlValue& document) const;
 
     /// The table as text, one field a line, for help.
     std::string field_table() const;

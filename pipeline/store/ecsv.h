@@ -29,8 +29,6 @@ struct EcsvColumn {
     std::string unit;         ///< astropy's spelling; empty for none
     int decimals = 0;         ///< digits after the point of a real column
     std::string description;  ///< one line
-    /// Of a revision newer than the reader: refuse the table rather than pass over this column.
-    bool must_understand = false;
 };
 
 /// Writes one table, cell by cell in column order.

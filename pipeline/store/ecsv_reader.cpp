@@ -57,11 +57,6 @@ YamlNode plain_map(const YamlNode& node, const std::string& where) {
     return std::move(out).take();
 }
 
-/// Whether a mark is taken back. Any other value than `false` counts as the mark.
-bool is_false(const YamlNode& node) {
-    return node.scalar() == "false";
-}
-
 /// A header line as the line of YAML it holds. Blanks instead of "# " keep the columns that
 /// messages name; the document's marks must stand at the line's beginning.
 std::string yaml_line(std::string_view content) {
@@ -163,10 +158,6 @@ void EcsvReader::read_column(const YamlNode& node, std::size_t index) {
     column.name = scalar("name");
     column.unit = scalar("unit");
     column.description = scalar("description");
-    if (const YamlNode meta = node["meta"]; meta.is_defined()) {
-        const YamlNode required = plain_map(meta, where_)["required"];
-        column.must_understand = required.is_defined() && !is_false(required);
-    }
     const std::string type = scalar("datatype");
     bool known_type = false;
     for (const CellType candidate :

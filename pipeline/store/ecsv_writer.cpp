@@ -35,7 +35,6 @@ nlohmann::ordered_json column_entry(const EcsvColumn& column) {
     entry["datatype"] = ecsv_name(column.type);
     if (column.type == CellType::real) entry["format"] = fmt::format("%.{}f", column.decimals);
     if (!column.description.empty()) entry["description"] = column.description;
-    if (column.must_understand) entry["meta"] = {{"required", true}};
     return entry;
 }
 

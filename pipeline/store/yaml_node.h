@@ -73,8 +73,6 @@ class YamlNode {
     YamlNode operator[](std::string_view name) const;
     /// The item of a list; no node where there is none.
     YamlNode operator[](std::size_t index) const;
-    /// Whether both are the same node of the same document.
-    bool is_same_as(const YamlNode& other) const { return entry_ == other.entry_; }
 
   private:
     YamlNode child(std::size_t index) const;

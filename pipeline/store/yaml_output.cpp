@@ -114,6 +114,30 @@ void write(const Json& value, int indent, YamlLetters letters, std::string& out)
     }
 }
 
+std::string plain_scalar(const YamlNode& scalar) {
+    const std::string text(scalar.scalar());
+    return scalar.is_quoted() ? scalar_text(text, YamlLetters::any) : text;
+}
+
+void write_plain(const YamlNode& node, std::size_t indent, std::string& out) {
+    for (std::size_t i = 0; i < node.size(); ++i) {
+        const YamlNode value = node.is_map() ? node.value(i) : node.item(i);
+        out += std::string(indent, ' ') + (node.is_map() ? plain_scalar(node.key(i)) + ":" : "-");
+        if (value.is_scalar()) {
+            out += ' ' + plain_scalar(value) + '\n';
+        } else if (value.size() == 0) {
+            out += value.is_map() ? " {}\n" : value.is_list() ? " []\n" : " null\n";
+        } else if (node.is_list() && value.is_map()) {
+            std::string block;
+            write_plain(value, indent + 2, block);
+            out += ' ' + block.substr(indent + 2);
+        } else {
+            out += '\n';
+            write_plain(value, indent + 2, out);
+        }
+    }
+}
+
 void build(const Json& value, YamlBuilder& builder) {
     if (value.is_structured()) {
         builder.begin(value.is_object() ? YamlKind::map : YamlKind::list, {});
@@ -138,6 +162,12 @@ YamlNode yaml_node_of(const Json& document) {
     YamlBuilder builder;
     build(document, builder);
     return std::move(builder).take();
+}
+
+std::string plain_yaml_text(const YamlNode& map) {
+    std::string out;
+    write_plain(map, 0, out);
+    return out;
 }
 
 std::string to_yaml_text(const Json& document, YamlLetters letters) {

@@ -17,6 +17,10 @@ enum class YamlLetters { any, ascii };
 std::string to_yaml_text(const nlohmann::ordered_json& document,
                          YamlLetters letters = YamlLetters::any);
 
+/// A map that was read, as block-style YAML text: keys in their order, and scalars that were plain
+/// stay as they are written.
+std::string plain_yaml_text(const YamlNode& map);
+
 /// The document as reading that text would give it, but without places.
 YamlNode yaml_node_of(const nlohmann::ordered_json& document);
 

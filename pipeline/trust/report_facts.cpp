@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/revision.h"
 #include "schemas/products/products.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
@@ -92,7 +91,7 @@ std::string read_home(const Json& program, const std::string& where) {
     return home;
 }
 
-/// The model's own version has to be known before anything else of the report can be understood.
+/// Of another version nothing else of the report can be understood.
 void require_known_version(const Json& json, const std::string& where) {
     if (json.at("_type").get<std::string>() != statement_type)
         throw Failure(where, "this is no in-toto statement of version 1, as every report is",
@@ -104,23 +103,15 @@ void require_known_version(const Json& json, const std::string& where) {
                                   "\"{}\"",
                                   escape_for_message(type, 80)),
                       "Give the folder that runcert certify wrote");
-    const SchemaVersion own = version_of(report_field_table());
+    const std::string& own = report_field_table().version();
     for (const std::string& version :
          {type.substr(predicate_prefix.size()),
-          json.at("predicate").at("schema").at("version").get<std::string>()}) {
-        const auto found = parse_schema_version(version);
-        if (!found)
-            throw Failure(
-                where, fmt::format("\"{}\" is no version of a report", escape_for_message(version)),
-                take_original);
-        if (found->model > own.model ||
-            (found->model == own.model && found->revision > own.revision))
+          json.at("predicate").at("schema").at("version").get<std::string>()})
+        if (version != own)
             throw Failure(where,
-                          fmt::format("the report is newer than this program: it is of version {}, "
-                                      "this program knows {}",
-                                      version, report_field_table().version()),
-                          "Use the version of the program that made it, or a newer one");
-    }
+                          fmt::format("the report is of version \"{}\", this program knows {}",
+                                      escape_for_message(version), own),
+                          "Certify the recording again with this program");
 }
 
 /// Of a time in UTC with a fraction of a second, which is cut off.
@@ -163,7 +154,6 @@ Subjects subjects_of(const Json& json, const std::string& where) {
 std::vector<RequiredSignatures> required_of(const Json& predicate, const std::string& where) {
     constexpr std::size_t most = 100;
     std::vector<RequiredSignatures> required;
-    if (!predicate.contains("signatures_required")) return required;
     for (const Json& entry : predicate.at("signatures_required")) {
         RequiredSignatures one{.role = entry.at("role").get<std::string>()};
         require_role(one.role, where + ", signatures_required");
@@ -200,13 +190,12 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
         facts.program_home = read_home(predicate.at("program"), where);
         facts.arithmetic = predicate.at("program").at("arithmetic").get<std::string>();
-        facts.drawn_by = predicate.value("page", Json::object()).value("drawn_by_sha256", "");
+        facts.drawn_by = predicate.at("page").at("drawn_by_sha256").get<std::string>();
         Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);
-        if (const Json& end = predicate.value("certificate", Json::object());
-            end.contains("end_performance"))
+        if (const Json& end = predicate.at("certificate"); end.contains("end_performance"))
             facts.recorded_until = whole_second(end.at("end_performance").get<std::string>());
     } catch (const nlohmann::json::exception& error) {
         throw Failure(where, fmt::format("not a report: {}", escape_for_message(error.what(), 200)),

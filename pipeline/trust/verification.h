@@ -46,8 +46,8 @@ struct ReportFacts {
 
 /// Reads RUN_DIR/report.json. Failure where it is missing, longer than any report, not JSON, holds
 /// a key twice or begins with a byte order mark (programs differ in how they read these), names a
-/// file that not every system can have in a run folder, is no measurement report, or follows a
-/// newer version of the report's schema than this program knows: what it asks for is unknown.
+/// file that not every system can have in a run folder, is no measurement report, or follows
+/// another version of the report's schema: what it asks for is unknown.
 ReportFacts read_report_facts(const std::filesystem::path& run_dir);
 
 struct RunStanding;
@@ -103,7 +103,7 @@ VerificationStep verify_rules(const std::filesystem::path& run_dir);
 VerificationStep verify_report(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether attempt, rules, stage files and report follow schemas that this program knows, in every
-/// field and row, and none claims an earlier version than the program that made it writes.
+/// field and row.
 VerificationStep verify_schemas(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// How much the clocks of signers, authorities and verifiers may differ.

@@ -69,22 +69,16 @@ std::optional<double> number_of(const Json& object, const std::string& key) {
     return object.at(key).get<double>();
 }
 
-/// The figures as they are to be read. A report of revision 1.0 calls them a headline.
+/// The figures as they are to be read.
 void compare_shown(const std::string& rule, const Json& profile, const YamlValue& verdict,
                    Comparison& compare) {
     const YamlValue figures = verdict["shown"];
     if (!figures.exists()) return;
-    const bool is_first = profile.contains("headline");
-    const Json in_report = profile.value(is_first ? "headline" : "shown", Json::object());
-    for (const auto& [first_key, name] : {std::pair("headline_speed", "speed"),
-                                          {"headline_unit", "unit"},
-                                          {"headline_uncertainty", "expanded_uncertainty"},
-                                          {"headline_required_speed", "required_speed"},
-                                          {"headline_acceptance_limit", "acceptance_limit"}}) {
-        const std::string key = is_first ? first_key : name;
+    const Json in_report = profile.value("shown", Json::object());
+    for (const char* key :
+         {"speed", "unit", "expanded_uncertainty", "required_speed", "acceptance_limit"})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(in_report, key),
-                      figures[name].text_or(""), verdict_file);
-    }
+                      figures[key].text_or(""), verdict_file);
 }
 
 /// The block of the document in that place; an empty one where there is none.
@@ -96,8 +90,8 @@ Json block_in(const Json& predicate, const std::string& slot) {
 }
 
 /// The title of the outcome is what a page shows largest.
-void compare_title(const std::string& rule, const Json& predicate, const Json& profile,
-                   const YamlValue& verdict, Comparison& compare) {
+void compare_title(const std::string& rule, const Json& predicate, const YamlValue& verdict,
+                   Comparison& compare) {
     const YamlValue standing = verdict["standing"];
     const OutcomeState state{.outcome = member::read<Outcome>(verdict["outcome"]),
                              .standing = {.state = member::read<StandingState>(standing["state"]),
@@ -113,14 +107,6 @@ void compare_title(const std::string& rule, const Json& predicate, const Json& p
         compare.equal(fmt::format("{}, {}", rule, what), in_report, text,
                       verdict_file + " (by its outcome)");
     };
-    if (!predicate.contains("document")) {  // revision 1.0
-        for (const auto& [key, text] : {std::pair("outcome_title", words.title),
-                                        {"outcome_mark", words.mark},
-                                        {"tone", words.tone},
-                                        {"standing_words", standing_text(state.standing)}})
-            equal(key, text_of(profile, key), text);
-        return;
-    }
     const Json block = block_in(predicate, "outcome/" + verdict["profile"].text());
     const bool several = predicate.at("profiles").size() > 1;
     equal("outcome_title", text_of(block, "text"),
@@ -132,7 +118,6 @@ void compare_title(const std::string& rule, const Json& predicate, const Json& p
 /// The figure that a page shows largest: where a rule alone is claimed, and the record is beaten.
 void compare_headline(const Json& predicate, const std::vector<YamlValue>& verdicts,
                       Comparison& compare) {
-    if (!predicate.contains("document")) return;
     std::string headlines;
     for (const Json& section : predicate.at("document").at("sections"))
         for (const Json& block : section.at("blocks"))
@@ -167,7 +152,7 @@ void compare_profile(const Json& predicate, const Json& profile, const YamlValue
     for (const char* key : {"profile", "outcome", "reason", "definition"})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
                       verdict_file);
-    compare_title(rule, predicate, profile, verdict, compare);
+    compare_title(rule, predicate, verdict, compare);
     for (const char* quantity : {"speed", "expanded_uncertainty", "required_speed"})
         for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
             const std::string key = fmt::format("{}_{}", quantity, unit);

@@ -9,7 +9,6 @@
 #include "run/attempt_files.h"
 #include "schemas/common/document.h"
 #include "schemas/common/product_files.h"
-#include "schemas/common/revision.h"
 #include "schemas/products/products.h"
 #include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
@@ -38,23 +37,6 @@ struct Findings {
     }
 };
 
-/// A build writes one version of each schema. A file that says it is of another one, but made by
-/// the build that this is, was changed: made to look older, so that rules which came later do not
-/// apply.
-void refuse_other_revision(const Header& header, const std::string& name) {
-    if (header.program_version != program_version() || header.source_revision != source_revision())
-        return;
-    const std::string written = product_version(name);
-    if (header.schema_version == written) return;
-    throw Failure(
-        name,
-        fmt::format("not as written: its header says {}/{}, the program that it says made it "
-                    "({}, {}) writes {}/{}",
-                    header.schema_name, escape_for_message(header.schema_version),
-                    header.program_version, header.source_revision, header.schema_name, written),
-        "Take the original");
-}
-
 /// One program makes a whole run. A file that says otherwise came from elsewhere, or was made to
 /// look older than the report.
 void refuse_other_program(const Header& header, const ReportFacts& report,
@@ -77,31 +59,8 @@ void check_stage_file(const fs::path& file, const ReportFacts& report) {
     const FileView view(file);
     const std::string_view text = view.bytes();
     const Header header = read_product_header(text, name, file.string());
-    // Before the fields, which would be refused in other words.
-    refuse_other_revision(header, name);
     check_product(text, name, file.string());
     refuse_other_program(header, report, name);
-}
-
-/// The predicate follows its own field table; JSON is YAML.
-void check_report(const ReportFacts& report, const std::string& where) {
-    const SchemaVersion own = version_of(report_field_table());
-    const auto& predicate = report.json->at("predicate");
-    const std::string version = predicate.at("schema").value("version", "");
-    if (report.json->value("predicateType", "") !=
-        fmt::format("urn:runcert:measurement-report:{}.0", own.model))
-        throw Failure(where, "its predicateType is not that of the reports of this model",
-                      "Take the original");
-    if (is_made_here(report) && version != report_field_table().version())
-        throw Failure(
-            where,
-            fmt::format("not as written: it says that it follows report/{}, the program that "
-                        "it says made it writes report/{}",
-                        escape_for_message(version), report_field_table().version()),
-            "Take the original");
-    const bool is_first = version == first_report_field_table().version();
-    check_document(YamlValue(yaml_node_of(nlohmann::ordered_json(predicate)), where),
-                   is_first ? first_report_field_table() : report_field_table());
 }
 
 void check_attempt_files(const fs::path& run_dir, Findings& findings) {
@@ -130,19 +89,6 @@ void compare_identity(const Profile& rule, const Verdict& verdict, VerificationS
                           shown(profile_copy_name(rule.id)), products::verdict_file));
 }
 
-/// What has become of a body's rule since: a newer revision of it, or another rule in its place.
-std::string since_then(const Profile& rule) {
-    const std::string_view text = builtin_profile(rule.id);
-    if (rule.origin == RuleOrigin::own || text.empty()) return {};
-    const Profile now = read_profile(text, rule.id);
-    std::string words;
-    if (now.revision > rule.revision)
-        words = fmt::format("; revision {} comes with this program", now.revision);
-    if (!now.superseded_by.empty())
-        words += fmt::format("; {} has superseded it", now.superseded_by);
-    return words;
-}
-
 void check_rules(const fs::path& run_dir, VerificationStep& step) {
     const fs::path file = run_dir / attempt_copy_name;
     const Attempt attempt = read_attempt(read_handwritten(file), file.string());
@@ -160,7 +106,9 @@ void check_rules(const fs::path& run_dir, VerificationStep& step) {
                                              "checked"
             : rule.overrides.empty()       ? ""
                                            : ", with figures replaced by the attempt",
-            since_then(rule)));
+            rule.origin == RuleOrigin::own || rule.superseded_by.empty()
+                ? ""
+                : fmt::format("; {} has superseded it", rule.superseded_by)));
     }
     if (!step.is(LayerAnswer::verified))
         step.finding = "the outcome does not rest on the rules in the folder";
@@ -175,7 +123,11 @@ void check_rules(const fs::path& run_dir, VerificationStep& step) {
 VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& report) {
     Findings findings;
     const std::string where = (run_dir / "report.json").string();
-    findings.check("report.json", [&] { check_report(report, where); });
+    // JSON is YAML.
+    findings.check("report.json", [&] {
+        const nlohmann::ordered_json predicate = report.json->at("predicate");
+        check_document(YamlValue(yaml_node_of(predicate), where), report_field_table());
+    });
     check_attempt_files(run_dir, findings);
     for (const auto& [name, sha256] : report.subjects)
         if (is_product_name(name) && fs::is_regular_file(fs::symlink_status(run_dir / name)))

@@ -29,7 +29,6 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table, Measurements measurem
         }
         ArcEpoch<Axes> epoch;
         epoch.time_s = row.time.seconds();
-        epoch.step_before = row.break_before == ArcBreak::bridged;
         if (has_measurement(row, measurements))
             epoch.measurement =
                 PositionMeasurement<Axes>{.position = measured_position<Axes>(row),

@@ -9,7 +9,7 @@
 #include "motion/smoother.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 

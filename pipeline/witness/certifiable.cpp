@@ -18,17 +18,13 @@ std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory) {
 std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
                                                         const std::vector<ArcRows>& arcs,
                                                         double duration_s,
-                                                        double duration_tolerance_s,
-                                                        BridgedSteps bridged) {
+                                                        double duration_tolerance_s) {
     // Rows that must not lie after a window's first row and up to its last. Every row counts, also
     // one that belongs to no arc, such as a repeated time stamp.
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
-    for (const TrajectoryEpoch& row : trajectory.rows) {
-        const bool step = bridged == BridgedSteps::refused && begins_after_step(row);
-        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
-                            (!row.usable || step ? 1 : 0));
-    }
+    for (const TrajectoryEpoch& row : trajectory.rows)
+        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (row.usable ? 0 : 1));
 
     std::vector<std::vector<EpochPair>> windows;
     windows.reserve(arcs.size());

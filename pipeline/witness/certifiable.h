@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "schemas/common/table.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 
@@ -33,17 +33,12 @@ struct ArcRows {
 /// The arcs of a trajectory, in order.
 std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory);
 
-/// Whether a certifiable window may span a bridged step.
-enum class BridgedSteps { refused, allowed };
-
 /// The certifiable windows of each arc, in order, as indices into the arc's rows. They begin and
-/// end at usable epochs of one arc and contain no unusable epoch. They span no bridged step unless
-/// that is allowed. Each is `duration_s` long, to the tolerance; where no epoch is exactly that
-/// far, the next one is taken. The cost is linear.
+/// end at usable epochs of one arc and contain no unusable epoch. Each is `duration_s` long, to the
+/// tolerance; where no epoch is exactly that far, the next one is taken. The cost is linear.
 std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
                                                         const std::vector<ArcRows>& arcs,
                                                         double duration_s,
-                                                        double duration_tolerance_s,
-                                                        BridgedSteps bridged);
+                                                        double duration_tolerance_s);
 
 }  // namespace runcert

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 

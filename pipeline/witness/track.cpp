@@ -16,20 +16,6 @@ bool is_estimated(const TrajectoryEpoch& row) {
            row.sigma_east_m && row.sigma_north_m;
 }
 
-/// Numbers the stretches of rows in order of time.
-class Stretches {
-  public:
-    std::int64_t of(std::int64_t arc, bool after_step) {
-        if (arc_ != arc || after_step) ++stretch_;
-        arc_ = arc;
-        return stretch_;
-    }
-
-  private:
-    std::optional<std::int64_t> arc_;
-    std::int64_t stretch_ = 0;
-};
-
 }  // namespace
 
 const TrackEpoch* epoch_near(const Track& track, double time_s) {
@@ -47,12 +33,11 @@ Track track_of(const TrajectoryTable& trajectory) {
                 .origin = trajectory.origin,
                 .nominal_interval_s = trajectory.facts.nominal_interval_s,
                 .epochs = {}};
-    Stretches stretches;
     for (const TrajectoryEpoch& row : trajectory.rows) {
         if (!is_estimated(row)) continue;
         TrackEpoch& epoch = track.epochs.emplace_back();
         epoch.time_s = row.time.seconds();
-        epoch.stretch = stretches.of(*row.arc, begins_after_step(row));
+        epoch.stretch = *row.arc;
         epoch.usable = row.usable;
         epoch.has_height = row.up_m && row.sigma_up_m;
         epoch.position_m = {*row.east_m, *row.north_m, row.up_m.value_or(0.0)};
@@ -72,13 +57,12 @@ Track track_of(const ScreenedTable& screened, const Motion& motion) {
                 .origin = screened.origin,
                 .nominal_interval_s = screened.facts.nominal_interval_s,
                 .epochs = {}};
-    Stretches stretches;
     for (std::size_t i = 0; i < motion.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.usable || !row.arc || !motion[i]) continue;
         TrackEpoch& epoch = track.epochs.emplace_back();
         epoch.time_s = row.time.seconds();
-        epoch.stretch = stretches.of(*row.arc, row.break_before == ArcBreak::bridged);
+        epoch.stretch = *row.arc;
         epoch.usable = true;
         epoch.position_m.head<2>() = measured_position<2>(row);
         epoch.velocity_m_s.head<2>() = motion[i]->velocity;

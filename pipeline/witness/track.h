@@ -6,7 +6,7 @@
 
 #include "motion/epoch_motion.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 
@@ -14,7 +14,7 @@ namespace runcert {
 /// as east, north and up. Up is 0 where heights were not measured.
 struct TrackEpoch {
     double time_s = 0.0;
-    std::int64_t stretch = 0;  ///< ends with an arc and at a step
+    std::int64_t stretch = 0;  ///< number of its arc
     bool usable = false;
     bool has_height = false;
     Eigen::Vector3d position_m = Eigen::Vector3d::Zero();

@@ -19,7 +19,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
 #include "schemas/surface/declared.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 

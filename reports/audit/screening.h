@@ -20,7 +20,7 @@ namespace runcert {
 /// One entry of an audit: rows of a table (indices, both included) and what was decided of them.
 struct AuditEntry {
     enum class Kind {
-        arc_break,  ///< before one row: an arc begins there, or a step inside it is bridged
+        arc_break,  ///< before one row: an arc begins there
         left_out,   ///< rows that are not usable
         used        ///< one row that is usable
     };
@@ -62,7 +62,7 @@ struct AuditSubject {
 
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
 /// the recording, the minimal detectable biases. Entries begin with "epoch ..." or "epochs ...",
-/// those of breaks with "before epoch ...". With `all` used rows are entries. Any table revision.
+/// those of breaks with "before epoch ...". With `all` used rows are entries.
 std::vector<Block> screening_blocks(const ScreenedTable& table, const AuditSubject& subject,
                                     bool all);
 

@@ -15,7 +15,6 @@ bool explains_break(const ScreenedEpoch& row) {
     if (!row.usable || !row.break_before || !row.hypothesis) return false;
     switch (*row.break_before) {
         case ArcBreak::step:
-        case ArcBreak::bridged:
             return *row.hypothesis == Hypothesis::step && size_of(row.estimated).has_value();
         case ArcBreak::ramp:
             return *row.hypothesis == Hypothesis::ramp && rate_of(row.estimated).has_value();
@@ -103,9 +102,6 @@ std::string break_text(const Rows& rows, std::size_t at) {
                    ": the positions after it do not follow from those before; " + arcs;
         case ArcBreak::step:
             return step(row) + between + parted + arcs;
-        case ArcBreak::bridged:
-            return step(row) + between + parted +
-                   "it is bridged, with its offset as an unknown of the estimate";
         case ArcBreak::ramp:
             return drift(row) + between + parted + arcs;
         case ArcBreak::time_shift:

@@ -122,10 +122,8 @@ void add_result(Section& page, const RuleView& rule) {
     if (verdict.record) add_fact(list, "Record to beat", record_text(*verdict.record));
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
         add_fact(list, "Conformance probability", conformance_text(*verdict.decision));
-    if (verdict.own_arithmetic)
-        add_fact(
-            list, "By the body's arithmetic",
-            verdict.own_arithmetic->shown.empty() ? "not known" : verdict.own_arithmetic->shown);
+    const std::string& by_body = verdict.own_arithmetic.shown;
+    add_fact(list, "By the body's arithmetic", by_body.empty() ? "not known" : by_body);
     if (verdict.window) {
         add_fact(list, "Window", window_line(rule));
         if (verdict.window->start_gps)

@@ -12,7 +12,7 @@
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "store/program.h"

@@ -27,13 +27,10 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// Libraries first; last `page.js`, which starts the page.
-constexpr std::string_view page_scripts[] = {"mustache.min.js",   "noble-hashes.min.js",
-                                             "uPlot.iife.min.js", "qr-code.min.js",
-                                             "signatures.js",     "shown_text.js",
-                                             "self_check.js",     "elements.js",
-                                             "tables.js",         "chart_data.js",
-                                             "chart_parts.js",    "chart_drawing.js",
-                                             "charts.js",         "page.js"};
+constexpr std::string_view page_scripts[] = {
+    "noble-hashes.min.js", "uPlot.iife.min.js", "signatures.js", "self_check.js",
+    "elements.js",         "tables.js",         "chart_data.js", "chart_parts.js",
+    "chart_drawing.js",    "charts.js",         "page.js"};
 
 Json signers_json(const std::vector<SignatureFile>& signatures) {
     Json list = Json::array();
@@ -156,13 +153,9 @@ std::string page_style() {
            std::string(report_text("page.css"));
 }
 
-/// What runs in the reader's browser: what the page is made of, so that it can make itself again;
-/// libraries; then the page's own script.
+/// What runs in the reader's browser: libraries, then the page's own script.
 std::string page_script() {
-    const Json parts{{"page", report_text("template/page.html")},
-                     {"content", sections_template()},
-                     {"style", page_style()}};
-    std::string script = "\"use strict\";\nconst pageParts = " + report_text_of(parts) + ";\n";
+    std::string script = "\"use strict\";\n";
     for (const std::string_view name : page_scripts)
         script += std::string(report_text(name)) + "\n";
     return script;

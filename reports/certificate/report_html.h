@@ -23,12 +23,11 @@ struct ReportSigner {
 ReportSigner read_signer(const SignatureFile& signature);
 
 /// The member `page` of a report: SHA-256 of the templates, the style and the script that every
-/// page of this program is made of. The script holds the other two, and its own hash is the one
-/// that a page's Content-Security-Policy admits.
+/// page of this program is made of. A page's Content-Security-Policy admits that script alone.
 nlohmann::ordered_json page_parts_json();
 
 /// The report as one self-contained page for the screen: it carries `report_text`, the bytes of
-/// report.json, with the signatures, and checks itself with them in the reader's browser. It shows
+/// report.json, with the signatures, which the reader's browser checks. It shows
 /// texts and figures of the report alone, escaped; nothing is computed here. `drawings` are the
 /// figures' SVG texts. Without signatures the page says UNSIGNED all over. `standing` is the text
 /// of a standing_json, which it carries too, and which is not signed.
@@ -45,7 +44,7 @@ std::string report_print_page(const std::string& report_text, const nlohmann::or
 
 /// What a page shows of a standing in place of what report.json says, which was written before the
 /// first answer: under `slots`, by the name of its place, the block that stands there now, of the
-/// `predicate`'s document. The page carries it too: its script puts the blocks in the same places.
+/// `predicate`'s document. The page carries it too.
 /// Empty where nobody answered and no roster was given: the page is then that of report.json.
 nlohmann::ordered_json standing_json(const RunStanding& standing,
                                      const nlohmann::ordered_json& predicate);

@@ -77,22 +77,6 @@ void check_predicate(Json predicate, const std::string& where) {
     check_document(YamlValue(yaml_node_of(predicate), where), report_field_table());
 }
 
-/// Its pages were made of other fields, which stand in no document.
-void refuse_first_revision(const Json& predicate, const std::string& where) {
-    const auto text = [&](const char* member, const char* of) {
-        const Json value =
-            predicate.value(Json::json_pointer(fmt::format("/{}/{}", member, of)), Json());
-        return value.is_string() ? escape_for_message(value.get<std::string>()) : "?";
-    };
-    if (text("schema", "version") != first_report_field_table().version()) return;
-    throw Failure(where,
-                  fmt::format("it follows report/{}, of which this program makes no pages: it was "
-                              "made by runcert {}, source {}",
-                              first_report_field_table().version(), text("program", "version"),
-                              text("program", "source_revision")),
-                  "Make its pages with that program, or certify the attempt again");
-}
-
 void set_origins(Json& predicate, const Verdict& verdict) {
     predicate["origins"] = Json::array();
     for (const VerdictInput& input : verdict.origins)
@@ -241,9 +225,7 @@ Json parse_report(const std::string& text, const std::string& where) {
         !report.at("predicate").is_object() ||
         report.value("predicateType", Json()) != Json(predicate_type))
         throw Failure(where, "this is not a measurement report of this program's version",
-                      "Give the report.json of a run folder, or use the version of the program "
-                      "that made it");
-    refuse_first_revision(report.at("predicate"), where);
+                      "Give the report.json of a run folder, or certify the recording again");
     check_predicate(report.at("predicate"), where);
     return report;
 }

@@ -72,10 +72,9 @@ void describe_tests(std::vector<std::string>& words, const ScreeningBasis& basis
         basis.burst_epochs_max));
     words.push_back(
         "The best supported error is adapted to: outliers are left out; a step, a drift or a jump "
-        "of the time stamps ends the arc. Where the attempt requires it, a step is bridged with "
-        "its offset as an unknown of the estimate. The tests are repeated until they find nothing "
-        "more. If the noise is as estimated, all of them together raise a false alarm at most at "
-        "the family-wise rate.");
+        "of the time stamps ends the arc. The tests are repeated until they find nothing more. If "
+        "the noise is as estimated, all of them together raise a false alarm at most at the "
+        "family-wise rate.");
     words.push_back(
         "Witnesses beside the positions follow: the displacements by carrier phases, where raw "
         "signals were handed in; the recorded velocities, whose delay is estimated first; the "

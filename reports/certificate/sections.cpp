@@ -35,8 +35,7 @@ void add_window(Section& section, const RuleView& rule, const Json& figures) {
     if (!rule.verdict.window) return;
     if (rule.several) add(section, heading(rule.titled("Window")));
     if (rule.verdict.speed_m_s) add(section, result_table(rule));
-    if (rule.verdict.own_arithmetic)
-        add(section, paragraph(own_arithmetic_text(*rule.verdict.own_arithmetic), "note"));
+    add(section, paragraph(own_arithmetic_text(rule.verdict.own_arithmetic), "note"));
     for (std::size_t i = 0; i < figures.size(); ++i)
         if (figures[i].value("figure_profile", "") == rule.profile.id &&
             figures[i]["figure"] == "window")

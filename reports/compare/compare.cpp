@@ -18,13 +18,11 @@ using TruthRows = std::vector<std::optional<TruthEpoch>>;
 /// Rows of a window, first to last. Between them lie only rows of the same arc.
 using RowPair = EpochPair;
 
-/// The windows that can be certified, in order. Those across a bridged step are left out: the
-/// methods' positions jump there.
+/// The windows that can be certified, in order.
 std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
                                     double duration_tolerance_s) {
     const std::vector<ArcRows> arcs = arcs_in(trajectory);
-    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s,
-                                             BridgedSteps::refused);
+    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s);
     std::vector<RowPair> rows;
     for (std::size_t a = 0; a < arcs.size(); ++a)
         for (const EpochPair& window : windows[a])
@@ -134,9 +132,7 @@ MethodResult result_of(const Task& task, const MethodTrack& track) {
         result.best_start = task.trajectory.rows[best->first].time;
         result.best_error_m_s = difference(result.best_m_s, task.truth_in(*best));
     }
-    const bool jumps = track.window_speed == SpeedDefinition::displacement && task.windows.best &&
-                       task.windows.best->repaired_steps > 0;
-    if (task.certified && !jumps) {
+    if (task.certified) {
         result.certified_m_s = speed(*task.certified);
         result.certified_error_m_s =
             difference(result.certified_m_s, task.truth_in(*task.certified));
@@ -269,9 +265,6 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
     }
     comparison.notes = std::move(methods.notes);
     comparison.notes.insert(comparison.notes.end(), left_out.begin(), left_out.end());
-    if (std::ranges::any_of(trajectory.rows, begins_after_step))
-        comparison.notes.emplace_back(
-            "Steps of the positions were bridged: windows across them are not compared");
     for (const MethodTrack& track : methods.tracks)
         if (!track.unavailable.empty())
             comparison.notes.push_back(

@@ -9,7 +9,7 @@
 #include "reports/compare/methods.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/document/document.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

@@ -8,7 +8,7 @@
 #include "motion/noise_fit.h"
 #include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 

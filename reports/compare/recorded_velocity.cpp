@@ -65,7 +65,7 @@ EnhancedKalmanEpoch epoch_of(const ScreenedEpoch& row, const PlaceFrames& frames
     return epoch;
 }
 
-/// Runs the filter along rows of one arc, between bridged steps.
+/// Runs the filter along rows of one arc.
 void filter_arc(const ScreenedTable& screened, const PlaceFrames& frames,
                 const std::vector<std::size_t>& rows, MethodTrack& track) {
     std::vector<EnhancedKalmanEpoch> epochs;
@@ -135,8 +135,7 @@ EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened) {
     std::vector<std::size_t> rows;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         if (!screened.rows[i].arc) continue;
-        const bool breaks = screened.rows[i].break_before == ArcBreak::bridged;
-        if (!rows.empty() && (breaks || screened.rows[rows.back()].arc != screened.rows[i].arc)) {
+        if (!rows.empty() && screened.rows[rows.back()].arc != screened.rows[i].arc) {
             filter_arc(screened, frames, rows, track);
             rows.clear();
         }

@@ -25,7 +25,7 @@ DayResult result_of(const ProfileVerdict& verdict) {
                      .required_speed_m_s = verdict.required_speed_m_s,
                      .shown = verdict.shown,
                      .rule_origin = verdict.rule.origin};
-    if (verdict.own_arithmetic) result.own_arithmetic = verdict.own_arithmetic->shown;
+    result.own_arithmetic = verdict.own_arithmetic.shown;
     if (verdict.window) {
         if (verdict.window->start_gps) result.start_utc = to_utc_iso(*verdict.window->start_gps, 3);
         result.start_time_s = verdict.window->start.seconds();

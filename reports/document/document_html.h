@@ -16,7 +16,7 @@ using TemplateData = kainjow::mustache::data;
 enum class Medium { screen, paper };
 
 /// What a template gets for a value of JSON: objects have `has_NAME` beside each list; an empty
-/// text, as in a page's own script, is nothing; every other one is plain (plain_text).
+/// text is nothing; every other one is plain (plain_text).
 TemplateData template_data(const nlohmann::ordered_json& value);
 
 /// The text of a template with this data, escaped for HTML. Failure where it is no template.
@@ -37,7 +37,7 @@ std::string sections_html(const nlohmann::ordered_json& document,
                           const nlohmann::ordered_json& beside = {},
                           Medium medium = Medium::screen);
 
-/// The sections' template, which a page that makes itself again carries, and the style of all.
+/// The sections' template, and the style of all.
 std::string_view sections_template();
 std::string_view document_style();
 

@@ -72,8 +72,7 @@ std::string speed_text(const ProfileView& view) {
         text += fmt::format(
             " The current's component along the course, {}, has been subtracted from it.",
             speed_beside(verdict, *verdict.current_subtracted_m_s, unit_of(view), SafeSide::down));
-    if (verdict.own_arithmetic) text += " " + own_arithmetic_text(*verdict.own_arithmetic);
-    return text;
+    return text + " " + own_arithmetic_text(verdict.own_arithmetic);
 }
 
 std::string uncertainty_text(const ProfileView& view) {

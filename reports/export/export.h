@@ -14,14 +14,6 @@ namespace runcert {
 /// level. Text from outside is escaped for XML and, in descriptions, for HTML.
 std::string kml_text(const Track& track);
 
-/// GeoJSON (RFC 7946, whose heights are above the ellipsoid too): a feature for each arc, window
-/// and gate, with simplestyle colours.
-std::string geojson_text(const Track& track);
-
-/// GPX 1.1: a track of a segment for each arc. A point has `time` where the recording's time is
-/// absolute, and `ele` (above the ellipsoid, as the file's description says) where it was measured.
-std::string gpx_text(const Track& track);
-
 /// A table (ECSV, named `where` in messages) as plain CSV: one header row, no comments, LF. Numbers
 /// stay; text that a spreadsheet would take for a formula gets an apostrophe before it.
 std::string csv_text(std::string_view table, const std::string& where);

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <nlohmann/json.hpp>
+#include <kainjow/mustache.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 #include <utility>
@@ -14,91 +12,13 @@
 namespace runcert {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// The number whose shortest text has no more than so many decimals.
-double written(double value, int decimals) {
-    return parse_double(format_fixed(value, decimals)).value();
-}
-
-Json position(const TrackPoint& point) {
-    Json json{written(point.longitude_deg, degree_decimals),
-              written(point.latitude_deg, degree_decimals)};
-    if (point.height_m) json.push_back(written(*point.height_m, height_decimals));
-    return json;
-}
-
-Json geometry(const std::vector<TrackPoint>& points) {
-    if (points.size() == 1) return {{"type", "Point"}, {"coordinates", position(points.front())}};
-    Json coordinates = Json::array();
-    for (const TrackPoint& point : points)
-        coordinates.push_back(position(point));
-    return {{"type", "LineString"}, {"coordinates", std::move(coordinates)}};
-}
-
-/// What a fact is for programs: a number where its text is one, and its name says a unit or count.
-Json fact_value(const MapFact& fact) {
-    const bool number = fact.name.ends_with("_m_s") || fact.name.ends_with("_s") ||
-                        fact.name.ends_with("_epoch") || fact.name == "arc";
-    if (!number) return plain_text(fact.value);
-    if (const auto whole = parse_integer(fact.value)) return *whole;
-    if (const auto real = parse_double(fact.value)) return *real;
-    return plain_text(fact.value);
-}
-
-void add_feature(Json& features, const MapFeature& feature) {
-    Json properties{{"name", plain_text(feature.name)}};
-    for (const MapFact& fact : feature.facts)
-        properties[fact.name] = fact_value(fact);
-    properties["stroke"] = "#" + feature.style.rgb;
-    properties["stroke-width"] = feature.style.width;
-    features.push_back({{"type", "Feature"},
-                        {"properties", std::move(properties)},
-                        {"geometry", geometry(feature.points)}});
-}
-
-/// Milliseconds, or all nine decimals where they do not hold the time.
-std::string time_text(GpsTime instant) {
-    constexpr std::int64_t nanoseconds_per_millisecond = 1'000'000;
-    return to_utc_iso(instant, instant.nanoseconds() % nanoseconds_per_millisecond == 0 ? 3 : 9);
-}
-
 void add_text(pugi::xml_node parent, const char* name, const std::string& text) {
     parent.append_child(name).text().set(plain_text(text).c_str());
 }
 
-void add_point(pugi::xml_node segment, const TrackPoint& point) {
-    pugi::xml_node node = segment.append_child("trkpt");
-    node.append_attribute("lat") = format_fixed(point.latitude_deg, degree_decimals).c_str();
-    node.append_attribute("lon") = format_fixed(point.longitude_deg, degree_decimals).c_str();
-    if (point.height_m) add_text(node, "ele", format_fixed(*point.height_m, height_decimals));
-    if (point.instant) add_text(node, "time", time_text(*point.instant));
-}
-
-pugi::xml_node begin_xml(pugi::xml_document& xml, const char* root) {
-    pugi::xml_node declaration = xml.append_child(pugi::node_declaration);
-    declaration.append_attribute("version") = "1.0";
-    declaration.append_attribute("encoding") = "UTF-8";
-    return xml.append_child(root);
-}
-
-std::string text_of(const pugi::xml_document& xml) {
-    std::ostringstream out;
-    xml.save(out, "  ", pugi::format_default, pugi::encoding_utf8);
-    return out.str();
-}
-
-/// Text from outside for what others show as HTML: plain, with &, <, > and quotes as entities.
+/// Text from outside for what others show as HTML.
 std::string html_text(std::string_view text) {
-    constexpr std::pair<char, std::string_view> entities[] = {
-        {'&', "&amp;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'"', "&quot;"}, {'\'', "&#39;"}};
-    std::string html;
-    for (const char c : plain_text(text)) {
-        const auto* const entity =
-            std::ranges::find_if(entities, [c](const auto& one) { return one.first == c; });
-        html += entity == std::end(entities) ? std::string_view(&c, 1) : entity->second;
-    }
-    return html;
+    return kainjow::mustache::html_escape(plain_text(text));
 }
 
 /// KML's colours are opacity, blue, green, red.
@@ -122,8 +42,7 @@ void add_placemark(pugi::xml_node folder, const MapFeature& feature) {
     add_text(placemark, "name", feature.name);
     std::string description;  // programs take it for HTML
     for (const MapFact& fact : feature.facts)
-        if (!fact.label.empty())
-            description += fmt::format("{}: {}<br/>\n", fact.label, html_text(fact.value));
+        description += fmt::format("{}: {}<br/>\n", fact.label, html_text(fact.value));
     placemark.append_child("description").text().set(description.c_str());
     pugi::xml_node line = placemark.append_child("Style").append_child("LineStyle");
     add_text(line, "color", kml_colour(feature.style.rgb));
@@ -158,42 +77,9 @@ std::string csv_text(std::string_view table, const std::string& where) {
     return csv;
 }
 
-std::string geojson_text(const Track& track) {
-    Json features = Json::array();
-    for (const MapFeature::Kind kind :
-         {MapFeature::Kind::track, MapFeature::Kind::course, MapFeature::Kind::windows})
-        for (const MapFeature& feature : features_of(track, kind))
-            add_feature(features, feature);
-    Json lines = Json::array();
-    for (const std::string& line : about(track))
-        lines.push_back(plain_text(line));
-    const Json collection{{"type", "FeatureCollection"},
-                          {"name", plain_text(track.attempt)},
-                          {"about", std::move(lines)},
-                          {"features", std::move(features)}};
-    return collection.dump(1) + "\n";
-}
-
-std::string gpx_text(const Track& track) {
-    pugi::xml_document xml;
-    pugi::xml_node gpx = begin_xml(xml, "gpx");
-    gpx.append_attribute("version") = "1.1";
-    gpx.append_attribute("creator") = "runcert";
-    gpx.append_attribute("xmlns") = "http://www.topografix.com/GPX/1/1";
-    pugi::xml_node trk = gpx.append_child("trk");
-    add_text(trk, "name", track.attempt);
-    add_text(trk, "desc", fmt::format("{}", fmt::join(about(track), " | ")));
-    for (const TrackArc& arc : track.arcs) {
-        pugi::xml_node segment = trk.append_child("trkseg");
-        for (const TrackPoint& point : arc.points)
-            add_point(segment, point);
-    }
-    return text_of(xml);
-}
-
 std::string kml_text(const Track& track) {
     pugi::xml_document xml;
-    pugi::xml_node kml = begin_xml(xml, "kml");
+    pugi::xml_node kml = xml.append_child("kml");
     kml.append_attribute("xmlns") = "http://www.opengis.net/kml/2.2";
     pugi::xml_node document = kml.append_child("Document");
     add_text(document, "name", track.attempt);
@@ -211,7 +97,9 @@ std::string kml_text(const Track& track) {
         for (const MapFeature& feature : features)
             add_placemark(folder, feature);
     }
-    return text_of(xml);
+    std::ostringstream out;
+    xml.save(out, "  ", pugi::format_default, pugi::encoding_utf8);
+    return out.str();
 }
 
 }  // namespace runcert

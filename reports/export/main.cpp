@@ -70,10 +70,7 @@ std::string map_text(StageRun& run, const Receiver& receiver, const Options& opt
         input.windows = &windows;
         input.verdict = &verdict;
     }
-    const Track track = track_of(input);
-    if (options.format == "kml") return kml_text(track);
-    if (options.format == "gpx") return gpx_text(track);
-    return geojson_text(track);
+    return kml_text(track_of(input));
 }
 
 std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
@@ -126,8 +123,8 @@ int main(int argc, char** argv) {
         [&](CommandLine& line) {
             line.text("RUN_DIR", options.run_dir, "folder of a certified run",
                       CommandLine::Need::required);
-            line.word("--format", options.format, "kml, geojson, gpx or csv",
-                      {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
+            line.word("--format", options.format, "kml or csv", {"kml", "csv"},
+                      CommandLine::Need::required);
             line.text("--out", options.out, "file to write, - for standard output");
             line.word("--table", options.table, "of csv: which table",
                       {"observations", "imu", "surface", "enu", "screened", "trajectory",

@@ -80,10 +80,7 @@ std::vector<TrackArc> arcs_of(const TrackInput& input, const ToTheEarth& earth) 
     };
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const bool placed = rows[i].arc && rows[i].east_m && rows[i].north_m;
-        // An unknown step of the positions is a gap on the map: there is no track across it.
-        if (!placed || (!arc_rows.empty() &&
-                        (rows[arc_rows.back()].arc != rows[i].arc || begins_after_step(rows[i]))))
-            finish();
+        if (!placed || (!arc_rows.empty() && rows[arc_rows.back()].arc != rows[i].arc)) finish();
         if (placed) arc_rows.push_back(i);
     }
     finish();
@@ -154,18 +151,6 @@ std::vector<TrackGate> gates_of(const Attempt& attempt) {
 }
 
 }  // namespace
-
-std::string_view to_text(TrackWindowKind kind) {
-    switch (kind) {
-        case TrackWindowKind::best:
-            return "window";
-        case TrackWindowKind::further:
-            return "further_window";
-        case TrackWindowKind::refused:
-            return "refused_window";
-    }
-    return {};
-}
 
 Track track_of(const TrackInput& input) {
     const TrajectoryTable& trajectory = *input.trajectory;

@@ -7,7 +7,7 @@
 
 #include "reports/export/track.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 
@@ -33,7 +33,6 @@ enum class TrackWindowKind {
     further,  ///< with the best makes the figure of a rule that takes several
     refused   ///< the fastest of the raw positions, which cannot be certified
 };
-std::string_view to_text(TrackWindowKind kind);
 
 /// A window of a rule on the track.
 struct TrackWindow {
@@ -81,10 +80,9 @@ struct TrackInput {
 /// where the run is in engineering coordinates, or a window's epoch is not in the trajectory.
 Track track_of(const TrackInput& input);
 
-/// A fact of a feature on the map, its value as text.
+/// A fact of a feature on the map.
 struct MapFact {
-    std::string name;   ///< for programs
-    std::string label;  ///< for people; empty where the feature's name says it already
+    std::string label;
     std::string value;
 };
 

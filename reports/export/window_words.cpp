@@ -29,9 +29,9 @@ std::string speed_words(const TrackWindow& window) {
     return fmt::format("{} {}", speed_text(window.speed_m_s, std::nullopt, unit), unit.name);
 }
 
-void add_time(std::vector<MapFact>& facts, const std::string& name, const std::string& label,
+void add_time(std::vector<MapFact>& facts, const std::string& label,
               const std::optional<GpsTime>& instant) {
-    if (instant) facts.push_back({name, label, to_utc_iso(*instant)});
+    if (instant) facts.push_back({label, to_utc_iso(*instant)});
 }
 
 std::string name_of(const TrackWindow& window) {
@@ -50,46 +50,40 @@ std::string name_of(const TrackWindow& window) {
 std::vector<MapFact> facts_of(const TrackWindow& window) {
     const bool certified = window.kind != TrackWindowKind::refused;
     std::vector<MapFact> facts{
-        {"kind", "", std::string(to_text(window.kind))},
-        {"rule", "Rule", window.verdict->profile},
-        {"body", "Body", window.verdict->body},
-        {"title", "Title", window.verdict->title},
-        {"definition", "Speed defined as", std::string(to_text(window.verdict->definition))},
-        {"rule_outcome", "", std::string(to_text(window.verdict->outcome))}};
+        {"Rule", window.verdict->profile},
+        {"Body", window.verdict->body},
+        {"Title", window.verdict->title},
+        {"Speed defined as", std::string(to_text(window.verdict->definition))}};
     if (certified) {
-        facts.push_back(
-            {"outcome_title", "Outcome", outcome_words(state_of(*window.verdict)).title});
-        facts.push_back({"reason", "Why", window.verdict->reason});
+        facts.push_back({"Outcome", outcome_words(state_of(*window.verdict)).title});
+        facts.push_back({"Why", window.verdict->reason});
     }
-    facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_m_s, speed_decimals)});
+    facts.push_back({"Speed (m/s)", format_fixed(window.speed_m_s, speed_decimals)});
     if (window.expanded_uncertainty_m_s)
-        facts.push_back({"expanded_uncertainty_m_s", "Expanded uncertainty, k = 2 (m/s)",
+        facts.push_back({"Expanded uncertainty, k = 2 (m/s)",
                          format_fixed(*window.expanded_uncertainty_m_s, speed_decimals)});
-    facts.push_back({"speed_shown", "", speed_words(window)});
     if (!window.refusals.empty())
-        facts.push_back({"refused_because", "Not certified, because",
-                         fmt::format("{}", fmt::join(window.refusals, "; "))});
+        facts.push_back(
+            {"Not certified, because", fmt::format("{}", fmt::join(window.refusals, "; "))});
     if (window.span.start_gps) {
-        add_time(facts, "start_utc", "Begins (UTC)", window.span.start_gps);
-        add_time(facts, "end_utc", "Ends (UTC)",
+        add_time(facts, "Begins (UTC)", window.span.start_gps);
+        add_time(facts, "Ends (UTC)",
                  window.span.start_gps->plus_nanoseconds(window.span.duration.nanoseconds));
     }
-    facts.push_back({"start_time_s", "Begins (s after the first epoch)",
-                     format_fixed(window.span.start.seconds(), 3)});
     facts.push_back(
-        {"duration_s", "Duration (s)", format_fixed(window.span.duration.seconds(), 3)});
-    facts.push_back({"first_epoch", "First epoch", std::to_string(window.span.first_epoch)});
-    facts.push_back({"last_epoch", "Last epoch", std::to_string(window.span.last_epoch)});
+        {"Begins (s after the first epoch)", format_fixed(window.span.start.seconds(), 3)});
+    facts.push_back({"Duration (s)", format_fixed(window.span.duration.seconds(), 3)});
+    facts.push_back({"First epoch", std::to_string(window.span.first_epoch)});
+    facts.push_back({"Last epoch", std::to_string(window.span.last_epoch)});
     return facts;
 }
 
 std::vector<MapFact> facts_of(const TrackArc& arc) {
-    std::vector<MapFact> facts{{"kind", "", "track"}, {"arc", "", std::to_string(arc.number)}};
-    add_time(facts, "start_utc", "Begins (UTC)", arc.points.front().instant);
-    add_time(facts, "end_utc", "Ends (UTC)", arc.points.back().instant);
-    facts.push_back({"start_time_s", "Begins (s after the first epoch)",
-                     format_fixed(arc.points.front().time.seconds(), 3)});
-    facts.push_back({"end_time_s", "", format_fixed(arc.points.back().time.seconds(), 3)});
+    std::vector<MapFact> facts;
+    add_time(facts, "Begins (UTC)", arc.points.front().instant);
+    add_time(facts, "Ends (UTC)", arc.points.back().instant);
+    facts.push_back(
+        {"Begins (s after the first epoch)", format_fixed(arc.points.front().time.seconds(), 3)});
     return facts;
 }
 
@@ -113,10 +107,8 @@ std::vector<MapFeature> features_of(const Track& track, MapFeature::Kind kind) {
                                 arc.points});
     if (kind == MapFeature::Kind::course)
         for (const TrackGate& gate : track.gates)
-            features.push_back({fmt::format("{} line", gate.name),
-                                {"000000", 4},
-                                {{"kind", "", "gate"}},
-                                {gate.left, gate.right}});
+            features.push_back(
+                {fmt::format("{} line", gate.name), {"000000", 4}, {}, {gate.left, gate.right}});
     if (kind == MapFeature::Kind::windows)
         for (const TrackWindow& window : track.windows)
             features.push_back(

@@ -1,7 +1,7 @@
 "use strict";
 // Begins what the page does by itself, once every script of the page has been read.
 
-/** Checks the page as it was loaded, and only then touches it: tables first, charts after. */
+/** Checks the page, and only then touches it: tables first, charts after. */
 async function startPage() {
   await selfCheck();
   makeTablesSortable();

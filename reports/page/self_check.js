@@ -1,13 +1,15 @@
 "use strict";
-// The page checks itself: it is made again from the signed JSON, compared with what was loaded, and
-// shown in its place; at the top it says what came out, and what the signatures are.
+// The page checks the report that it carries: its signatures, and the hashes of script, style sheet
+// and drawings that it names. At the top it says what came out, and what was not compared.
 
 const checkStates = {
-  valid: { mark: "✓", title: "This page shows what was signed." },
+  valid: { mark: "✓", title: "The report inside this page is signed." },
   tampered: { mark: "✗", title: "DO NOT TRUST THIS PAGE." },
   unsigned: { mark: "!", title: "UNSIGNED: nobody answers for this report." },
   unchecked: { mark: "?", title: "UNCHECKED: this page could not check who signed." },
 };
+
+const notCompared = "What you read here was not compared with the report inside this page: runcert verify does that.";
 
 const whoseKey = "Only you can know whose key this is: compare it with the key that the signer gave " +
   "you. A page cannot vouch for itself: whoever can change it can change this check; runcert verify " +
@@ -18,6 +20,21 @@ const standingNote = ({ roster_sha256: roster }) => "Its standing, and who answe
   "computed when the page was made, " + (roster ? `with the roster of keys whose SHA-256 is ${roster}` : "without a roster of keys") +
   ". Only runcert verify with a roster of your own says whether they hold.";
 
+/** JSON in which every number stays the text that it was written as: "1.0" is shown as 1.0. */
+function parseWithNumbersAsWritten(json) {
+  const stringOrNumber = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+  return JSON.parse(json.replace(stringOrNumber,
+    (token) => token.startsWith("\"") ? token : `"${token}"`));
+}
+
+/**
+ * A text without what has no place in a page: control characters, what is not seen or turns the
+ * direction of writing, and what is no character. As plain_text of the program, whose Unicode is 15.1.
+ */
+const withoutControls = (text) => text.replace(/[\r\n\t]/g, " ")
+  .replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, "\ufffd")
+  .replace(/[\p{Default_Ignorable_Code_Point}\p{Noncharacter_Code_Point}]/gu, "\ufffd");
+
 /** The text of the one element with an id. PageFault where there is none, or more than one. */
 function embeddedText(id) {
   const found = document.querySelectorAll(`#${id}`);
@@ -25,57 +42,45 @@ function embeddedText(id) {
   return found[0].textContent;
 }
 
-/** The embedded report: its text as signed, and its predicate with numbers as written. */
-function embeddedReport() {
-  const json = embeddedText("report-json");
-  try {
-    return { json, predicate: parseWithNumbersAsWritten(json).predicate };
-  } catch (error) {
-    throw new PageFault("the report inside this page is not JSON: it was changed");
-  }
-}
-
 /** What stands in a part of the page, read as JSON. */
 function embeddedPart(id) {
+  const text = embeddedText(id);
   try {
-    return parseWithNumbersAsWritten(embeddedText(id));
+    return parseWithNumbersAsWritten(text);
   } catch (error) {
-    throw error instanceof PageFault ? error : new PageFault(`the part “${id}” of this page was changed`);
+    throw new PageFault(`the part “${id}” of this page is not JSON: it was changed`);
   }
 }
 
-/** The page as it was made, and all in which the loaded one differs from it, in words: {made, faults}. */
-function comparePage(json, predicate, signatureFiles, standing) {
-  const page = document.documentElement;
-  const script = embeddedText("page-script");
-  const { sources, faults } = signedPictures(page, predicate.figures);
-  const shown = standing.with_files === true ? { ...predicate, document: predicate.with_files.document } : predicate;
-  const made = renderPage(shown, signersOf(signatureFiles), sources,
-    { report_json: json, signature_files: embeddedText("signature-files"), standing: embeddedText("standing"), script },
-    standing.slots || {});
-  if (hexOf(nobleHashes.sha256(utf8Bytes(script))) !== predicate.page.script_sha256)
-    faults.unshift("the script of this page is not the one that the report names");
-  const [first, ...beside] = document.childNodes;
-  if (first?.nodeType !== Node.DOCUMENT_TYPE_NODE || document.compatMode !== "CSS1Compat" ||
-      document.characterSet !== "UTF-8" || beside.length !== 1)
-    faults.push("the file holds more than the page that was made, or begins otherwise");
-  const difference = firstDifference(page, made.documentElement);
-  return { made, faults: difference === null ? faults : [difference, ...faults] };
+/** The embedded report: its text as signed, and its predicate with numbers as written. */
+const embeddedReport = () =>
+  ({ json: embeddedText("report-json"), predicate: embeddedPart("report-json").predicate });
+
+const sha256Of = (text) => hexOf(nobleHashes.sha256(utf8Bytes(text)));
+
+/** What of the page is not what the report names by its hash, in words. */
+function otherParts({ page, figures }) {
+  const faults = [];
+  if (sha256Of(embeddedText("page-script")) !== page.script_sha256)
+    faults.push("the script of this page is not the one that the report names");
+  if (sha256Of(document.querySelector("style")?.textContent ?? "") !== page.style_sha256)
+    faults.push("the style sheet of this page is not the one that the report names");
+  const begin = "data:image/svg+xml;base64,";
+  figures.forEach(({ drawing_sha256: hash }, index) => {
+    const source = document.querySelector(`#figure-${index} > .drawing > img`)?.getAttribute("src") ?? "";
+    if (!source.startsWith(begin) ||
+        hexOf(nobleHashes.sha256(bytesOfBase64(source.slice(begin.length), "drawing"))) !== hash)
+      faults.push(`drawing ${index + 1} was changed`);
+  });
+  return faults;
 }
 
-/** Shows the page as it was made in place of the loaded one. Returns what was hidden in that. */
-function showAsMade(made) {
-  const loaded = document.documentElement;
-  document.replaceChild(document.adoptNode(made.documentElement), loaded);
-  return hiddenTrees(loaded);
-}
-
-/** The state of the page with its faults and what is known of each signature. Shows it as it was made. */
+/** The state of the page with its faults and what is known of each signature. */
 async function findingsOfPage() {
   const { json, predicate } = embeddedReport();
   const signatureFiles = embeddedPart("signature-files");
   const standing = embeddedPart("standing");
-  const { made, faults } = comparePage(json, predicate, signatureFiles, standing);
+  const faults = otherParts(predicate);
   const canVerify = await browserKnowsEd25519();
   const identity = { report: predicate.report_id, attempt: predicate.attempt.id };
   const signatures = canVerify
@@ -89,7 +94,6 @@ async function findingsOfPage() {
   if (!canVerify && signatureFiles.length > 0)
     notes.push("This browser cannot verify Ed25519 signatures (WebCrypto). Open the page in a newer " +
       "one, or use runcert verify.");
-  faults.push(...showAsMade(made));
   const valid = signatures.filter(({ state }) => state === "valid");
   const state = faults.length > 0 ? "tampered" : signatureFiles.length === 0 ? "unsigned"
     : valid.length > 0 ? "valid" : "unchecked";
@@ -112,7 +116,7 @@ function describeSigner({ role, time, keyId, fingerprint, publicKey, file }) {
 
 function showFindings({ state, faults, notes, valid, answered }) {
   const { mark, title: plain } = checkStates[state];
-  const title = state === "valid" && answered ? "This page shows what was signed, and a standing that was not." : plain;
+  const title = state === "valid" && answered ? "The report inside this page is signed; the standing shown is not." : plain;
   const sign = makeElement("span", "check-mark", mark);
   sign.setAttribute("aria-hidden", "true");
   const parts = [makeElement("p", "check-title", sign, " ", makeElement("strong", "", title))];
@@ -121,9 +125,7 @@ function showFindings({ state, faults, notes, valid, answered }) {
   if (faults.length > 0)
     parts.push(makeElement("p", "", "What is wrong:"), list(faults, "check-faults"));
   if (notes.length > 0) parts.push(list(notes, "check-notes"));
-  if (state !== "tampered" && state !== "valid")
-    parts.push(makeElement("p", "", "The text and the drawings of this page are those of the report " +
-      "inside it."));
+  if (state !== "tampered") parts.push(makeElement("p", "", notCompared));
   if (state === "valid") parts.push(...valid.map(describeSigner));
   parts.push(makeElement("p", "check-whose", state === "valid" ? whoseKey
     : "A page cannot vouch for itself: runcert verify decides."));
@@ -134,7 +136,7 @@ function showFindings({ state, faults, notes, valid, answered }) {
 }
 
 /**
- * Checks the page as it was loaded and says what came out, in #self-check and as
+ * Checks the page and says what came out, in #self-check and as
  * <html data-check="valid | tampered | unsigned | unchecked">. Returns that state. Trouble of any
  * kind is shown as trouble.
  */

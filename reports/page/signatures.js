@@ -20,8 +20,6 @@ const asciiText = (bytes) => String.fromCharCode(...bytes);
 const base64Of = (bytes) => btoa(asciiText(bytes));
 const hexOf = (bytes) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 
-const bytesOfHex = (text) => Uint8Array.from(text.match(/[0-9a-f]{2}/g) || [], (byte) => parseInt(byte, 16));
-
 /** The bytes of a line of base64 (RFC 4648 section 4, padded, no unused bits set). */
 function bytesOfBase64(text, what) {
   let binary = "";
@@ -138,30 +136,6 @@ function readSshSignature(text) {
 }
 
 const isSshSignature = (text) => text.startsWith("-----BEGIN SSH SIGNATURE-----");
-
-/**
- * Who signed, as the page's template gets it: file, key_id (minisign: 16 upper-case hexadecimal
- * digits; ssh: fingerprint), role ("" where none is stated), signed_at ("" for ssh). PageFault,
- * with the file, where one is no signature.
- */
-function signersOf(signatureFiles) {
-  return signatureFiles.map(({ file, text }) => {
-    try {
-      return signerOf(file, text);
-    } catch (error) {
-      throw error instanceof PageFault ? new PageFault(`${file}: ${error.message}`) : error;
-    }
-  });
-}
-
-function signerOf(file, text) {
-  if (isSshSignature(text)) {
-    const { blob, role } = readSshSignature(text);
-    return { file, key_id: sshFingerprint(blob), role, signed_at: "" };
-  }
-  const { keyId, fields } = readMinisign(text);
-  return { file, key_id: keyId, role: fields.role || "", signed_at: fields.signed || "" };
-}
 
 /** Whether a signature holds; a key that is none makes it not hold. */
 async function ed25519Holds(key, signature, message) {

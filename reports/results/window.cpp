@@ -39,9 +39,6 @@ void add_best_facts(Block& list, const RuleView& rule) {
     add_fact(list, "Windows compared", counted(rule.windows->candidates));
     if (best.length_m)
         add_fact(list, "Length that the speed is of", format_fixed(*best.length_m, 3) + " m");
-    if (best.repaired_steps > 0)
-        add_fact(list, "Steps inside it, bridged with their offsets as unknowns",
-                 counted(best.repaired_steps));
 }
 
 /// The rule's speed where it is none of the four definitions; empty where it is one.

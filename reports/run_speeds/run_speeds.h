@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "schemas/profile/profile.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 

@@ -6,7 +6,7 @@
 
 #include "schemas/observations/observations.h"
 #include "schemas/screened_phase/declared.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 
 // What a recording says of itself, and what its phases and the estimate show.

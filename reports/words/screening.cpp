@@ -72,7 +72,7 @@ std::string other_moments_text(const VelocityComparison& velocity) {
 std::string unfit_text(const VelocityComparison& velocity) {
     if (!velocity.unfit) return {};
     return fmt::format("they contradict the positions at {:.3g} % of the epochs",
-                       100.0 * velocity.contradicted_share.value_or(1.0));
+                       100.0 * velocity.contradicted_share);
 }
 
 std::string velocity_comparison_text(const VelocityComparison& velocity) {

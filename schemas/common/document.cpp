@@ -6,7 +6,6 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "schemas/common/revision.h"
 #include "store/yaml_output.h"
 
 namespace runcert {
@@ -60,7 +59,8 @@ YamlValue read_document(std::string_view text, const std::string& where,
 }
 
 void check_document(const YamlValue& document, const DocumentSchema& schema) {
-    validate_revision(document, schema, check_version(document, schema));
+    check_version(document, schema);
+    schema.validate(document);
 }
 
 YamlValue parse_input(std::string_view text, const std::string& where,
@@ -68,22 +68,23 @@ YamlValue parse_input(std::string_view text, const std::string& where,
     YamlValue document(parse_yaml(text, where), where);
     require_shown(document);
     const std::string& name = schema.name();
-    const std::string remedy =
-        fmt::format("{} {} begins with \"schema: {}/{}\"", name == "attempt" ? "An" : "A", name,
-                    name, schema.version());
+    const std::string follows = fmt::format("{}/{}", name, schema.version());
+    const std::string remedy = fmt::format("{} {} begins with \"schema: {}\"",
+                                           name == "attempt" ? "An" : "A", name, follows);
     if (!document.is_map())
         document.fail(fmt::format("this is not {} {}", name == "attempt" ? "an" : "a", name),
                       remedy);
-    if (!written_revision(document, schema))
-        (document["schema"].exists() ? document["schema"] : document)
-            .fail("the file does not say that it follows " + known_revisions(schema), remedy);
+    const YamlValue written = document["schema"];
+    if (!written.exists() || written.text() != follows)
+        (written.exists() ? written : document)
+            .fail("the file does not say that it follows " + follows, remedy);
     return document;
 }
 
 YamlValue read_input(std::string_view text, const std::string& where,
                      const DocumentSchema& schema) {
     YamlValue document = parse_input(text, where, schema);
-    validate_revision(document, schema, *written_revision(document, schema));
+    schema.validate(document);
     return document;
 }
 

@@ -12,8 +12,7 @@ namespace runcert {
 /// Rounds every real number of a document to the decimals of the field table.
 void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& schema);
 
-/// Reads a YAML product: parses it, and checks its version and every field against the document's
-/// revision of `schema`.
+/// Reads a YAML product: parses it, and checks its version and every field against `schema`.
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema);
 
@@ -21,12 +20,12 @@ YamlValue read_document(std::string_view text, const std::string& where,
 void check_document(const YamlValue& document, const DocumentSchema& schema);
 
 /// Parses a file written by a person, whose first line names its schema ("attempt/1.0"). Failure,
-/// with its place, where it names none that this program knows. Failure also where a text in it
+/// with its place, where it names another. Failure also where a text in it
 /// contains a character that cannot be shown (hidden_character), literally or escaped.
 YamlValue parse_input(std::string_view text, const std::string& where,
                       const DocumentSchema& schema);
 
-/// Does what `parse_input` does, and checks every field against the file's revision of `schema`.
+/// Does what `parse_input` does, and checks every field against `schema`.
 YamlValue read_input(std::string_view text, const std::string& where, const DocumentSchema& schema);
 
 /// Writes a YAML product: sets its `schema`, rounds to the field table and checks the whole

@@ -6,7 +6,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/revision.h"
 
 namespace runcert {
 
@@ -70,7 +69,7 @@ Header read_header(const YamlValue& document) {
     return header;
 }
 
-std::int64_t check_version(const YamlValue& document, const DocumentSchema& expected) {
+void check_version(const YamlValue& document, const DocumentSchema& expected) {
     const std::string name = document["schema"]["name"].text();
     if (name != expected.name())
         throw Failure(document["schema"]["name"].place(),
@@ -78,14 +77,12 @@ std::int64_t check_version(const YamlValue& document, const DocumentSchema& expe
                                   escape_for_message(name), expected.name()),
                       "Give the file that the stage expects");
     const std::string version = document["schema"]["version"].text();
-    const auto found = parse_schema_version(version);
-    if (!found || found->model != version_of(expected).model)
+    if (version != expected.version())
         throw Failure(document["schema"]["version"].place(),
                       fmt::format("version \"{}\" of the schema {} is not known, this program "
                                   "reads {}",
                                   escape_for_message(version), name, expected.version()),
-                      "Use the version of the program that made the file, or a newer one");
-    return found->revision;
+                      "Certify the recording again with this program");
 }
 
 std::optional<GpsTime> read_gps_time(const YamlValue& value) {

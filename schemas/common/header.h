@@ -55,9 +55,9 @@ nlohmann::ordered_json header_json(const Header& header);
 /// Reads the header from a validated document.
 Header read_header(const YamlValue& document);
 
-/// Checks that a document follows the schema `expected` in a version that this program reads, with
-/// the same model. Returns its revision. A different schema or model is a Failure.
-std::int64_t check_version(const YamlValue& document, const DocumentSchema& expected);
+/// Checks that a document follows the schema `expected`, in the one version that there is of it.
+/// Another schema or version is a Failure.
+void check_version(const YamlValue& document, const DocumentSchema& expected);
 
 /// A GPS time in ISO form, empty where the value is missing. Failure with the value's place.
 std::optional<GpsTime> read_gps_time(const YamlValue& value);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "schemas/common/revision.h"
 #include "store/yaml_output.h"
 
 namespace runcert {
@@ -27,7 +26,6 @@ EcsvColumn read_column(const YamlValue& entry) {
         entry["type"].fail("\"" + type + "\" is not a type", "Use integer, real, boolean or text");
     column.unit = entry["unit"].text_or("");
     column.description = entry["description"].text();
-    column.must_understand = entry["required"].exists() && entry["required"].boolean();
     return column;
 }
 
@@ -35,6 +33,18 @@ EcsvColumn read_column(const YamlValue& entry) {
     throw Failure(reader.where(), what,
                   "The file is not as the program writes it; take the original, or run the stage "
                   "again");
+}
+
+/// The index of the column in the table.
+std::size_t match_column(const EcsvReader& reader, const EcsvColumn& expected) {
+    const auto found = std::ranges::find(reader.columns(), expected.name, &EcsvColumn::name);
+    if (found == reader.columns().end())
+        refuse(reader, fmt::format("the column \"{}\" is missing", expected.name));
+    if (found->type != expected.type || found->unit != expected.unit)
+        refuse(reader, fmt::format("the column \"{}\" is {} in \"{}\", expected {} in \"{}\"",
+                                   expected.name, ecsv_name(found->type), found->unit,
+                                   ecsv_name(expected.type), expected.unit));
+    return static_cast<std::size_t>(found - reader.columns().begin());
 }
 
 }  // namespace
@@ -46,47 +56,21 @@ TableSchema TableSchema::parse(std::string_view text, const std::string& where) 
 TableSchema TableSchema::read(const YamlNode& table, const std::string& where) {
     TableSchema schema;
     schema.meta_ = DocumentSchema::read(table, where, &header_schema());
-    for (const YamlValue& entry : schema.meta_.source()["columns"].list()) {
+    for (const YamlValue& entry : schema.meta_.source()["columns"].list())
         schema.columns_.push_back(read_column(entry));
-        schema.columns_since_.push_back(read_since(entry, version_of(schema.meta_)));
-    }
     return schema;
 }
 
-std::optional<std::size_t> TableSchema::match_column(const EcsvReader& reader,
-                                                     const EcsvColumn& expected, std::int64_t since,
-                                                     std::int64_t revision) const {
-    const auto found = std::ranges::find(reader.columns(), expected.name, &EcsvColumn::name);
-    if (found == reader.columns().end()) {
-        if (since > revision) return std::nullopt;
-        refuse(reader, fmt::format("the column \"{}\" is missing", expected.name));
-    }
-    if (since > revision)
-        refuse(reader,
-               fmt::format("the column \"{0}\" needs revision {1}.{2} of the schema {3}; "
-                           "the file follows {3}/{1}.{4}",
-                           expected.name, version_of(meta_).model, since, meta_.name(), revision));
-    if (found->type != expected.type || found->unit != expected.unit)
-        refuse(reader, fmt::format("the column \"{}\" is {} in \"{}\", expected {} in \"{}\"",
-                                   expected.name, ecsv_name(found->type), found->unit,
-                                   ecsv_name(expected.type), expected.unit));
-    return static_cast<std::size_t>(found - reader.columns().begin());
-}
-
-std::vector<std::optional<std::size_t>> TableSchema::match(const EcsvReader& reader) const {
+std::vector<std::size_t> TableSchema::match(const EcsvReader& reader) const {
     const YamlValue meta(reader.meta(), reader.where());
-    const std::int64_t revision = check_version(meta, meta_);
-    validate_revision(meta, meta_, revision);
-    std::vector<std::optional<std::size_t>> index;
-    for (std::size_t i = 0; i < columns_.size(); ++i)
-        index.push_back(match_column(reader, columns_[i], columns_since_[i], revision));
-    const bool newer = revision > version_of(meta_).revision;
-    for (const EcsvColumn& column : reader.columns()) {
-        const bool known =
-            std::ranges::find(columns_, column.name, &EcsvColumn::name) != columns_.end();
-        if (!known && (!newer || column.must_understand))
+    check_version(meta, meta_);
+    meta_.validate(meta);
+    std::vector<std::size_t> index;
+    for (const EcsvColumn& expected : columns_)
+        index.push_back(match_column(reader, expected));
+    for (const EcsvColumn& column : reader.columns())
+        if (std::ranges::find(columns_, column.name, &EcsvColumn::name) == columns_.end())
             refuse(reader, fmt::format("the column \"{}\" is not known", column.name));
-    }
     return index;
 }
 

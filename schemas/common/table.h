@@ -38,25 +38,18 @@ class TableSchema {
 
     const DocumentSchema& meta() const { return meta_; }
     const std::vector<EcsvColumn>& columns() const { return columns_; }
-    /// The revision in which each column was added.
-    const std::vector<std::int64_t>& columns_since() const { return columns_since_; }
 
     /// Checks a table's header against this schema. Returns, for each column of the schema, its
-    /// index in the table, empty for a column that the table's revision lacks. Failure for a column
-    /// that is missing, unknown, or of another type or unit. Unknown columns of a newer revision
-    /// are ignored unless marked as required.
-    std::vector<std::optional<std::size_t>> match(const EcsvReader& reader) const;
+    /// index in the table. Failure for a column that is missing, unknown, or of another type or
+    /// unit.
+    std::vector<std::size_t> match(const EcsvReader& reader) const;
 
     /// Starts a table with this header. Sets its `schema` and rounds its numbers.
     EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink) const;
 
   private:
-    std::optional<std::size_t> match_column(const EcsvReader& reader, const EcsvColumn& expected,
-                                            std::int64_t since, std::int64_t revision) const;
-
     DocumentSchema meta_;
     std::vector<EcsvColumn> columns_;
-    std::vector<std::int64_t> columns_since_;
 };
 
 namespace cell {
@@ -159,22 +152,13 @@ void read(const EcsvReader& in, std::size_t column, OptionalNumber<T>& value) {
 template <class Row>
 struct ColumnBinding {
     std::string name;
-    bool may_be_empty;
     void (*write)(EcsvWriter&, const Row&);
     void (*read)(const EcsvReader&, std::size_t, Row&);
 };
 
-template <class T>
-inline constexpr bool is_optional = false;
-template <class T>
-inline constexpr bool is_optional<std::optional<T>> = true;
-template <class T>
-inline constexpr bool is_optional<OptionalNumber<T>> = true;
-
 template <class Row, auto Member>
 ColumnBinding<Row> column(std::string name) {
-    return {std::move(name), is_optional<std::remove_cvref_t<decltype(Row{}.*Member)>>,
-            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
+    return {std::move(name), [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
                 cell::read(in, index, row.*Member);
             }};
@@ -183,7 +167,7 @@ ColumnBinding<Row> column(std::string name) {
 /// Binds a column to a member of a struct inside the row.
 template <class Row, auto Group, auto Member>
 ColumnBinding<Row> column(std::string name) {
-    return {std::move(name), is_optional<std::remove_cvref_t<decltype((Row{}.*Group).*Member)>>,
+    return {std::move(name),
             [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Group.*Member); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
                 cell::read(in, index, row.*Group.*Member);
@@ -201,15 +185,14 @@ class RowReader {
     /// file in messages.
     RowReader(const TableFormat<Row>& format, std::string_view text, const std::string& where)
         : reader_(text, where) {
-        const std::vector<std::optional<std::size_t>> index = format.schema().match(reader_);
+        const std::vector<std::size_t> index = format.schema().match(reader_);
         for (std::size_t i = 0; i < index.size(); ++i)
-            if (index[i]) cells_.push_back({format.bindings()[i].read, *index[i]});
+            cells_.push_back({format.bindings()[i].read, index[i]});
     }
 
     YamlValue meta() const { return YamlValue(reader_.meta(), reader_.where()); }
 
     /// Reads the next row into `row`. At the end it returns false and leaves `row` unchanged.
-    /// Members without a column in the table stay as they are.
     bool next(Row& row) {
         if (!reader_.next_row()) return false;
         for (const Cell& each : cells_)
@@ -241,15 +224,14 @@ struct OpenTable {
 template <class Row>
 class TableFormat {
   public:
-    /// The bindings must name every column of the schema, in its order. A column that an earlier
-    /// revision lacks must be bound to an optional. Failure otherwise.
+    /// The bindings must name every column of the schema, in its order. Failure
+    /// otherwise.
     TableFormat(const YamlNode& table, const std::string& where,
                 std::vector<ColumnBinding<Row>> bindings)
         : schema_(TableSchema::read(table, where)), bindings_(std::move(bindings)) {
         bool equal = bindings_.size() == schema_.columns().size();
         for (std::size_t i = 0; equal && i < bindings_.size(); ++i)
-            equal = bindings_[i].name == schema_.columns()[i].name &&
-                    (bindings_[i].may_be_empty || schema_.columns_since()[i] == 0);
+            equal = bindings_[i].name == schema_.columns()[i].name;
         if (!equal)
             throw Failure(where, "the struct of the rows does not follow the field table",
                           "This is a fault of the program; please report it");

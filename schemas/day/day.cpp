@@ -11,7 +11,6 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/document.h"
 #include "schemas/common/strict_texts.h"
-#include "schemas/day/merge.h"
 #include "store/yaml_output.h"
 
 namespace runcert {
@@ -20,7 +19,6 @@ YamlNode day_field_table_node();
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using Names = std::vector<std::string_view>;
 
 /// The keys of the field table of attempt that follow on a prefix, but those of its own.
@@ -54,46 +52,60 @@ std::string place_of_key(const YamlValue& map, const std::string& key) {
                               fmt::join(known, ", ")));
 }
 
+/// The keys of an attempt.
+const Names& own_names() {
+    static const Names names = attempt_names("", {"schema"});
+    return names;
+}
+
+/// The keys of an attempt, and those of a receiver that may stand beside them.
+const Names& known_names() {
+    static const Names names = [] {
+        Names all = own_names();
+        const Names of_receiver = attempt_names("receivers[].", {"id"});
+        all.insert(all.end(), of_receiver.begin(), of_receiver.end());
+        return all;
+    }();
+    return names;
+}
+
 void require_known_defaults(const YamlValue& defaults) {
-    static const Names known = attempt_names("", {"schema", "id"});
     for (const std::string& key : defaults.keys()) {
+        if (key == "receivers" || key == "recording")
+            throw Failure(place_of_key(defaults, key),
+                          fmt::format("\"{}\" cannot be the same for all attempts", key),
+                          "List the attempts with their recordings (`runcert new --day` writes "
+                          "them out); what all receivers have may stand in the defaults by itself");
         if (key == "id" || key == "schema")
             throw Failure(place_of_key(defaults, key),
                           fmt::format("\"{}\" cannot be the same for all attempts", key),
                           "Remove it from the defaults");
-        if (!holds(known, key)) refuse_key(defaults, key, known);
+        if (!holds(known_names(), key)) refuse_key(defaults, key, known_names());
     }
-    for (const YamlValue& receiver : defaults["receivers"].list())
-        if (!receiver.is_map() || receiver["id"].text_or("").empty())
-            receiver.fail("a receiver of the defaults has no id to be known by",
-                          "Give it the id that the attempts' receivers have");
 }
 
-/// A receiver of the keys that stand beside `recording`, which are taken out of the entry.
-Json receiver_of(Json& entry, const Json& defaults, const Names& receiver_names) {
-    const Json known = defaults.value("receivers", Json::array());
-    Json receiver = {{"id", known.empty() ? Json("primary") : known[0]["id"]}};
-    for (const std::string_view name : receiver_names)
-        if (const std::string key(name); entry.contains(key)) {
-            receiver[key] = entry[key];
-            entry.erase(key);
+/// Copies what the entry says and, of what it is silent of, the defaults say: the keys of an
+/// attempt, or those of a receiver.
+void copy_keys(const YamlNode& entry, const YamlNode& defaults, bool of_attempt,
+               YamlBuilder& builder) {
+    for (const YamlNode& from : {defaults, entry})
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            const std::string_view key = from.key(i).scalar();
+            const bool replaced = from.is_same_as(defaults) && entry[key].is_defined();
+            if (key == "id" || replaced || from.value(i).is_null() ||
+                holds(own_names(), key) != of_attempt)
+                continue;
+            builder.copy(from.key(i));
+            builder.copy(from.value(i));
         }
-    return receiver;
 }
 
-/// The keys of an attempt that is written in the day file.
-Json written_keys(const YamlValue& entry, const Json& defaults) {
-    static const Names own = attempt_names("", {"schema"});
-    static const Names receiver_names = attempt_names("receivers[].", {"id"});
-    static const Names known = [] {
-        Names all = own;
-        all.insert(all.end(), receiver_names.begin(), receiver_names.end());
-        return all;
-    }();
+/// The keys of an attempt that is written in the day file, but its id.
+YamlNode written_keys(const YamlValue& entry, const YamlValue& defaults) {
     const bool short_form = entry["recording"].exists();
     for (const std::string& key : entry.keys()) {
-        if (holds(own, key)) continue;
-        if (!holds(receiver_names, key)) refuse_key(entry, key, known);
+        if (holds(own_names(), key)) continue;
+        if (!holds(known_names(), key)) refuse_key(entry, key, known_names());
         if (!short_form)
             throw Failure(place_of_key(entry, key),
                           fmt::format("\"{}\" belongs to a receiver, and no recording is named "
@@ -104,11 +116,27 @@ Json written_keys(const YamlValue& entry, const Json& defaults) {
     if (short_form && entry["receivers"].exists())
         entry.fail("the entry has a recording and receivers",
                    "Write the recording in one of the receivers");
-    Json keys = Json::object();
-    for (const std::string& key : entry.keys())
-        keys[key] = attempt_keys(entry[key], holds(own, key) ? key : "receivers[]." + key);
-    if (short_form) keys["receivers"] = Json::array({receiver_of(keys, defaults, receiver_names)});
-    return over_defaults(defaults, keys);
+    for (const std::string& key : defaults.keys())
+        if (!short_form && !holds(own_names(), key))
+            entry.fail(fmt::format("the defaults have \"{}\" of a receiver, and the entry lists "
+                                   "its receivers",
+                                   key),
+                       "Write it in each receiver, and remove it from the defaults");
+    YamlBuilder builder;
+    builder.begin(YamlKind::map, entry.node().mark());
+    copy_keys(entry.node(), defaults.node(), true, builder);
+    if (short_form) {
+        builder.scalar("receivers", false, {});
+        builder.begin(YamlKind::list, {});
+        builder.begin(YamlKind::map, {});
+        builder.scalar("id", false, {});
+        builder.scalar("primary", false, {});
+        copy_keys(entry.node(), defaults.node(), false, builder);
+        (void)builder.end();
+        (void)builder.end();
+    }
+    (void)builder.end();
+    return std::move(builder).take();
 }
 
 /// Checks one entry by its lines of the field table. (`DocumentSchema` takes the first fault for
@@ -133,9 +161,10 @@ void validate_entry(const YamlValue& value) {
     }
 }
 
-void read_entry(const YamlValue& value, const Json& defaults, DayEntry& entry) {
+void read_entry(const YamlValue& value, const YamlValue& defaults, DayEntry& entry) {
     validate_entry(value);
     if (!value["attempt"].exists()) {
+        entry.id = value["id"].text_or("");
         entry.short_form = value["recording"].exists();
         entry.keys = written_keys(value, defaults);
         return;
@@ -188,12 +217,10 @@ DayFile read_day_file(std::string_view text, const std::string& where) {
         document["id"].fail(fmt::format("\"{}\" cannot be an id", escape_for_message(day.id)),
                             "Use 1 to 64 letters, digits, - and _, not beginning with -");
     require_known_defaults(document["defaults"]);
-    Json defaults = attempt_keys(document["defaults"]);
-    if (defaults.is_null()) defaults = Json::object();
     for (const YamlValue& value : document["attempts"].list()) {
         DayEntry entry{.line = value.node().mark().line + 1, .place = value.place()};
         try {
-            read_entry(value, defaults, entry);
+            read_entry(value, document["defaults"], entry);
         } catch (const Failure& failure) {
             entry.refused = failure;
         }
@@ -201,16 +228,14 @@ DayFile read_day_file(std::string_view text, const std::string& where) {
     }
     if (day.entries.empty())
         document["attempts"].fail("no attempt is listed",
-                                  "List at least one, e.g. - {recording: \"*.pos\"}");
+                                  "List at least one, e.g. - {recording: run.pos}");
     return day;
 }
 
-std::string attempt_text(const Json& keys, const std::string& comment) {
-    Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
-    const Json ordered = in_table_order(keys);
-    for (const auto& [key, value] : ordered.items())
-        attempt[key] = value;
-    return "# " + comment + "\n" + to_yaml_text(attempt);
+std::string attempt_text(const std::string& id, const YamlNode& keys, const std::string& comment) {
+    return fmt::format("# {}\nschema: {}/{}\nid: {}", comment, attempt_schema().name(),
+                       attempt_schema().version(), to_yaml_text(id)) +
+           plain_yaml_text(keys);
 }
 
 }  // namespace runcert

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,7 +8,7 @@
 
 #include "core/failure.h"
 #include "store/document_schema.h"
-#include "store/held_json.h"
+#include "store/yaml_node.h"
 
 namespace runcert {
 
@@ -17,12 +16,12 @@ namespace runcert {
 struct DayEntry {
     std::int64_t line = 0;  ///< of the day file, from 1
     std::string place{};    ///< "file:line:column", for messages
-    /// An attempt's file as it is written, or a pattern of such files; empty for an attempt that is
-    /// written in the day file itself.
+    /// An attempt's file as it is written; empty for an attempt that is written in the day file.
     std::string attempt{};
-    /// What is written here, and the defaults: the keys of an attempt but its schema, receivers
-    /// always as a list. The id, where there is one, and names of files may be patterns.
-    HeldJson keys{};
+    std::string id{};  ///< empty where it has none
+    /// What is written here, and the defaults: the keys of an attempt but its schema and id,
+    /// receivers always as a list.
+    YamlNode keys{};
     bool short_form = false;  ///< written with `recording` in place of `receivers`
     std::optional<Failure> refused = {};
 };
@@ -39,9 +38,8 @@ struct DayFile {
 /// looked at: `attempt_text` makes the text that `read_attempt` judges.
 DayFile read_day_file(std::string_view text, const std::string& where);
 
-/// The file of an attempt with those keys, of the newest revision of the schema attempt, its keys
-/// in the order of that field table. `comment` is its first line.
-std::string attempt_text(const nlohmann::ordered_json& keys, const std::string& comment);
+/// The file of an attempt with that id and those keys. `comment` is its first line.
+std::string attempt_text(const std::string& id, const YamlNode& keys, const std::string& comment);
 
 const DocumentSchema& day_schema();
 

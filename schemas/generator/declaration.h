@@ -11,7 +11,7 @@
 // The declaration of a product (`schemas/PRODUCT/v1.yaml`): every field, map, column and word once,
 // from which the build writes the structs, their readers and writers, and the field table.
 //
-//   schema, version   name and revision of the product
+//   schema, version   name and version of the product
 //   uses              products whose words, groups and maps are used here
 //   includes          headers that declare what is written by hand
 //   struct            name and about of what holds the whole product

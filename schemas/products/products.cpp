@@ -18,7 +18,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/screened_phase/declared.h"
 #include "schemas/surface/declared.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "store/ecsv.h"
@@ -37,8 +37,7 @@ YamlNode trajectory_field_table_node();
 YamlNode attitude_field_table_node();
 YamlNode windows_field_table_node();
 YamlNode verdict_field_table_node();
-YamlNode report_v1_table_node();
-YamlNode report_v1_0_table_node();
+YamlNode report_field_table_node();
 
 namespace {
 
@@ -99,7 +98,7 @@ const Product& product_of(std::string_view file, const std::string& where) {
         throw Failure(where,
                       fmt::format("\"{}\" is no product of a stage that this program knows",
                                   escape_for_message(file)),
-                      "Use the version of the program that made the file, or a newer one");
+                      "Certify the recording again with this program");
     return *found;
 }
 
@@ -117,11 +116,6 @@ Header read_product_header(std::string_view text, std::string_view file, const s
 
 void check_product(std::string_view text, std::string_view file, const std::string& where) {
     product_of(file, where).read(text, where);
-}
-
-std::string product_version(std::string_view file) {
-    return YamlValue(product_of(file, std::string(file)).field_table(), "field table")["version"]
-        .text();
 }
 
 const DocumentSchema& product_fields(std::string_view file) {
@@ -143,13 +137,7 @@ const DocumentSchema& product_fields(std::string_view file) {
 
 const DocumentSchema& report_field_table() {
     static const DocumentSchema schema =
-        DocumentSchema::read(report_v1_table_node(), "reports/certificate/v1.yaml");
-    return schema;
-}
-
-const DocumentSchema& first_report_field_table() {
-    static const DocumentSchema schema =
-        DocumentSchema::read(report_v1_0_table_node(), "reports/certificate/v1.0.yaml");
+        DocumentSchema::read(report_field_table_node(), "reports/certificate/v1.yaml");
     return schema;
 }
 

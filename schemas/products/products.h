@@ -20,15 +20,10 @@ Header read_product_header(std::string_view text, std::string_view file, const s
 /// schema that belongs to its name, of a version that is not known, or deviates from it anywhere.
 void check_product(std::string_view text, std::string_view file, const std::string& where);
 
-/// The version of that product's schema which this program writes.
-std::string product_version(std::string_view file);
-
 /// The fields of that product which stand outside a table's rows, as this program declares them.
 const DocumentSchema& product_fields(std::string_view file);
 
 /// The field table of a report's predicate.
 const DocumentSchema& report_field_table();
-/// That of revision 1.0, whose texts stood beside its figures where the later has a document.
-const DocumentSchema& first_report_field_table();
 
 }  // namespace runcert

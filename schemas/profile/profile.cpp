@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
 #include <set>
 #include <sstream>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/document.h"
+#include "schemas/profile/extends.h"
 #include "store/sha256.h"
+#include "store/yaml_output.h"
 
 namespace runcert {
 
@@ -27,7 +31,7 @@ const DocumentSchema& profile_schema() {
 
 namespace {
 
-/// Whether this very text is a revision of a rule that this program, or one before it, came with.
+/// Whether this very text is that of a rule that comes with the program.
 bool is_published(const Profile& profile) {
     static const std::set<std::string> lines = [] {
         std::istringstream table{std::string(published_rules_text("published_rules.txt"))};
@@ -285,7 +289,22 @@ ClauseLimit limit_of(Computation computation) {
 }
 
 std::string_view builtin_profile(std::string_view name) {
-    return builtin_profile_text(std::string(name) + ".yaml");
+    static std::mutex mutex;
+    static std::map<std::string, std::string> resolved;
+    const std::string file = std::string(name) + ".yaml";
+    const std::string_view text = builtin_profile_text(file);
+    if (text.empty()) return {};
+    const std::lock_guard lock(mutex);
+    const auto known = resolved.find(file);
+    return known != resolved.end()
+               ? known->second
+               : resolved.emplace(file, resolved_profile(text, file)).first->second;
+}
+
+std::string resolved_profile(std::string_view text, const std::string& where) {
+    const YamlValue document(parse_yaml(text, where), where);
+    if (!document.is_map() || !document["extends"].exists()) return std::string(text);
+    return plain_yaml_text(read_profile(text, where).written.node());
 }
 
 std::vector<std::string> builtin_profiles() {
@@ -300,7 +319,7 @@ void require_own_id(const Profile& profile, const std::string& where) {
     if (profile.origin == RuleOrigin::built_in || builtin_profile(profile.id).empty()) return;
     throw Failure(where,
                   fmt::format("the id \"{}\" is that of a rule that comes with the program, and "
-                              "this text (SHA-256 {}...) is no published revision of it",
+                              "this text (SHA-256 {}...) is not that rule's",
                               profile.id, profile.sha256.substr(0, 16)),
                   "Claim the program's rule by its id alone; give a rule of your own another id, "
                   "and its file the same name");
@@ -328,9 +347,12 @@ ErrorFloors read_members(const YamlValue& map) {
 }
 
 Profile read_profile(std::string_view text, const std::string& where) {
-    const YamlValue document = read_input(text, where, profile_schema());
+    const YamlValue as_written = parse_input(text, where, profile_schema());
+    const YamlValue document = extended(as_written);
+    profile_schema().validate(document);
     Profile profile{read_members<ProfileDocument>(document)};
-    profile.sha256 = sha256_hex(text);
+    profile.sha256 = sha256_hex(as_written["extends"].exists() ? plain_yaml_text(document.node())
+                                                               : std::string(text));
     profile.written = document;
     profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
     if (profile.evidence)

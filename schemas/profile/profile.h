@@ -25,12 +25,12 @@ struct FigureOverride {
 /// A body's rule for one kind of record, `schemas/profile/v1.yaml`: as it is written, and what
 /// follows from that.
 struct Profile : ProfileDocument {
-    std::string sha256 = {};  ///< of its text
+    std::string sha256 = {};  ///< of its resolved text
     RuleOrigin origin = RuleOrigin::own;
     std::optional<double> accuracy_limit_m_s = std::nullopt;
     double margin = 0.0;                         ///< m/s, a fraction, or s
     std::vector<FigureOverride> overrides = {};  ///< that were applied
-    YamlValue written{YamlNode(), ""};           ///< the whole of its text
+    YamlValue written{YamlNode(), ""};           ///< the whole of its resolved text
 };
 
 /// What a computation compares with: whether the figure may be at most the clause's limit, and the
@@ -53,15 +53,20 @@ void override_figure(Profile& profile, FigureOverride figure);
 
 const DocumentSchema& profile_schema();
 
-/// Reads and checks a profile; Failure with file, line and column on any deviation.
+/// Reads and checks a profile, and what it has from the rules that it extends; Failure with file,
+/// line and column on any deviation.
 Profile read_profile(std::string_view text, const std::string& where);
+
+/// The text of a profile with all that it has from the rules that it extends written out, and
+/// checked; one that extends none as it is. Failure as of `read_profile`.
+std::string resolved_profile(std::string_view text, const std::string& where);
 
 /// Failure where a profile of one's own has the id of a rule that comes with the program: a title
 /// would then speak of a body's rule that is not the body's.
 void require_own_id(const Profile& profile, const std::string& where);
 
-/// The text of the profile of that name that comes with the program ("nalsa", "fisly"); empty if
-/// there is none.
+/// The resolved text of the profile of that name that comes with the program ("nalsa", "fisly");
+/// empty if there is none.
 std::string_view builtin_profile(std::string_view name);
 
 /// What the program itself asks under every rule, beside the rule's clauses.

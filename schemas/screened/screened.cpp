@@ -10,7 +10,7 @@ namespace runcert {
 namespace {
 
 std::optional<Hypothesis> decided_for(std::optional<ArcBreak> arc_break) {
-    if (arc_break == ArcBreak::step || arc_break == ArcBreak::bridged) return Hypothesis::step;
+    if (arc_break == ArcBreak::step) return Hypothesis::step;
     if (arc_break == ArcBreak::ramp) return Hypothesis::ramp;
     if (arc_break == ArcBreak::time_shift) return Hypothesis::time_shift;
     return std::nullopt;

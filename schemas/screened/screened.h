@@ -28,8 +28,7 @@ constexpr bool is_out_of_time(const ScreenedEpoch& row) {
 bool rests_on(Reason reason, std::string_view what);
 
 /// Rows by reason, arcs and usable rows, counted from the rows; and how often each hypothesis was
-/// decided for: by the hypothesis of a row that a test rejected, by the break before a row (bridged
-/// is a step).
+/// decided for: by the hypothesis of a row that a test rejected, by the break before a row.
 struct ScreeningSummary {
     std::int64_t usable = 0;
     std::int64_t arcs = 0;

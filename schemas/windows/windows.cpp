@@ -48,8 +48,7 @@ WindowRule rule_of(const Profile& profile) {
             .alpha = profile.alpha,
             .proximity_m = profile.proximity_m,
             .turn_deg = profile.turn_deg,
-            .within = as_written(profile.written["window"]["within"]),
-            .repaired_steps = profile.repaired_steps};
+            .within = as_written(profile.written["window"]["within"])};
 }
 
 LinearisationJudgement judge_linearisation(const CertifiableWindow& window) {

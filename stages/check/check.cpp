@@ -150,7 +150,7 @@ std::string shown_though_refused(const ClauseContext& context) {
 /// Why the times of a recording rule a certificate out: too many of them contradict the others.
 std::string refused_for_times(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
-    const std::int64_t left_out = judged.tests.time.left_out.value_or(0);
+    const std::int64_t left_out = judged.tests.time.left_out;
     const std::int64_t epochs = std::ssize(judged.trajectory);
     const double share = static_cast<double>(left_out) / static_cast<double>(epochs);
     const double share_max = context.input.attempt.parameters.screen.time_share_max;
@@ -343,7 +343,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         case Outcome::not_beaten:
             return sentence("measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
-            if (context.decision->by_uncertainty.value_or(0.0) >= context.decision->level)
+            if (context.decision->by_uncertainty >= context.decision->level)
                 return sentence(
                            "measured speed exceeds the required speed beyond its uncertainty, but "
                            "an error that nothing found is too probable") +

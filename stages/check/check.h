@@ -9,7 +9,7 @@
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/ground.h"

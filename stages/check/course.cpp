@@ -27,7 +27,6 @@ struct Place {
     Vector3d position_m, velocity_m_s;
     Vector3d variance;  ///< of the position, m^2
     Vector3d velocity_variance;
-    Vector3d step_variance = Vector3d::Zero();  ///< of the offsets removed since the first place
 
     double speed_m_s() const { return velocity_m_s.head<2>().norm(); }
 };
@@ -58,29 +57,12 @@ Place place_of(const TrajectoryEpoch& row, std::size_t index, const CourseErrors
 std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t first_row,
                              std::size_t last_row, const CourseErrors& errors) {
     std::vector<Place> places;
-    Vector3d offset = Vector3d::Zero();
     for (std::size_t i = first_row; i <= last_row; ++i) {
         const TrajectoryEpoch& row = rows[i];
         if (!row.arc || !row.east_m || !row.north_m || !row.velocity_east_m_s ||
             !row.velocity_north_m_s)
             continue;
-        Place place = place_of(row, i, errors);
-        place.position_m -= offset;
-        if (!places.empty()) {
-            const Place& last = places.back();
-            place.step_variance = last.step_variance;
-            if (begins_after_step(row)) {
-                const double time_s = place.time_s - last.time_s;
-                const Vector3d moved = 0.5 * time_s * (last.velocity_m_s + place.velocity_m_s);
-                const Vector3d step = place.position_m - last.position_m - moved;
-                offset += step;
-                place.position_m -= step;
-                place.step_variance +=
-                    last.variance + place.variance +
-                    time_s * time_s * last.velocity_variance.cwiseMax(place.velocity_variance);
-            }
-        }
-        places.push_back(place);
+        places.push_back(place_of(row, i, errors));
     }
     return places;
 }
@@ -93,7 +75,7 @@ CourseFigure figure(double value, double variance,
 
 /// Variance of the difference of two positions, along each axis.
 Vector3d difference_variance(const Place& a, const Place& b) {
-    return a.variance + b.variance + (b.step_variance - a.step_variance).cwiseAbs();
+    return a.variance + b.variance;
 }
 
 /// The unit vector to the right of a direction, and uncorrelated variances projected onto it.
@@ -168,8 +150,7 @@ CourseFigure straightness_of(std::span<const Place> window) {
             ? 0.0
             : line.dot((farthest.position_m - first.position_m).head<2>()) / line.squaredNorm();
     const Vector3d variance = (1.0 - part) * (1.0 - part) * first.variance +
-                              part * part * last.variance + farthest.variance +
-                              (last.step_variance - first.step_variance).cwiseAbs();
+                              part * part * last.variance + farthest.variance;
     return figure(distance_m(farthest), variance_along(across, variance));
 }
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "witness/runs.h"
 
 namespace runcert {
@@ -65,8 +65,7 @@ struct CourseFacts {
 /// Uncertainties: positions at distant times are taken as independent, which they nearly are, each
 /// with its row's variance and that of the time-correlated errors. Velocity components are taken as
 /// uncorrelated. The uncertainty of a speed is the larger of its components', because near zero its
-/// direction is noise. Those of angles are at most 180 degrees, where nothing is known. At bridged
-/// steps the offset is removed using the velocity, whose uncertainty is added.
+/// direction is noise. Those of angles are at most 180 degrees, where nothing is known.
 ///
 /// Failure if a given row is not in the trajectory, the window is not in the run, or an end of
 /// either has no estimate.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "schemas/enu/frame_origin.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/check/course.h"
 #include "surface/triangulation.h"
 #include "witness/runs.h"

@@ -317,7 +317,7 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
     for (std::size_t i = run.first_row; i <= run.last_row; ++i) {
         const TrajectoryEpoch& row = rows[i];
         if (!row.arc) continue;
-        if (before != nullptr && !begins_after_step(row))
+        if (before != nullptr)
             length_m += std::hypot(*row.east_m - *before->east_m, *row.north_m - *before->north_m);
         before = &row;
     }

@@ -194,15 +194,15 @@ void add_kinds(const std::vector<FixTypeErrors>& kinds, Statements& statements) 
 void add_time(const TimeStampSummary& time, Statements& statements) {
     if (time.sessions > 1)
         say(statements, "The recording holds {} sessions, which were not joined.", time.sessions);
-    if (time.moved.value_or(0) > 0)
+    if (time.moved > 0)
         say(statements,
             "The recording is not in the order of time: {} epochs were put in their "
             "place among those of later times that were recorded before them.",
-            *time.moved);
-    if (time.left_out.value_or(0) > 0)
+            time.moved);
+    if (time.left_out > 0)
         say(statements,
             "{} epochs were left out for their times, for which the others leave no place.",
-            *time.left_out);
+            time.left_out);
     for (const TimeFault& fault : time.faults)
         if (fault.kind == TimeFaultKind::whole_second_shift)
             say(statements,

@@ -318,7 +318,7 @@ std::vector<Section> inspect_positions(const Receiver& receiver, const Recording
     Observations observations = read_recording(receiver, recording);
     note_writers({recording}, observations);
     std::vector<Section> sections{positions_section(inspect(observations), gps_now())};
-    if (imu::is_esf(head) || imu::is_rawimu(head))
+    if (imu::is_rawimu(head))
         if (const auto imu = imu::propose(recording)) sections.push_back(imu::section_of(*imu));
     return sections;
 }

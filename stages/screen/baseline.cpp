@@ -56,7 +56,7 @@ void fill_difference(const ReceiverPair& pair, ScreenedEpoch& row) {
     }
 }
 
-/// For each row, the number of arcs and bridged steps that have begun up to it.
+/// For each row, the number of arcs that have begun up to it.
 std::vector<std::int64_t> breaks_up_to(const std::vector<ScreenedEpoch>& rows) {
     std::vector<std::int64_t> breaks;
     for (const ScreenedEpoch& row : rows)
@@ -123,8 +123,7 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
     if (!fit) return stated;
     ScreenedTable first_look = series.table;
     for (const Arc<Axes>& arc : arcs_of<Axes>(series.table))
-        mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes,
-                  MarkOptions{});
+        mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes);
     finish_arcs(first_look.rows, config.bridged_s(first_look.facts.nominal_interval_s),
                 config.min_arc_epochs);
     config.noise = NoiseChoice::fitted;
@@ -197,7 +196,7 @@ class Marker {
 
     void break_before(std::size_t pair, const ScreeningDecision& decision) {
         ScreenedEpoch& row = rows_[row_of(pair)];
-        if (row.break_before && *row.break_before != ArcBreak::bridged) return;
+        if (row.break_before) return;
         any_ = true;
         row.break_before =
             decision.hypothesis == Hypothesis::ramp ? ArcBreak::ramp : ArcBreak::step;

@@ -28,10 +28,10 @@ bool leave_out(ScreenedEpoch& row, const ScreeningDecision& decision, Reason rea
     return true;
 }
 
-ArcBreak break_of(Hypothesis hypothesis, bool bridge_steps) {
+ArcBreak break_of(Hypothesis hypothesis) {
     if (hypothesis == Hypothesis::ramp) return ArcBreak::ramp;
     if (hypothesis == Hypothesis::time_shift) return ArcBreak::time_shift;
-    return bridge_steps ? ArcBreak::bridged : ArcBreak::step;
+    return ArcBreak::step;
 }
 
 /// Epochs of an arc, both ends included.
@@ -245,10 +245,10 @@ bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std:
 /// extend past another break, nor to a side that the recorded velocities confirm.
 EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                     const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
-                    const MarkOptions& options) {
+                    bool on_the_ground) {
     // Solutions that lost track reached 150 m in simulations. No receiver goes further unnoticed.
     constexpr double largest_error_m = 1000.0;
-    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
+    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, on_the_ground);
     const double rate = sides.rate.norm();
     // Recorded velocities, where they exist, test positions further away, and each window by
     // itself.
@@ -314,11 +314,11 @@ void leave_out_range(std::vector<ScreenedEpoch>& rows, std::span<const std::size
 }
 
 void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                        const ArcDecisions& decisions, TestedAxes axes, const MarkOptions& options,
+                        const ArcDecisions& decisions, TestedAxes axes, bool on_the_ground,
                         Losses& losses) {
     for (const Excursion& excursion : excursions_of(rows, arc_rows, decisions)) {
         if (std::ranges::all_of(excursion.ramps, [&](const ScreeningDecision* ramp) {
-                return is_recorded_motion(rows, arc_rows, *ramp, axes, options.on_the_ground);
+                return is_recorded_motion(rows, arc_rows, *ramp, axes, on_the_ground);
             }))
             continue;
         const ScreeningDecision& first = *excursion.ramps.front();
@@ -327,8 +327,8 @@ void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::s
         if (excursion.ends()) continue;
         for (const ScreeningDecision* ramp : excursion.ramps)
             leave_out_range(rows, arc_rows,
-                            reach_of(rows, arc_rows, decisions, *ramp, axes, options), *ramp, axes,
-                            losses);
+                            reach_of(rows, arc_rows, decisions, *ramp, axes, on_the_ground), *ramp,
+                            axes, losses);
     }
 }
 
@@ -337,9 +337,9 @@ void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::s
 std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
                                          std::span<const std::size_t> arc_rows,
                                          const ArcDecisions& decisions, TestedAxes axes,
-                                         const MarkOptions& options) {
+                                         bool on_the_ground) {
     Losses losses(axes);
-    leave_out_drifting(rows, arc_rows, decisions, axes, options, losses);
+    leave_out_drifting(rows, arc_rows, decisions, axes, on_the_ground, losses);
     std::int64_t lost = 0;
     std::size_t begun = arc_rows.size();  // first epoch of the decision being counted
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
@@ -370,8 +370,8 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
         if (at == arc_rows.size()) continue;
         ScreenedEpoch& row = rows[arc_rows[at]];
         // The beginning of the arc, or a break found on the other axes, suffices.
-        if (row.break_before && *row.break_before != ArcBreak::bridged) continue;
-        row.break_before = break_of(decision->hypothesis, options.bridge_steps);
+        if (row.break_before) continue;
+        row.break_before = break_of(decision->hypothesis);
         record(row, *decision, axes);
     }
     return losses.largest();
@@ -390,8 +390,7 @@ void finish_arcs(std::vector<ScreenedEpoch>& rows, double longest_hole_s,
     const ScreenedEpoch* usable = nullptr;  // the last usable row
     for (ScreenedEpoch& row : rows) {
         if (!row.arc) continue;
-        if (row.break_before && (!pending || *pending == ArcBreak::bridged))
-            pending = row.break_before;
+        if (!pending) pending = row.break_before;
         row.break_before.reset();
         row.arc.reset();
         if (!row.usable) {
@@ -402,10 +401,9 @@ void finish_arcs(std::vector<ScreenedEpoch>& rows, double longest_hole_s,
             usable && !hole.empty() &&
             row.time.seconds() - usable->time.seconds() > longest_hole_s + rounding_s;
         usable = &row;
-        if (long_hole && (!pending || *pending == ArcBreak::bridged)) pending = ArcBreak::gap;
+        if (long_hole && !pending) pending = ArcBreak::gap;
         if (stretches.empty() && !pending) pending = ArcBreak::start;
-        const bool begins = stretches.empty() || (pending && *pending != ArcBreak::bridged);
-        if (begins)
+        if (pending)
             stretches.emplace_back();
         else
             stretches.back().members.insert(stretches.back().members.end(), hole.begin(),

@@ -7,14 +7,9 @@
 
 namespace runcert {
 
-/// Options for marking the decisions on an arc.
-struct MarkOptions {
-    bool bridge_steps = false;
-    bool on_the_ground = true;  ///< the craft's vertical speed is not a result in its own right
-};
-
 /// Writes the decisions on an arc into its rows (`arc_rows` are their indices). Rows already marked
-/// keep their mark. A step ends the arc, or is bridged.
+/// keep their mark. A step ends the arc. `on_the_ground` says that the craft's vertical speed is
+/// not a result in its own right.
 ///
 /// Positions that drift are left out between a ramp and the one that ends it (their rates sum to
 /// zero). Where the drift does not end, both sides of the ramp are left out, because it is unknown
@@ -32,7 +27,7 @@ struct MarkOptions {
 std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
                                          std::span<const std::size_t> arc_rows,
                                          const ArcDecisions& decisions, TestedAxes axes,
-                                         const MarkOptions& options);
+                                         bool on_the_ground = true);
 
 /// Renumbers the arcs from 1 after rows have been marked. An arc begins and ends with a usable row.
 /// It ends where more than `longest_hole_s` lies between consecutive usable rows. Arcs with fewer

@@ -68,7 +68,6 @@ class ArcExamination {
         constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
         const double factor = factors_[k];
         if (Axes == 2) row.local_variance_factor = factor;
-        const bool bridged = row.break_before == ArcBreak::bridged;
         const bool decided =
             !row.usable || (row.break_before && *row.break_before != ArcBreak::start &&
                             *row.break_before != ArcBreak::gap);
@@ -84,9 +83,7 @@ class ArcExamination {
         if ((row.reason == Reason::outlier || row.reason == Reason::burst) &&
             row.tested_axes == axes && outlier_size)
             row.estimated = estimated_error(outlier);
-        if (bridged && row.tested_axes == axes)
-            row.estimated = estimated_error(diagnosis_.bridged_step(k));
-        if (k == 0 || bridged) return;
+        if (k == 0) return;
         const auto step = diagnosis_.step(k);
         auto& step_size = Axes == 1 ? row.detectable.step_up_m : row.detectable.step_m;
         step_size =

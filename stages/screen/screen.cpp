@@ -78,14 +78,14 @@ struct AdaptedArcs {
 };
 
 template <int Axes>
-void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
-               const MarkOptions& options, ScreeningBasis& basis) {
+void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted, bool on_the_ground,
+               ScreeningBasis& basis) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];
         basis.passes = std::max(basis.passes, decisions.passes);
         const auto largest =
-            mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, options);
+            mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, on_the_ground);
         if (largest &&
             (!basis.largest_decision || largest->epochs > basis.largest_decision->epochs)) {
             basis.largest_decision = largest;
@@ -120,11 +120,9 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     // No craft on the ground goes up or down faster. Craft that do have vertical speed in their
     // score.
     constexpr double on_the_ground_m_s = 20.0;
-    const MarkOptions options{
-        .bridge_steps = config.steps == StepTreatment::bridge,
-        .on_the_ground = config.limits.vertical_rate_m_s <= on_the_ground_m_s};
-    mark_arcs(screened, horizontal, options, basis);
-    mark_arcs(screened, vertical, options, basis);
+    const bool on_the_ground = config.limits.vertical_rate_m_s <= on_the_ground_m_s;
+    mark_arcs(screened, horizontal, on_the_ground, basis);
+    mark_arcs(screened, vertical, on_the_ground, basis);
 }
 
 /// The inputs of a check over arcs, in addition to the table.

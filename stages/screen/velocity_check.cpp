@@ -408,7 +408,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     std::vector<bool> left_out(rows.size(), false);
     const auto judge = [&] {
         comparison.contradicted_share = contradicted_share(rows, motion, left_out);
-        comparison.unfit = *comparison.contradicted_share > options.share_max;
+        comparison.unfit = comparison.contradicted_share > options.share_max;
     };
     judge();
     if (!recorded_velocities_change(rows)) return findings;

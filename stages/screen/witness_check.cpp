@@ -80,8 +80,7 @@ void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
             mark_at(k);
         ScreenedEpoch& after = rows[usable.rows[span.core_last]];
         if (span.core_last == span.core_first + 1) mark_at(span.core_last);
-        if (!after.break_before || *after.break_before == ArcBreak::bridged)
-            after.break_before = ArcBreak::ramp;
+        if (!after.break_before) after.break_before = ArcBreak::ramp;
     }
 }
 

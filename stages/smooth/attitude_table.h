@@ -3,7 +3,7 @@
 #include "schemas/attitude/declared.h"
 #include "schemas/imu/declared.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "witness/inertial_input.h"
 
 namespace runcert {

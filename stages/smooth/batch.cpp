@@ -70,15 +70,14 @@ void take(const Stretch& stretch, const std::vector<StateVector<Axes>>& solved,
 }
 
 /// A path through measured positions at least a while apart, straight from one to the next and
-/// beyond the last, restarted after a bridged step. It is far enough from the solution to make the
-/// agreement with the smoother a real check, and close enough to lose no relevant digits.
+/// beyond the last. It is far enough from the solution to make the agreement with the smoother a
+/// real check, and close enough to lose no relevant digits.
 template <int Axes>
 std::vector<StateVector<Axes>> straight_between_measurements(
     std::span<const ArcEpoch<Axes>> stretch) {
     constexpr double while_s = 1.0;
     std::vector<StateVector<Axes>> states(stretch.size(), StateVector<Axes>::Zero());
     std::size_t from = 0;  // a measured epoch
-    bool begun_anew = false;
     PositionVector<Axes> velocity = PositionVector<Axes>::Zero();
     const auto fill = [&](std::size_t to) {
         for (std::size_t k = from; k < to; ++k) {
@@ -88,16 +87,12 @@ std::vector<StateVector<Axes>> straight_between_measurements(
         }
     };
     for (std::size_t k = 1; k < stretch.size(); ++k) {
-        begun_anew = begun_anew || stretch[k].step_before;
         if (!stretch[k].measurement) continue;
         const double dt_s = stretch[k].time_s - stretch[from].time_s;
-        if (dt_s < while_s && !begun_anew) continue;
-        if (!begun_anew)
-            velocity =
-                (stretch[k].measurement->position - stretch[from].measurement->position) / dt_s;
+        if (dt_s < while_s) continue;
+        velocity = (stretch[k].measurement->position - stretch[from].measurement->position) / dt_s;
         fill(k);
         from = k;
-        begun_anew = false;
     }
     fill(stretch.size());
     return states;

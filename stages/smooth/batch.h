@@ -41,8 +41,7 @@ struct BatchSolution {
 
 /// The smoother's problem as one batch least-squares problem, solved by Ceres (sparse normal
 /// equations on one thread). It consists of the whitened residuals of prior, measurements and
-/// process noise of one arc. The offset of a bridged step is an unknown in addition to the states,
-/// with its own weak prior. The problem is linear. The solver iterates only to refine, starting
+/// process noise of one arc. The problem is linear. The solver iterates only to refine, starting
 /// from a path through measured positions.
 ///
 /// Longer arcs are solved in overlapping stretches, each starting with the vague prior at a

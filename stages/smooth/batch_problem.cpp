@@ -46,8 +46,7 @@ class LinearCost final : public ceres::SizedCostFunction<Rows, Columns...> {
 
   private:
     template <int Size>
-    using Jacobian =
-        Eigen::Matrix<double, Rows, Size, Size == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+    using Jacobian = Eigen::Matrix<double, Rows, Size, Eigen::RowMajor>;
 
     template <std::size_t... Block>
     void evaluate(double const* const* unknowns, double* residuals, double** jacobians,
@@ -169,7 +168,6 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
     }
     if (cauchy_scale) loss_ = std::make_unique<ceres::CauchyLoss>(*cauchy_scale);
     add_prior();
-    add_offsets();
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         if (k > 0) add_process(k);
         if (stretch[k].measurement) add_measurement(k);
@@ -213,56 +211,18 @@ void BatchProblem<Axes>::add_measurement(std::size_t k) {
         loss_.get(), unknowns.data(), Axes);
 }
 
-/// Adds the offsets that the stretch determines, with their prior. A step with no later measurement
-/// has none: its expected offset is zero, and it changes no state.
-template <int Axes>
-void BatchProblem<Axes>::add_offsets() {
-    std::vector<std::size_t> open;
-    for (std::size_t k = 1; k < stretch_.size(); ++k) {
-        if (stretch_[k].step_before) open.push_back(k);
-        if (!stretch_[k].measurement || open.empty()) continue;
-        const auto steps = static_cast<double>(open.size());
-        Offset& offset = offsets_.emplace_back();
-        for (const std::size_t at : open) {
-            offset_before_[at] = &offset;
-            const double dt_s = stretch_[at].time_s - stretch_[at - 1].time_s;
-            const State moved = transition<Axes>(axis_step(model_, dt_s)) * reference_[at - 1];
-            offset.reference += (reference_[at] - moved).template head<Axes>() / steps;
-        }
-        const double weight = std::sqrt(steps) / vague_position_sigma_m;
-        offset.weight = weight * unit_(0);
-        for (int axis = 0; axis < Axes; ++axis)
-            problem_.AddResidualBlock(
-                keep(new LinearCost<1, 1>(
-                    Eigen::Matrix<double, 1, 1>(weight * offset.reference(axis)),
-                    {&offset.weight})),
-                nullptr, &offset.unknown(axis));
-        open.clear();
-    }
-}
-
 template <int Axes>
 void BatchProblem<Axes>::add_process(std::size_t k) {
     const Step& step = step_of(step_kind(stretch_[k - 1], stretch_[k]));
     const AxisStates noise =
         step.before * by_axis(reference_[k - 1]) + step.after * by_axis(reference_[k]);
-    const auto bridged = offset_before_.find(k);
     for (int axis = 0; axis < Axes; ++axis) {
         double* const before = unknowns_[k - 1].col(axis).data();
         double* const after = unknowns_[k].col(axis).data();
-        if (bridged == offset_before_.end()) {
-            problem_.AddResidualBlock(
-                keep(new LinearCost<axis_size, axis_size, axis_size>(
-                    noise.col(axis), {step.before_unknown.data(), step.after_unknown.data()})),
-                nullptr, before, after);
-            continue;
-        }
-        Offset& offset = *bridged->second;
-        const AxisState known = noise.col(axis) - step.after.col(0) * offset.reference(axis);
-        problem_.AddResidualBlock(keep(new LinearCost<axis_size, axis_size, axis_size, 1>(
-                                      known, {step.before_unknown.data(), step.after_unknown.data(),
-                                              step.offset_unknown.data()})),
-                                  nullptr, before, after, &offset.unknown(axis));
+        problem_.AddResidualBlock(
+            keep(new LinearCost<axis_size, axis_size, axis_size>(
+                noise.col(axis), {step.before_unknown.data(), step.after_unknown.data()})),
+            nullptr, before, after);
     }
 }
 
@@ -281,7 +241,6 @@ const typename BatchProblem<Axes>::Step& BatchProblem<Axes>::step_of(const StepK
     kept.before = -kept.after * moved;
     kept.before_unknown = kept.before * unit_.asDiagonal();
     kept.after_unknown = kept.after * unit_.asDiagonal();
-    kept.offset_unknown = -kept.after_unknown.col(0);
     return kept;
 }
 

@@ -5,7 +5,6 @@
 #include <ceres/problem.h>
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -39,10 +38,10 @@ struct Convergence {
 };
 
 /// The least-squares problem of one stretch of an arc, in Ceres. It holds the whitened residuals of
-/// prior, measurements (with a Cauchy loss if a scale is given) and process noise, and the offsets
-/// of bridged steps. Not for use outside the batch: batch.h solves arcs.
+/// prior, measurements (with a Cauchy loss if a scale is given) and process noise. Not for use
+/// outside the batch: batch.h solves arcs.
 ///
-/// The unknowns are the differences of states and offsets from a reference, in units of the
+/// The unknowns are the differences of states from a reference, in units of the
 /// standard deviation of one step's process noise. In metres and seconds the columns of the
 /// Jacobian would differ by many orders of magnitude, and a factorisation would take the small ones
 /// for rounding. With a close reference, rounding of large coordinates does not hide the remaining
@@ -76,14 +75,6 @@ class BatchProblem {
     /// A state with a column for each axis, which is a block of unknowns.
     using AxisStates = Eigen::Matrix<double, axis_size, Axes>;
 
-    /// The offset of a bridged step. If several steps have no measurement between them, only the
-    /// sum of their offsets is determined. Least squares divides it equally, so they share one.
-    struct Offset {
-        PositionVector<Axes> reference = PositionVector<Axes>::Zero();
-        PositionVector<Axes> unknown = PositionVector<Axes>::Zero();
-        double weight = 0.0;  ///< of the unknown in its prior
-    };
-
     /// The matrices of one kind of step. They give the whitened process noise from two states of an
     /// axis, or from two unknowns.
     struct Step {
@@ -91,7 +82,6 @@ class BatchProblem {
         AxisJacobian after;
         AxisJacobian before_unknown;
         AxisJacobian after_unknown;
-        AxisState offset_unknown;
     };
 
     static AxisStates by_axis(const State& state);
@@ -100,7 +90,6 @@ class BatchProblem {
     void add_prior();
     void add_measurement(std::size_t k);
     void add_process(std::size_t k);
-    void add_offsets();
     const Step& step_of(const StepKind& kind);
 
     std::span<const ArcEpoch<Axes>> stretch_;
@@ -109,10 +98,8 @@ class BatchProblem {
     AxisState unit_;
     std::vector<AxisStates> unknowns_;
     AxisJacobian prior_unknown_;
-    std::deque<Offset> offsets_;
-    std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
-    std::map<StepKind, Step> steps_;                ///< the problem's costs refer to these
-    std::unique_ptr<ceres::LossFunction> loss_;     ///< of the measurements
+    std::map<StepKind, Step> steps_;             ///< the problem's costs refer to these
+    std::unique_ptr<ceres::LossFunction> loss_;  ///< of the measurements
     std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
     ceres::Problem problem_;
 };

@@ -7,19 +7,15 @@
 
 namespace runcert {
 
-/// One kind of step in a chain of states, with or without a bridged step: the transition F of all
-/// axes, its noise Q, and the whitener W of that noise, W' W = inverse(Q). Its operations use the
-/// structure of the matrices.
+/// One kind of step in a chain of states: the transition F of all axes, its noise Q, and the
+/// whitener W of that noise, W' W = inverse(Q). Its operations use the structure of the matrices.
 template <int Axes>
 class ChainStep {
   public:
     using State = StateVector<Axes>;
 
-    /// At a bridged step the position may move by its offset, whose prior is vague. The offset then
-    /// need not be an unknown in addition to the states.
-    ChainStep(const EstimationModel& model, const StepKind& kind, bool bridged) {
-        AxisStep step = axis_step(model, kind);
-        if (bridged) step.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
+    ChainStep(const EstimationModel& model, const StepKind& kind) {
+        const AxisStep step = axis_step(model, kind);
         motion_whitener_ = axis_process_whitener(step);
         error_whitener_ = 1.0 / std::sqrt(step.error_noise);
         numbers_ = kernel::numbers_of(step);

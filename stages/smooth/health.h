@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/smooth/trajectory_rows.h"
 #include "witness/arcs.h"
 

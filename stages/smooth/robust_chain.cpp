@@ -91,7 +91,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         Link& link = links_[k];
         if (k > 0) {
-            link.step = &step_of(step_kind(stretch[k - 1], stretch[k]), stretch[k].step_before);
+            link.step = &step_of(step_kind(stretch[k - 1], stretch[k]));
             link.defect = start[k] - link.step->carried(start[k - 1]);
         } else {
             link.defect = start[k] - prior.mean;
@@ -105,9 +105,8 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
 }
 
 template <int Axes>
-const ChainStep<Axes>& RobustChain<Axes>::step_of(const StepKind& kind, bool bridged) {
-    const auto at = steps_.try_emplace({kind, bridged}, model_, kind, bridged).first;
-    return at->second;
+const ChainStep<Axes>& RobustChain<Axes>::step_of(const StepKind& kind) {
+    return steps_.try_emplace(kind, model_, kind).first->second;
 }
 
 template <int Axes>

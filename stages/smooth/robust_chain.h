@@ -72,7 +72,7 @@ class RobustChain {
         double determinant = 0.0;
     };
 
-    const ChainStep<Axes>& step_of(const StepKind& kind, bool bridged);
+    const ChainStep<Axes>& step_of(const StepKind& kind);
     State defect_gradient(std::size_t k) const;
     void set_gradients();
     Information information_of(const Link& link, Curvature curvature) const;
@@ -93,7 +93,7 @@ class RobustChain {
     EstimationModel model_;
     double scale_squared_;
     State prior_variance_;
-    std::map<std::pair<StepKind, bool>, ChainStep<Axes>> steps_;  ///< the links refer to these
+    std::map<StepKind, ChainStep<Axes>> steps_;  ///< the links refer to these
     std::vector<Link> links_;
     std::int64_t iterations_ = 0;
     double length_ = 1.0;      ///< step length that would have gained most, by the latest estimate

@@ -29,20 +29,6 @@ constexpr BatchOptions shortest_stretch{.epochs_at_once = 12'000, .overlap = 2'0
 constexpr double near_the_smoother = 0.1;
 constexpr double memories_from_a_cut = 20.0;
 
-/// Number of offsets of bridged steps that the measurements of an arc determine. Of steps without a
-/// measurement between them, only the sum is determined.
-std::int64_t offsets_told(const Arc<2>& arc) {
-    std::int64_t told = 0;
-    bool open = false;
-    for (std::size_t k = 1; k < arc.epochs.size(); ++k) {
-        open = open || arc.epochs[k].step_before;
-        if (!open || !arc.epochs[k].measurement) continue;
-        ++told;
-        open = false;
-    }
-    return told;
-}
-
 struct AgreementLimits {
     double position_m = agreement_position_m;
     double velocity_m_s = agreement_velocity_m_s;
@@ -220,12 +206,9 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
 /// Fills the parts of the summary that concern only the horizontal estimate.
 void summarise_horizontal(const AxesResult<2>& result, EstimationSummary& summary) {
     summary.arcs = static_cast<std::int64_t>(result.arcs.size());
-    for (std::size_t a = 0; a < result.arcs.size(); ++a) {
-        // The vague prior leaves position, velocity and acceleration of each axis to the data, and
-        // the offsets of bridged steps too.
-        summary.degrees_of_freedom +=
-            2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(result.arcs[a]);
-    }
+    // The vague prior leaves position, velocity and acceleration of each axis to the data.
+    for (const SmoothedMeans<2>& smoothed : result.smoothed)
+        summary.degrees_of_freedom += 2 * smoothed.measurements - 6;
     if (summary.degrees_of_freedom > 0)
         summary.variance_factor = result.estimation.health.mean_statistic;
     const double scale = result.estimation.noise.measurement_scale.value;
@@ -285,7 +268,6 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
         epoch.time = row.time;
         epoch.arc = row.arc;
         epoch.usable = row.usable;
-        if (row.arc) epoch.step_before = row.break_before == ArcBreak::bridged;
     }
     // In parallel: each task sets its own columns, and its own part of the summary.
     Agreement agreement;

@@ -3,7 +3,7 @@
 #include "motion/noise_fit.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert {
 

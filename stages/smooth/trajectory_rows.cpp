@@ -11,29 +11,6 @@
 namespace runcert {
 namespace {
 
-/// Positions that may be differenced, because no bridged step lies between them.
-struct PositionRun {
-    std::vector<PlanePosition> positions;
-    std::vector<std::size_t> rows;  ///< of the table, one for each position
-    bool after_step = false;
-};
-
-/// The usable positions of an arc, divided at bridged steps.
-std::vector<PositionRun> position_runs(const Arc<2>& arc) {
-    std::vector<PositionRun> runs(1);
-    for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
-        if (k > 0 && arc.epochs[k].step_before) runs.push_back({{}, {}, true});
-        const auto& measurement = arc.epochs[k].measurement;
-        if (!measurement) continue;
-        runs.back().positions.push_back(
-            {.time_s = arc.epochs[k].time_s,
-             .position = measurement->position,
-             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
-        runs.back().rows.push_back(arc.rows[k]);
-    }
-    return runs;
-}
-
 /// Standard deviations from a covariance's diagonal.
 template <int Axes>
 PositionVector<Axes> sigmas(const PositionMatrix<Axes>& covariance) {
@@ -126,16 +103,24 @@ template SmoothedMeans<2> smooth_rows<2>(const Arc<2>&, const EstimationModel&,
 
 void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_m_s2,
                        std::vector<TrajectoryEpoch>& rows) {
-    for (const PositionRun& run : position_runs(arc)) {
-        const auto v1 = speed_v1(run.positions);
-        const auto v2 = speed_v2(run.positions);
-        const auto filtered = filter_dhd22(run.positions, acceleration_sigma_m_s2);
-        for (std::size_t k = 0; k < run.rows.size(); ++k) {
-            TrajectoryEpoch& row = rows[run.rows[k]];
-            row.speed_v1_m_s = v1[k];
-            row.speed_v2_m_s = v2[k];
-            if (k > 0 || !run.after_step) row.speed_kalman_m_s = filtered[k].speed_m_s();
-        }
+    std::vector<PlanePosition> positions;
+    std::vector<std::size_t> of_rows;
+    for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
+        const auto& measurement = arc.epochs[k].measurement;
+        if (!measurement) continue;
+        positions.push_back({.time_s = arc.epochs[k].time_s,
+                             .position = measurement->position,
+                             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
+        of_rows.push_back(arc.rows[k]);
+    }
+    const auto v1 = speed_v1(positions);
+    const auto v2 = speed_v2(positions);
+    const auto filtered = filter_dhd22(positions, acceleration_sigma_m_s2);
+    for (std::size_t k = 0; k < of_rows.size(); ++k) {
+        TrajectoryEpoch& row = rows[of_rows[k]];
+        row.speed_v1_m_s = v1[k];
+        row.speed_v2_m_s = v2[k];
+        row.speed_kalman_m_s = filtered[k].speed_m_s();
     }
 }
 

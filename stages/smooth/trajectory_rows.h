@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "motion/kalman.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "witness/arcs.h"
 
 namespace runcert {
@@ -30,9 +30,7 @@ template <int Axes>
 void set_jerk_density(const Arc<Axes>& arc, const EstimationModel& model,
                       std::vector<TrajectoryEpoch>& rows);
 
-/// Sets the speeds by the methods of [DHD22], separately on either side of a bridged step. The
-/// filter starts at rest. After a step the craft is not at rest, and at the first position the
-/// filter has no result yet.
+/// Sets the speeds by the methods of [DHD22] at the arc's usable positions.
 void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_m_s2,
                        std::vector<TrajectoryEpoch>& rows);
 

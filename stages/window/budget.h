@@ -2,7 +2,7 @@
 
 #include "core/uncertainty.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/window/combination.h"
 #include "stages/window/craft_speeds.h"
 #include "stages/window/position_noise.h"

@@ -448,16 +448,10 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
     const auto wheel = beside.handed_in.series.find("wheel");
     estimate.stands = stands_of(screened, trajectory, beside.still_by_imu,
                                 wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);
-    const auto same_steps = [&](const Arc<Axes>& arc) {
-        for (std::size_t k = 0; k < arc.rows.size(); ++k)
-            if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))
-                return false;
-        return true;
-    };
     const bool equal =
         std::equal(estimate.arcs.begin(), estimate.arcs.end(), estimate.rows.begin(),
                    estimate.rows.end(), [&](const Arc<Axes>& arc, const ArcRows& own) {
-                       return arc.number == own.number && arc.rows == own.rows && same_steps(arc);
+                       return arc.number == own.number && arc.rows == own.rows;
                    });
     if (!equal)
         throw Failure("4-trajectory of receiver " + screened.facts.receiver,
@@ -500,8 +494,6 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s, lacking_m_s);
     window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
     window.fitted->speed_m_s += lacking_m_s;
-    window.repaired_steps =
-        std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
     window.estimates =
         raised(other_estimates(estimated, choice.quantity, weights, noise), lacking_m_s);
     noise.model_m_s = window.estimates->half_width_m_s;

@@ -3,7 +3,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/best_window.h"
 #include "stages/window/course_windows.h"

@@ -5,7 +5,7 @@
 
 #include "inertial/inertial_smoother.h"
 #include "schemas/profile/profile.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

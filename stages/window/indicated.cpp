@@ -23,9 +23,8 @@ struct Refused {
 
 /// Breaks inside a window, by type.
 struct Breaks {
-    std::int64_t steps = 0;    ///< positions, or their times, do not continue
-    std::int64_t bridged = 0;  ///< a step whose offset the estimate removes
-    std::int64_t gaps = 0;     ///< the recording is not joined across them
+    std::int64_t steps = 0;  ///< positions, or their times, do not continue
+    std::int64_t gaps = 0;   ///< the recording is not joined across them
     const ScreenedEpoch* first_step = nullptr;
 };
 
@@ -47,9 +46,6 @@ void add_break(const ScreenedEpoch& row, Breaks& breaks) {
         case ArcBreak::ramp:
         case ArcBreak::time_shift:
             if (breaks.steps++ == 0) breaks.first_step = &row;
-            break;
-        case ArcBreak::bridged:
-            ++breaks.bridged;
             break;
     }
 }
@@ -163,11 +159,6 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
             "{} {} that the motion cannot explain ({}): positions before and "
             "after do not belong together",
             breaks.steps, breaks.steps == 1 ? "step" : "steps", instant(*breaks.first_step)));
-    if (breaks.bridged > 0 && !profile.repaired_steps)
-        refusals.push_back(
-            fmt::format("{} repaired {}: the recorded positions before and after belong together "
-                        "only by an estimated offset",
-                        breaks.bridged, breaks.bridged == 1 ? "step" : "steps"));
     if (!window.jumps.empty())
         refusals.push_back(fmt::format("{} of the clock while the positions go on ({})",
                                        window.jumps.size() == 1

@@ -20,7 +20,6 @@ std::size_t insert_instant(Arc<Axes>& arc, std::vector<ElapsedTime>& times, Elap
     ArcEpoch<Axes> epoch;
     epoch.time_s = instant.seconds();
     epoch.jerk_factor = arc.epochs[index].jerk_factor;
-    // A bridged step stays where the positions jump, just before the measured epoch.
     arc.epochs.insert(arc.epochs.begin() + static_cast<std::ptrdiff_t>(index), epoch);
     arc.rows.insert(arc.rows.begin() + static_cast<std::ptrdiff_t>(index), arc.rows[index - 1]);
     times.insert(at, instant);

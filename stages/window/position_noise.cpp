@@ -83,14 +83,6 @@ double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
         else
             radius_m = std::max(radius_m, r95(covariance));
     }
-    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last)) {
-        const auto position = [&](std::size_t k) -> SpeedVector<Axes> {
-            return smoothed.states[k].mean.template head<counted>();
-        };
-        const SpeedVector<Axes> offset = position(step.epoch) - position(step.epoch - 1) -
-                                         displacement(smoothed, step.epoch - 1, step.epoch);
-        radius_m += offset.norm();
-    }
     return radius_m;
 }
 
@@ -161,7 +153,6 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
     for (const ArcEpoch<2>& epoch : epochs) {
         ArcEpoch<1>& one = along.emplace_back();
         one.time_s = epoch.time_s;
-        one.step_before = epoch.step_before;
         one.jerk_factor = epoch.jerk_factor;
         if (!epoch.measurement) continue;
         one.measurement.emplace();
@@ -196,12 +187,12 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
         .speed_m_s;
 }
 
-/// Whether the window begins and ends at measured epochs with no bridged step in between.
+/// Whether the window begins and ends at measured epochs.
 template <int Axes>
 bool has_chord(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
     const auto [first, last] = at.window;
     return quantity.definition == SpeedDefinition::displacement && at.epochs[first].measurement &&
-           at.epochs[last].measurement && at.smoothed.bridged_between(first, last).empty();
+           at.epochs[last].measurement;
 }
 
 }  // namespace

@@ -35,12 +35,8 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
 
 /// Radius (m) of the circle that holds the true horizontal position with a probability of 95 %
 /// ([NAV] R95), at the less certain end of the window. It combines the smoothed position's
-/// covariance and the bound on the time-correlated error.
-///
-/// It is unknown which side of a bridged step is the true one. The position at one end is off by
-/// the step's offset, so the length of the offset is added in full. (The offset's own uncertainty,
-/// some millimetres, is negligible beside the bound.) For heights alone (Axes 1), it is half the
-/// width of the interval that holds the true height with that probability.
+/// covariance and the bound on the time-correlated error. For heights alone (Axes 1), it is half
+/// the width of the interval that holds the true height with that probability.
 template <int Axes>
 double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
 

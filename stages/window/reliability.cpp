@@ -119,12 +119,9 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
             late -= weights[k].dot(diagnosis.smoothed(k).mean.template segment<Axes>(Axes));
         }
         if (k == 0) continue;
-        if (!epochs[k].step_before) {
-            step.consider(diagnosis.step(k), of_all * factor(k), constant[k], k, k);
-            if (const auto test = diagnosis.time_shift(k))
-                time_shift.consider(*test, of_one * factor(k), Eigen::Matrix<double, 1, 1>(late), k,
-                                    k);
-        }
+        step.consider(diagnosis.step(k), of_all * factor(k), constant[k], k, k);
+        if (const auto test = diagnosis.time_shift(k))
+            time_shift.consider(*test, of_one * factor(k), Eigen::Matrix<double, 1, 1>(late), k, k);
         ramp.consider(diagnosis.ramp(k), of_all * factor(k), growing, k, k);
     }
     const auto longest = static_cast<std::size_t>(screened.basis.burst_epochs_max);

@@ -11,24 +11,6 @@
 namespace runcert {
 namespace {
 
-/// The craft's own motion (m) between two neighbouring rows: dt (v + v') / 2 - dt^2 (a' - a) / 12.
-/// It is the mean for persistent acceleration, given velocity and acceleration at both ends. (Over
-/// one epoch, decaying acceleration makes no difference that matters in a search.)
-Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& to) {
-    const double dt_s = to.time.seconds() - from.time.seconds();
-    const auto velocity = [](const TrajectoryEpoch& row) {
-        return Eigen::Vector3d(row.velocity_east_m_s.value(), row.velocity_north_m_s.value(),
-                               row.velocity_up_m_s.value_or(0.0));
-    };
-    const auto acceleration = [](const TrajectoryEpoch& row) {
-        return Eigen::Vector3d(row.acceleration_east_m_s2.value(),
-                               row.acceleration_north_m_s2.value(),
-                               row.acceleration_up_m_s2.value_or(0.0));
-    };
-    return 0.5 * dt_s * (velocity(from) + velocity(to)) -
-           dt_s * dt_s / 12.0 * (acceleration(to) - acceleration(from));
-}
-
 /// The position on the axes that the profile counts, zero on the others.
 Eigen::Vector3d counted(const Eigen::Vector3d& position, ElapsedTime time, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
@@ -70,26 +52,20 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
                         const ArcRows& arc, const std::vector<std::int64_t>& obstacles,
                         const Profile& profile, SeriesPositions positions) {
     SampleSeries series;
-    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-    Eigen::Vector3d before = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-        const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
+    for (const std::size_t at : arc.rows) {
+        const TrajectoryEpoch& row = trajectory.rows[at];
         Eigen::Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
         if (positions == SeriesPositions::recorded)
-            position = recorded_position(screened.rows[arc.rows[k]]).value_or(position);
-        if (k > 0 && begins_after_step(row))
-            offset += position - before - motion_over(trajectory.rows[arc.rows[k - 1]], row);
-        before = position;
+            position = recorded_position(screened.rows[at]).value_or(position);
         if (profile.speed_source == SpeedSource::velocity) {
-            const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
+            const auto speed = recorded_speed(screened.rows[at], profile.dimension);
             add_recorded(series, row.time, speed ? speed->speed_m_s : 0.0);
         } else {
             series.speeds_m_s.push_back(smoothed_speed(row, profile));
         }
         series.times.push_back(row.time);
-        series.positions.push_back(
-            counted(position - offset, row.time, profile, trajectory.origin));
-        series.obstacles.push_back(obstacles[arc.rows[k]]);
+        series.positions.push_back(counted(position, row.time, profile, trajectory.origin));
+        series.obstacles.push_back(obstacles[at]);
         series.bounds.push_back(row.usable);
     }
     return series;
@@ -108,11 +84,10 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
         const bool out_of_time = is_out_of_time(screened.rows[i]);
-        const bool step = !profile.repaired_steps && begins_after_step(row);
         const bool gap = longest_s && before_s && row.time.seconds() - *before_s > *longest_s;
         const bool silent = profile.speed_source == SpeedSource::velocity &&
                             (left_out[i] || !recorded_speed(screened.rows[i], profile.dimension));
-        const bool obstacle = !out_of_time && (!row.usable || step || gap || silent);
+        const bool obstacle = !out_of_time && (!row.usable || gap || silent);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (obstacle ? 1 : 0));
         if (!out_of_time) before_s = row.time.seconds();
     }

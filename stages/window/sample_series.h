@@ -4,7 +4,7 @@
 
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/window/best_window.h"
 #include "stages/window/counted_part.h"
 #include "witness/certifiable.h"
@@ -32,11 +32,10 @@ enum class SeriesPositions { smoothed, recorded };
 
 /// The arcs of a trajectory as series of the quantities that the profile counts, in order.
 ///
-/// From the smoothed trajectory they are positions without the offsets of bridged steps, and
-/// speeds. Where the profile uses recorded velocities, they are the recorded speeds, the path
-/// integrated from them, and positions at the same moments. Vertical speeds use ellipsoidal
-/// heights. Obstacles are speeds of other moments or refused (`velocities_left_out`), unusable
-/// epochs, missing values, and bridged steps where the profile does not allow them.
+/// From the smoothed trajectory they are positions and speeds. Where the profile uses recorded
+/// velocities, they are the recorded speeds, the path integrated from them, and positions at the
+/// same moments. Vertical speeds use ellipsoidal heights. Obstacles are speeds of other moments or
+/// refused (`velocities_left_out`), unusable epochs, and missing values.
 std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,

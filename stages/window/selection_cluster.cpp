@@ -28,17 +28,13 @@ MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
         ++last;
     MeasuredStretch<Axes> stretch;
     std::vector<std::size_t> index(last + 1 - from, 0);
-    bool step = false;
     double jerk_factor = 0.0;  // the largest since the last measurement
     for (std::size_t k = from; k <= last; ++k) {
         index[k - from] = stretch.epochs.size();
-        step = step || epochs[k].step_before;
         jerk_factor = std::max(jerk_factor, epochs[k].jerk_factor);
         if (!epochs[k].measurement) continue;
         stretch.epochs.push_back(epochs[k]);
-        stretch.epochs.back().step_before = step;
         stretch.epochs.back().jerk_factor = jerk_factor;
-        step = false;
         jerk_factor = 0.0;
     }
     stretch.allowances_m_s = cluster.allowances_m_s;
@@ -88,8 +84,7 @@ Lanes sum(const Lanes& one, const Lanes& other) {
 
 }  // namespace
 
-/// The speeds of a cluster's windows along tracks without offsets, as LinearSmoother gives them,
-/// also across bridged steps.
+/// The speeds of a cluster's windows along tracks.
 template <int Axes>
 class SelectionCluster<Axes>::Speeds {
   public:

@@ -33,8 +33,7 @@ struct ClusterDraw {
     double fastest_true_m_s = 0.0;  ///< with the motion estimated from a drawn recording
 };
 
-/// The measured epochs of a cluster. A bridged step before an epoch without a measurement moves to
-/// the next one that has a measurement.
+/// The measured epochs of a cluster.
 template <int Axes>
 struct MeasuredStretch {
     std::vector<ArcEpoch<Axes>> epochs;

@@ -6,7 +6,7 @@
 
 #include "inertial/still_spans.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "store/measured_series.h"
 

@@ -94,26 +94,17 @@ template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>
 
 namespace {
 
-/// Displacement (m) of the robust batch. It has only positions, so that the motion over a bridged
-/// step is that of the screened solution.
+/// Displacement (m) of the robust batch.
 std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
-                                                   const ArcPart<2>& part,
-                                                   const SmoothedArc<2>& smoothed) {
-    const EpochPair& window = part.window;
+                                                   const ArcPart<2>& part) {
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
         return trajectory.rows[part.arc.rows[k]];
     };
-    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
-    const auto difference = [&](std::size_t first, std::size_t last) {
-        return Eigen::Vector2d(
-            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
-            row(last).robust_north_m.value() - row(first).robust_north_m.value());
-    };
-    Eigen::Vector2d moved = difference(window.first, window.last);
-    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
-        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
-                 difference(step.epoch - 1, step.epoch);
-    return moved;
+    const TrajectoryEpoch& first = row(part.window.first);
+    const TrajectoryEpoch& last = row(part.window.last);
+    if (!first.robust_east_m || !last.robust_east_m) return std::nullopt;
+    return Eigen::Vector2d(*last.robust_east_m - *first.robust_east_m,
+                           last.robust_north_m.value() - first.robust_north_m.value());
 }
 
 }  // namespace
@@ -125,7 +116,7 @@ std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
     const SpeedEstimate screened =
         displacement_speed(smoothed, window.first, window.last, duration_s);
-    const auto displacement = robust_displacement(trajectory, part, smoothed);
+    const auto displacement = robust_displacement(trajectory, part);
     if (!displacement) return std::nullopt;
     RobustSpeed robust;
     robust.speed_m_s = std::hypot(displacement->x(), displacement->y()) / duration_s;

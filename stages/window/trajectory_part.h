@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "motion/kalman.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/certify.h"
 #include "witness/arcs.h"

@@ -6,7 +6,7 @@
 
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/window/best_window.h"
 #include "witness/certifiable.h"
 

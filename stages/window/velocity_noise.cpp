@@ -162,7 +162,7 @@ std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
             if (!compared.empty()) {
                 const ComparedSpeed& before = compared.back();
                 const double step_s = one.time_s - before.time_s;
-                if (begins_after_step(row) || step_s > longest_s) ++stretch;
+                if (step_s > longest_s) ++stretch;
                 one.recorded_m =
                     before.recorded_m + 0.5 * step_s * (before.recorded_m_s + one.recorded_m_s);
                 one.smoothed_m = before.smoothed_m + moments[k]->step_m;

@@ -8,7 +8,7 @@
 
 #include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "witness/certifiable.h"
 
 // Errors of recorded speeds, from comparison with the positions of the recording.
@@ -30,8 +30,8 @@ struct ComparedSpeed {
 };
 
 /// The compared speeds of all usable epochs whose speed belongs to their own moment, in order of
-/// time. A stretch ends with its arc, at a bridged step, at an epoch that is left out, and at a
-/// step longer than a second and than one and a half intervals.
+/// time. A stretch ends with its arc, at an epoch that is left out, and at a step longer than a
+/// second and than one and a half intervals.
 std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
                                            const TrajectoryTable& trajectory,
                                            const std::vector<ArcRows>& arcs, Dimension dimension);

@@ -6,7 +6,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/counted_part.h"
 #include "stages/window/witnesses.h"
@@ -35,11 +35,10 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// For each profile, the best certifiable windows of the smoothed trajectory, their measured speeds
 /// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
-/// A certifiable window lies in one arc, contains no unusable epoch, and spans no bridged step
-/// unless the profile allows repaired ones. It has no time step longer than the rule's rate allows,
-/// and is as long as the rule says. Windows are compared on the trajectory, or on the recorded
-/// velocities where the profile uses these. The fastest are taken, or those with the highest speed
-/// that can be claimed where these prove more.
+/// A certifiable window lies in one arc and contains no unusable epoch. It has no time step longer
+/// than the rule's rate allows, and is as long as the rule says. Windows are compared on the
+/// trajectory, or on the recorded velocities where the profile uses these. The fastest are taken,
+/// or those with the highest speed that can be claimed where these prove more.
 ///
 /// The speed of the best is the estimate with the position error bounded by the profile's rule
 /// (`error_bound`), with the budget's combined uncertainty. The speeds with the fitted noise and by
@@ -53,10 +52,9 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                      const std::optional<Course>& course = std::nullopt,
                      const WitnessRecords& beside = {});
 
-/// The window that shows most in the unscreened recording, certifiable or not, offsets of bridged
-/// steps included. It is judged by its positions or its recorded velocities and their stated
-/// standard deviations. A sentence gives each reason why it cannot be certified. A bridged step is
-/// such a reason where the profile refuses them. It lies in the part of the recording that counts.
+/// The window that shows most in the unscreened recording, certifiable or not. It is judged by its
+/// positions or its recorded velocities and their stated standard deviations. A sentence gives each
+/// reason why it cannot be certified. It lies in the part of the recording that counts.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
                                                  const std::optional<SurveyedCourse>& gates,

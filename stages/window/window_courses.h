@@ -1,7 +1,7 @@
 #pragma once
 
 #include "inertial/inertial_smoother.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

@@ -6,7 +6,7 @@
 
 #include "inertial/inertial_smoother.h"
 #include "inertial/still_spans.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
 #include "stages/window/speed_by_definition.h"

@@ -8,7 +8,7 @@
 
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/import/format.h"
 #include "stages/import/import.h"
 #include "store/sha256.h"
@@ -78,7 +78,6 @@ TrajectoryTable trajectory_table() {
         row.robust_weight = 0.9;
         row.arc = 1;
         row.usable = true;
-        row.step_before = false;
         table.rows.push_back(row);
     }
     return table;

@@ -11,7 +11,7 @@ const kinds = {
   unsigned: () => pages.pageOf(pages.unsignedRun()),
   hostile: () => pages.pageOf(pages.hostileRun()),
   tampered: () => pages.editedPage(pages.signedRun(), "tampered", (text) =>
-    pages.changeMain(text, (main) => main.replace("measurer", "director"))),
+    pages.changePart(text, "report-json", (json) => json + " ")),
 };
 const phone = { viewport: { width: 360, height: 740 } };
 const dresses = {

@@ -50,7 +50,6 @@ export const hostileRun = () => {
   const attempt = fs.readFileSync(path.join(folder, "attempt.yaml"), "utf8")
     .replace(/name: [^,}\n]+/, () => `name: ${inYaml(hostileText)}`)
     .replace(/^place: .*$/m, `place: ${"W".repeat(10000)}`)
-    .replace("attempt/1.0", "attempt/1.0")
     .replace(/^ {2}source: .*$/m, `  source: ${inYaml(steering + hostileText)}`)
     .replace(/^profiles:/m, () => `signatures: [{role: judge, count: 2}]\nprofiles:`);
   fs.writeFileSync(path.join(folder, "attempt.yaml"), attempt);
@@ -175,59 +174,9 @@ export function verifyWithPage(folder, page, status = 1) {
   return runcert(["runcert", "verify", copy, "--pubkey", key("measurer").public], [status]);
 }
 
-const inHead = (markup) => (text) => text.replace("</head>", `${markup}</head>`);
-const inMain = (from, to) => (text) => changeMain(text, (main) => main.replace(from, to));
-const falseSpeed = "<p class=\"headline\">299.99 km/h ± 0.01 km/h</p>";
-/** A standing as a page carries it. */
-export const standingOf = (slots) => `${JSON.stringify({ roster_sha256: "", slots })}\n`;
-/** Replaces in a page's script, and the hash that its policy names with it. */
-const inScript = (from, to) => (text) => {
-  const changed = changePart(text, "page-script", (script) => script.replace(from, to));
+/** Replaces the page's script by `change(script)`, and the hash that its policy names with it. */
+export function changeScript(text, change) {
+  const changed = changePart(text, "page-script", change);
   const hash = createHash("sha256").update(partOf(changed, "page-script")).digest("base64");
   return changed.replace(/sha256-[^']*/, `sha256-${hash}`);
-};
-
-/** Ways in which the page of beatenRun() can show something else without a change of the report in it or of its signature. */
-export const lies = {
-  "a rule of style in the style sheet": (text) => text.replace("</style>", ".headline { visibility: hidden }</style>"),
-  "text made by the style sheet": (text) => text.replace("</style>", ".outcome_yes::before { content: \"RECORD BEATEN\" }</style>"),
-  "a second style sheet": inHead("<style>.note { display: none }</style>"),
-  "a style sheet in the body": inMain("<header>", "<style>.headline::after { content: \"9\" }</style><header>"),
-  "another medium of the style sheet": (text) => text.replace("<style>", "<style media=\"print\">"),
-  "a style sheet from elsewhere": inHead("<link rel=\"stylesheet\" href=\"data:text/css,.headline{display:none}\">"),
-  "a style at one element": inMain("<p class=\"headline\"", "<p style=\"display: none\" class=\"headline\""),
-  "a style at the page": (text) => text.replace("<html lang=\"en\"", "<html lang=\"en\" style=\"color: white\""),
-  "a class at the body": (text) => text.replace("<body>", "<body class=\"yes\">"),
-  "a page that follows": inHead("<meta http-equiv=\"refresh\" content=\"3600; url=other.html\">"),
-  "another base": inHead("<base href=\"https://example.org/\">"),
-  "another title": (text) => text.replace(/<title>[^<]*/, "<title>Record beaten"),
-  "another policy": (text) => text.replace("default-src 'none'", "default-src data:"),
-  "the page in another mode": (text) => text.replace("<!DOCTYPE html>", ""),
-  "a comment beside it": (text) => text.replace("<main", "<!-- checked --><main"),
-  "a comment behind it": (text) => `${text}<!-- checked -->`,
-  "a tree in place of the report": (text) => text.replace("<main id=\"report\">",
-    `<main id="report"><template shadowrootmode="closed">${falseSpeed}</template>`),
-  "an open tree in place of a paragraph": inMain(/(<p class="headline"[^>]*>)/,
-    "$1<template shadowrootmode=\"open\">299.99 km/h</template>"),
-  "a frame over it": (text) => text.replace("</main>", "</main><iframe srcdoc=\"beaten\"></iframe>"),
-  "a dialogue over it": (text) => text.replace("</main>", "</main><dialog open>Record beaten</dialog>"),
-  "the content's template": inScript("Measurement report", "Checked report"),
-  "the style sheet in the script": inScript(".headline", ".fast"),
-  "another script beside it": inHead("<script>document.title = 'other'</script>"),
-  "a drawing with other lines": inMain(/(src="data:image\/svg\+xml;base64,)[^"]*/, `$1${btoa("<svg xmlns=\"http://www.w3.org/2000/svg\"/>")}`),
-  "a speed in large letters beside it": inMain("<p class=\"headline\"", `${falseSpeed}<p class="headline"`),
-  "an open requirement shown as answered": inMain("class=\"mark-attest\"", "class=\"mark-answered\""),
-  "a code with another square": inMain(/(<div class="code"><svg[^>]*><path d=")M[^M]*/, "$1"),
-  "a code in another colour": inMain("fill=\"#000000\"", "fill=\"#ffffff\""),
-  "another hash beside the code": inMain(/(SHA-256 of report.json: )[0-9a-f]{4}/, "$10000"),
-  "a standing for a place that the report does not have": (text) => inMain("</section>", `${falseSpeed}</section>`)(
-    changePart(text, "standing", () => standingOf({ praise: { kind: "headline", slot: "praise", text: "299.99 km/h ± 0.01 km/h" } }))),
-  "a standing of another kind than what it replaces": (text) =>
-    inMain(/<p class="outcome_yes">[^]*?<\/p>/, falseSpeed)(changePart(text, "standing", () =>
-      standingOf({ "outcome/nalsa": { kind: "headline", slot: "outcome/nalsa", text: "299.99 km/h ± 0.01 km/h" } }))),
-  "a drawing of another size": inMain("<img ", "<img width=\"1\" "),
-  "two drawings exchanged": (text) => {
-    const [one, other] = [...text.matchAll(/src="(data:image[^"]*)"/g)].map(([, source]) => source);
-    return text.replace(one, "first of both").replace(other, one).replace("first of both", other);
-  },
-};
+}

@@ -72,7 +72,7 @@ TEST_F(Attacks, Rule01AnEditedCopyInTheRunFolderIsRefusedByStagesAndSeenByVerify
     for (const char* name : {"window", "check"}) {
         const ProcessResult result = stage(name);
         EXPECT_EQ(result.exit_status, 2) << name;
-        EXPECT_TRUE(holds(result.errors, "no published revision of it")) << result.errors;
+        EXPECT_TRUE(holds(result.errors, "is not that rule's")) << result.errors;
     }
     const ProcessResult verified = runcert({"verify", run().string(), "--recompute"});
     EXPECT_EQ(verified.exit_status, 1);

@@ -217,8 +217,7 @@ TEST(Audit, WhatTheAttemptReplacedIsNamedWithTheDefault) {
     const TemporaryFolder folder;
     const fs::path attempt = changed_example(
         folder.path(), "rejected",
-        {{"attempt/1.0", "attempt/1.0"},
-         {"profiles:",
+        {{"profiles:",
           "rules:\n  - {profile: nalsa, figure: accuracy.limit, value: 0.75, reason: "
           "agreed before}\nparameters:\n  smooth: {robust_scale: 2.5}\nprofiles:"}});
     const fs::path run = folder.path() / "run";

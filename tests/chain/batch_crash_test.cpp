@@ -20,7 +20,7 @@ struct Fault {
 const std::vector<Fault> faults{
     {"kill -ABRT $$", "was ended by signal 6 (Aborted)"},
     {"exec sleep 300", "did not end within 15 s"},
-    {"kill -KILL $$", "fewer --jobs or a smaller --memory"},
+    {"kill -KILL $$", "use fewer --jobs"},
     {"echo what now >&2; exit 3", "ended with status 3: what now"},
     {"exec yes", "wrote more than 16 MiB"},
     {"exit 0", "ended well without this file"},

@@ -22,11 +22,14 @@ attempts:
     accuracy: {horizontal_m: 0.02, vertical_m: 0.04}
     solution: fixed
   - {id: tokyo, recording: ppk_tokyo_ecef/rover.pos, craft: {name: car, class: car}}
-  - {id: "walk-*", recording: "ubx_walk/rover.*", craft: {name: walk, class: board}}
+  - {id: walk-pos, recording: ubx_walk/rover.pos, craft: {name: walk, class: board}}
+  - {id: walk-ubx, recording: ubx_walk/rover.ubx, craft: {name: walk, class: board}}
   - {id: race-car, recording: race_car_vbo/run_a.vbo, craft: {name: race car, class: car}}
-  - {id: "standing-*", recording: "nmea_gst/static_*.nmea", craft: {name: standing still, class: board}}
+  - {id: standing-f9p, recording: nmea_gst/static_f9p.nmea, craft: {name: standing still, class: board}}
+  - {id: standing-skytraq, recording: nmea_gst/static_skytraq.nmea, craft: {name: standing still, class: board}}
   - {id: walk-rinex, recording: rinex_pair/yamatogawa_rover.obs, base: rinex_pair/yamatogawa_master.obs, navigation: rinex_pair/yamatogawa_rover.nav, craft: {name: walk, class: board}}
-  - {id: "jump-*", recording: "speed_skydive/flysight*.csv", craft: {name: jump, class: skydiver}, profiles: [fai-speed-skydiving-2026]}
+  - {id: jump-1_crlf, recording: speed_skydive/flysight1_crlf.csv, craft: {name: jump, class: skydiver}, profiles: [fai-speed-skydiving-2026]}
+  - {id: jump-1_bad_header, recording: speed_skydive/flysight1_bad_header.csv, craft: {name: jump, class: skydiver}, profiles: [fai-speed-skydiving-2026]}
 )";
 
 TEST(BatchOfRealRecordings, IsProcessedWithAllItsFormats) {

@@ -64,7 +64,7 @@ rules:
     title: a title
     looked_at: "2026-01-01"
     valid_from: "2026-01-01"
-    window: {kind: time, duration_s: 3, definition: displacement, dimension: horizontal, source: position, ends: epochs, exact: false, count: 1, repaired_steps: false}
+    window: {kind: time, duration_s: 3, definition: displacement, dimension: horizontal, source: position, ends: epochs, exact: false, count: 1}
     runs: {start_m_s: 2, stop_m_s: 1, stop_s: 5, turn_deg: 90}
     accuracy: {limit: 0.8, unit: km/h, coverage_factor: 2}
     margin: {kind: absolute, value: 1, unit: mph, above: value}
@@ -279,7 +279,6 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: window.count, set: {/rules/time/window/count: 2}, redoes: window}
 - {key: window.proximity_m, set: {/rules/alpha/window/proximity_m: 40}, redoes: window}
 - {key: window.turn_deg, set: {/rules/alpha/window/turn_deg: 80}, redoes: window}
-- {key: window.repaired_steps, set: {/rules/time/window/repaired_steps: true}, redoes: window}
 - {key: speed_of, set: {/rules/alpha/speed_of: reference_point}, redoes: window}
 - {key: opposite_runs.within_s, set: {/rules/pair/opposite_runs/within_s: 700}, redoes: window}
 )yaml";

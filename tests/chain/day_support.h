@@ -52,10 +52,12 @@ inline SimulationSpec random_run(std::uint64_t seed, int epochs) {
 /// epochs at 10 Hz (at least 100), and returns its file, FOLDER/day.yaml. The same bytes each time.
 inline std::filesystem::path make_day(const std::filesystem::path& folder, int count, int epochs) {
     std::filesystem::create_directories(folder / "recordings");
+    std::string attempts;
     for (int i = 1; i <= count; ++i) {
         const SimulationSpec spec = random_run(static_cast<std::uint64_t>(i), epochs);
         std::ofstream(folder / fmt::format("recordings/{:04}.pos", i), std::ios::binary)
             << rtklib_pos_text(spec, simulate(spec));
+        attempts += fmt::format("  - {{id: run-{0:04}, recording: recordings/{0:04}.pos}}\n", i);
     }
     std::ofstream(folder / "day.yaml", std::ios::binary)
         << "schema: day/1.0\n"
@@ -66,7 +68,7 @@ inline std::filesystem::path make_day(const std::filesystem::path& folder, int c
            "  record: {speed: 202.9, unit: km/h, source: \"NALSA, 2009\"}\n"
            "  profiles: [nalsa]\n"
            "attempts:\n"
-           "  - {id: \"run-*\", recording: \"recordings/*.pos\"}\n";
+        << attempts;
     return folder / "day.yaml";
 }
 

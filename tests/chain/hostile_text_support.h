@@ -67,7 +67,6 @@ inline std::string hostile_attempt() {
     const auto replace = [&text](const std::string& what, const std::string& by) {
         text = replaced(text, what, by);
     };
-    replace("attempt/1.0", "attempt/1.0");
     replace("simulated sailing boat, class", hostile("CRAFT") + ", class");
     replace("a canal beside the sea (simulated)", endless("PLACE"));
     replace("- {role: measurer}",

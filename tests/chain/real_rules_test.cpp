@@ -78,7 +78,7 @@ std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& 
         const ProfileVerdict& profile = verdict.profiles.at(i);
         EXPECT_EQ(profile.outcome, Outcome::not_proven) << profile.reason;  // no record is named
         // To the last digit that the logger prints.
-        EXPECT_EQ(profile.own_arithmetic->shown, fmt::format("{:.3f} km/h", of_device[i]));
+        EXPECT_EQ(profile.own_arithmetic.shown, fmt::format("{:.3f} km/h", of_device[i]));
         EXPECT_NEAR(*profile.speed_m_s, of_device[i] * kmh, 0.25 * kmh);
         EXPECT_NEAR(*profile.speed_m_s, of_device[i] * kmh, *profile.expanded_uncertainty_m_s);
         EXPECT_LT(*profile.expanded_uncertainty_m_s, 1.2 * kmh);

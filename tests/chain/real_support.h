@@ -9,7 +9,7 @@
 #include "chain_support.h"
 #include "core/geodesy.h"
 #include "core/text.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"
 

@@ -214,36 +214,16 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
     }
     expect_in(recomputed(), {"yes  recompute     equal within 1/1000 of the stated uncertainty",
                              "note: the folder's files were made by runcert 0.9.9"});
-    // It may have said it in other words, but no other number.
+    // What it says is compared to the letter.
     const std::string verdict = read_file(run() / "6-verdict.yaml");
     const std::size_t words = verdict.find("(k = 2");
     ASSERT_NE(words, std::string::npos);
     forge("6-verdict.yaml", std::string(verdict).replace(words, 6, "(k is 2"));
-    expect_in(recomputed(), {"yes  recompute", "note: a sentence of another program"});
-    forge("6-verdict.yaml", std::string(verdict).replace(words, 6, "(k = 2.5"));
-    expect_in(recomputed(), {"NO   recompute"});
-    // A figure may have had other decimals, and be no other for that.
-    const std::size_t end = verdict.find(" km/h for the choice of the window");
-    ASSERT_NE(end, std::string::npos);
-    const std::size_t begin = verdict.rfind(' ', end - 1) + 1;
-    const std::string figure = verdict.substr(begin, end - begin);
-    forge("6-verdict.yaml", std::string(verdict).replace(begin, figure.size(), figure + "4"));
-    expect_in(recomputed(), {"yes  recompute", "note: a sentence of another program"});
-    forge("6-verdict.yaml", std::string(verdict).replace(begin, figure.size(), "7" + figure));
-    expect_in(recomputed(), {"NO   recompute"});
-    forge("6-verdict.yaml", verdict);
-    // It may not have said all of its parameters; what it said must be what was used.
-    const std::string said = "  plane_scale_bound: 0.001\n";
-    std::string text = read_file(run() / "5-windows.yaml");
-    const std::size_t at = text.find(said);
-    ASSERT_NE(at, std::string::npos);
-    forge("5-windows.yaml", text.erase(at, said.size()));
-    expect_in(recomputed(), {"yes  recompute"});
-    forge("5-windows.yaml", text.insert(at, "  plane_scale_bound: 0.002\n"));
-    expect_in(recomputed(), {"NO   recompute", "parameter plane_scale_bound: 0.002 in the folder"});
+    expect_in(recomputed(),
+              {"NO   recompute", "note: the folder's files were made by runcert 0.9.9"});
 }
 
-TEST_F(Recompute, OfItsOwnFilesNoParameterIsMissing) {
+TEST_F(Recompute, NoParameterIsMissing) {
     std::string text = read_file(run() / "5-windows.yaml");
     const std::string said = "  plane_scale_bound: 0.001\n";
     const std::size_t at = text.find(said);

@@ -4,7 +4,7 @@
 #include "core/geodesy.h"
 #include "core/text.h"
 #include "rules_support.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 // What the rules say of recordings that are made, so that their speeds are known.
 
@@ -329,20 +329,6 @@ TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
     // Chi-squared of 20 degrees over 20 is between 0.3 and 2.3 in 99.8 % of them.
     EXPECT_GT(covered.mean_square, 0.3);
     EXPECT_LT(covered.mean_square, 2.3);
-}
-
-TEST(RulesOfBefore, JudgeStillAndVerifySaysThatANewerRevisionShips) {
-    const Rules rules;
-    rules.put("recording.csv", northwards(30.0).text());
-    rules.put("fisly.yaml",
-              read_file(fs::path(RUNCERT_SOURCE_DIR) / "tests/chain/data/fisly.2.yaml"));
-    const ProfileVerdict verdict = rules.judge_one(plane_attempt("fisly.yaml"));
-    EXPECT_EQ(verdict.rule.revision, 2);
-    EXPECT_EQ(verdict.rule.origin, RuleOrigin::built_in);
-    // Its requirements are those of its day.
-    EXPECT_EQ(requirement_of(verdict, "accuracy").decided_by, Computation::attest);
-    const ProcessResult result = runcert({"verify", rules.run().string()});
-    EXPECT_TRUE(contains(result.output, "revision 3 comes with this program")) << result.output;
 }
 
 }  // namespace

@@ -44,21 +44,22 @@ TEST_F(Signing, RefusesAFolderThatIsNotWhole) {
     EXPECT_EQ(sign("measurer", "measurer").exit_status, 0);
 }
 
-TEST_F(Signing, RefusesAReportThatIsNewerThanTheProgram) {
+TEST_F(Signing, RefusesAReportOfAnotherVersion) {
     const std::string report = read_file(run() / "report.json");
     const std::string version =
         nlohmann::json::parse(report)["predicate"]["schema"]["version"];  // as of this program
     const std::string field = "\"version\": \"" + version + "\"";
-    for (const char* newer : {"9.0", "1.99"}) {
-        change("report.json", field, fmt::format("\"version\": \"{}\"", newer));
-        expect_refused(sign("measurer", "measurer"), {"newer than this program", newer});
+    for (const char* other : {"9.0", "1.1", "0.9"}) {
+        const std::string said = fmt::format("the report is of version \"{}\"", other);
+        change("report.json", field, fmt::format("\"version\": \"{}\"", other));
+        expect_refused(sign("measurer", "measurer"), {said, "Certify the recording again"});
         const ProcessResult result = verify({"--roster", roster()});
         EXPECT_EQ(result.exit_status, 2) << result.output;
-        EXPECT_NE(result.errors.find("newer than this program"), std::string::npos);
+        EXPECT_NE(result.errors.find(said), std::string::npos);
         write_file_atomically(run() / "report.json", report);
     }
     change("report.json", "measurement-report:1.0", "measurement-report:2.0");
-    expect_refused(sign("measurer", "measurer"), {"newer than this program"});
+    expect_refused(sign("measurer", "measurer"), {"the report is of version \"2.0\""});
 }
 
 TEST_F(Signing, RefusesAFolderWithoutAReport) {

@@ -61,7 +61,7 @@ void expect_refused(const ProfileVerdict& verdict) {
 void expect_right_by_positions(const Verdict& verdict) {
     const ProfileVerdict& found = ten_s(verdict);
     if (found.outcome == Outcome::not_proven) {
-        EXPECT_GT(*found.decision->by_uncertainty, found.decision->level) << found.reason;
+        EXPECT_GT(found.decision->by_uncertainty, found.decision->level) << found.reason;
         EXPECT_TRUE(holds(found.reason, "an error that nothing found is too probable"))
             << found.reason;
     } else {

@@ -60,30 +60,36 @@ std::string recording(const RunSpec& spec) {
     return text;
 }
 
-/// The course as an OBJ in the local frame of the origin, its heights lowered.
+/// The vertices of the course in the local frame of the origin, their heights lowered.
 std::string survey(double lowered_m) {
-    std::string text = "# a survey\n";
+    std::string text = "vertex,east,north,up\n";
     for (int i = 0; i <= 34; ++i)
         for (const double north_m : {-20.0, 20.0}) {
             const double east_m = 50.0 * i - 25.0;
-            text += fmt::format("v {} {} {:.4f}\n", east_m, north_m,
-                                ground_m(east_m, north_m) - lowered_m);
+            text += fmt::format("{},{},{},{:.4f}\n", 2 * i + (north_m > 0.0 ? 2 : 1), east_m,
+                                north_m, ground_m(east_m, north_m) - lowered_m);
         }
+    return text;
+}
+
+std::string triangles() {
+    std::string text = "vertex_1,vertex_2,vertex_3\n";
     for (int i = 0; i < 34; ++i)
-        text += fmt::format("f {} {} {}\nf {} {} {}\n", 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 1,
-                            2 * i + 4, 2 * i + 2);
+        text +=
+            fmt::format("{0},{1},{2}\n{0},{2},{3}\n", 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2);
     return text;
 }
 
 constexpr const char* surveyed =
-    "\n    surface: {file: course.obj, frame: local_plane, unit: m, source: a survey, "
-    "vertical_sd_m: 0.05}";
+    "\n    surface: {file: vertices.csv, triangles: triangles.csv, frame: local_plane, unit: m, "
+    "source: a survey, vertical_sd_m: 0.05}";
 
 /// A folder of attempts over the course.
 class Course {
   public:
     explicit Course(double lowered_m = 0.0) {
-        write_file_atomically(folder_.path() / "course.obj", survey(lowered_m));
+        write_file_atomically(folder_.path() / "vertices.csv", survey(lowered_m));
+        write_file_atomically(folder_.path() / "triangles.csv", triangles());
     }
 
     fs::path file(const std::string& name) const { return folder_.path() / name; }

@@ -68,11 +68,11 @@ TEST_F(TamperedRun, AFileOfAnotherProgramOrAnUnknownModelIsCalledThat) {
     EXPECT_TRUE(says(layer(found(), "schemas"), "is not known"));
 }
 
-TEST_F(TamperedRun, AFileOfAnotherRevisionThanTheProgramWritesIsCalledThat) {
+TEST_F(TamperedRun, AFileOfAnotherVersionIsCalledThat) {
     change("3-screened.ecsv", "version: \"1.0\"", "version: \"1.7\"");
     fix_hash("3-screened.ecsv");
     EXPECT_TRUE(says(layer(found(), "schemas"),
-                     "3-screened.ecsv: not as written: its header says screened/1.7"));
+                     "3-screened.ecsv: version \"1.7\" of the schema screened is not known"));
 }
 
 TEST_F(TamperedRun, ExtraFilesAndLinksAreNamed) {

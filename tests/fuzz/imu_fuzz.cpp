@@ -20,7 +20,7 @@ Receiver receiver_for(std::string_view bytes) {
     const bool even = bytes.size() % 2 == 0;
     if (even) imu.rate_hz = 100.0;
     if (bytes.size() % 3 == 0) imu.samples = ImuSampling::instant;
-    if (imu::is_esf(bytes) || imu::is_kf_gins(bytes)) return receiver;
+    if (imu::is_kf_gins(bytes)) return receiver;
     if (imu::is_rawimu(bytes)) {
         imu.gyro_scale = 0.1 / (3600.0 * 256.0);
         imu.accelerometer_scale = 0.05 / 32768.0;

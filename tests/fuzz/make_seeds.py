@@ -493,41 +493,25 @@ def imus():
         return f"%{body}*{value:08x}\r\n"
 
     table = logger = kf_gins = rawimu = ""
-    log = b""
     for i in range(40):
         shake = .001 * (i * 7 % 13)
         table += f"{100001 + .01 * i:.3f},{.01 + shake:.6f},-0.02,0.03,{.1 + shake:.6f},-0.2,-9.79\n"
         logger += f"0.12 {.027 + shake:.3f} 1.01 -0.67 {3 + shake:.3f} 0.2 {261906 + 10 * i + i % 2}\n"
         kf_gins += f"{100001 + .005 * i:.6f} 0.00005 -0.0001 {.00015 + shake / 1e4:.8f} 0.0005 -0.001 {-.04895 + shake / 1e3:.6f}\n"
         rawimu += sealed(f"RAWIMUSA,2400,{100001 + .01 * i:.3f};2400,{100001 + .01 * i:.9f},00000077,{63811 + i},-6290,6253,7,-31,14")
-        if i % 10 == 0:
-            pvt = struct.pack("<IHBBBBBBIiBBBB", 100001000 + 100 * i, 2026, 1, 5, 3, 46, 23 + i // 10, 0x37, 100, 0, 3, 1, 0, 14)
-            log += ubx_frame(1, 7, pvt.ljust(92, b"\0"))
-        data = [(14, 2048), (13, -6144), (5, 10240 + i), (16, 256), (17, -512), (18, -9984)]
-        words = [kind << 24 | value & 0xFFFFFF for kind, value in data]
-        if i % 2:
-            log += ubx_frame(16, 3, b"\0" * 4 + b"".join(struct.pack("<II", w, 0xFFFFFF00 + 256 * i & 0xFFFFFFFF) for w in words))
-        else:
-            log += ubx_frame(16, 2, struct.pack("<IHH", 0xFFFFFF00 + 256 * i & 0xFFFFFFFF, 6 << 11, 0) + b"".join(struct.pack("<I", w) for w in words))
     save("imu", "table", table)
     save("imu", "table_named", "t,gx,gy,gz,ax,ay,az\n" + table)
     save("imu", "logger", logger)
     save("imu", "kf_gins", kf_gins)
     save("imu", "rawimu", rawimu)
-    save("imu", "esf", log)
 
 
 def surfaces():
     corners = [(0, 0, 5), (10, 0, 5), (10, 10, 6), (0, 10, 6)]
-    lines = "".join(f"v {x} {y} {z}\n" for x, y, z in corners)
-    save("surface", "obj", "# a course\n" + lines + "vn 0 0 1\nf 1 2 3\nf 1/1 4/1 -2/1\n")
     save("surface", "landxml", '<?xml version="1.0"?>\n<LandXML version="1.2"><Units><Metric linearUnit="meter"/></Units>'
          '<Surfaces><Surface name="a"><Definition surfType="TIN"><Pnts>'
          + "".join(f'<P id="{7 + i}">{y} {x} {z}</P>' for i, (x, y, z) in enumerate(corners))
          + '</Pnts><Faces><F>7 8 9</F><F>7 9 10</F><F i="1">8 9 10</F></Faces></Definition></Surface></Surfaces></LandXML>\n')
-    save("surface", "ply", "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
-         "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-         + "".join(f"{x} {y} {z}\n" for x, y, z in corners) + "3 0 1 2\n3 0 2 3\n")
     vertices = "vertex,x,y,z\n" + "".join(f"{i + 1},{x},{y},{z}\n" for i, (x, y, z) in enumerate(corners))
     own = (TESTS / "golden/v1.0/1-surface.ecsv").read_text().split("vertex,4,")
     save("surface", "own", own[0] + "vertex,4,35.13480948300,136.97757427500,105.0000,,,,,,,\n" + own[1].split("\n", 1)[1])

@@ -1,5 +1,5 @@
-// The readers of surfaces: LandXML, OBJ, PLY, what runcert surface wrote, and two tables, which
-// stand in one input with an empty line between them.
+// The readers of surfaces: LandXML, what runcert surface wrote, and two tables, which stand in one
+// input with an empty line between them.
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include "fuzz_target.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 
 namespace runcert::fuzz {
 

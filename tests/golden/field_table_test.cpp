@@ -4,7 +4,6 @@
 #include <set>
 
 #include "golden_files.h"
-#include "schemas/common/revision.h"
 
 // The field tables themselves, and that the golden files have all that is in them.
 
@@ -72,9 +71,9 @@ bool may_lack_unit(const std::string& path) {
 }
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
-const Names known_keys{"type",     "unit",    "required", "values",      "min",    "max",
-                       "decimals", "default", "since",    "description", "limits", "origin",
-                       "changes",  "decides", "clause",   "read_by",     "series", "before_rule"};
+const Names known_keys{"type",     "unit",    "required",    "values", "min",        "max",
+                       "decimals", "default", "description", "limits", "origin",     "changes",
+                       "decides",  "clause",  "read_by",     "series", "before_rule"};
 
 std::vector<std::string> schema_names() {
     std::vector<std::string> names;
@@ -133,26 +132,21 @@ TEST(FieldTables, EveryColumnIsDescribedAndPhysicalQuantitiesHaveAUnit) {
     }
 }
 
-TEST(FieldTables, GoldenTablesHaveExactlyTheColumnsOfTheirRevision) {
+TEST(FieldTables, GoldenTablesHaveExactlyTheColumns) {
     for (const golden::GoldenFile& file : golden::all_files()) {
         if (!file.is_table) continue;
         SCOPED_TRACE(file.path);
         const std::string text = golden::text_of(file.path);
         const EcsvReader table(text, file.path);
         const TableSchema schema = TableSchema::parse(golden::field_table(file.kind.schema), "v1");
-        std::vector<EcsvColumn> expected;
-        for (std::size_t i = 0; i < schema.columns().size(); ++i)
-            if (schema.columns_since()[i] <= file.revision) expected.push_back(schema.columns()[i]);
-        ASSERT_EQ(table.columns().size(), expected.size());
+        ASSERT_EQ(table.columns().size(), schema.columns().size());
         for (std::size_t i = 0; i < table.columns().size(); ++i) {
-            const EcsvColumn& own = expected[i];
+            const EcsvColumn& own = schema.columns()[i];
             EXPECT_EQ(table.columns()[i].name, own.name);
             EXPECT_EQ(table.columns()[i].type, own.type) << own.name;
             EXPECT_EQ(table.columns()[i].unit, own.unit) << own.name;
             EXPECT_EQ(table.columns()[i].decimals, own.decimals) << own.name;
-            // A later revision may say more of a column.
-            EXPECT_TRUE(!file.newest || table.columns()[i].description == own.description)
-                << own.name;
+            EXPECT_EQ(table.columns()[i].description, own.description) << own.name;
         }
     }
 }
@@ -167,26 +161,19 @@ void collect(const YamlValue& value, const std::string& path, Names& paths) {
             collect(item, path + "[]", paths);
 }
 
-TEST(FieldTables, GoldenFilesHaveEveryFieldOfTheirRevision) {
-    std::map<std::pair<std::string, std::int64_t>, Names> found;  // by schema and revision
+TEST(FieldTables, GoldenFilesHaveEveryField) {
+    std::map<std::string, Names> found;  // by schema
     for (const golden::GoldenFile& file : golden::all_files()) {
         SCOPED_TRACE(file.path);
         const std::string text = golden::text_of(file.path);
         collect({file.is_table ? EcsvReader(text, "f").meta() : parse_yaml(text, "f"), "f"}, "",
-                found[{file.kind.schema, file.revision}]);
-        const DocumentSchema schema =
-            DocumentSchema::parse(golden::field_table(file.kind.schema), "v1");
-        EXPECT_EQ(file.newest, file.revision == version_of(schema).revision);
+                found[file.kind.schema]);
     }
-    for (const auto& [of, names] : found) {
-        const auto& [name, revision] = of;
-        SCOPED_TRACE(name + "/1." + std::to_string(revision));
+    for (const auto& [name, names] : found) {
+        SCOPED_TRACE(name);
         const DocumentSchema schema = DocumentSchema::parse(golden::field_table(name), "v1");
-        for (const FieldRule& rule : schema.fields()) {
-            if (rule.path.ends_with(".*")) continue;
-            const bool had = since_of(schema, rule.path) <= revision;
-            EXPECT_EQ(names.contains(rule.path), had) << rule.path;
-        }
+        for (const FieldRule& rule : schema.fields())
+            EXPECT_TRUE(names.contains(rule.path) || rule.path.ends_with(".*")) << rule.path;
     }
 }
 

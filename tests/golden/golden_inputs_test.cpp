@@ -208,7 +208,7 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.duration_s, 10.0);
     EXPECT_EQ(profile.dimension, Dimension::vertical);
     EXPECT_EQ(profile.speed_source, SpeedSource::position);
-    EXPECT_TRUE(profile.exact_duration && profile.repaired_steps);
+    EXPECT_TRUE(profile.exact_duration);
     EXPECT_EQ(profile.ends, WindowEnds::epochs);
     EXPECT_EQ(profile.windows, 1);
     EXPECT_EQ(profile.proximity_m, 25.0);
@@ -288,6 +288,15 @@ TEST(GoldenProfile, OfACourse) {
     EXPECT_EQ(profile.decision_probability, 0.975);
 }
 
+TEST(GoldenProfile, OverAnother) {
+    const Profile profile = read_profile(text_of("v1.0/profile.extends.yaml"), "f");
+    EXPECT_EQ(profile.id, "my-course");
+    EXPECT_EQ(profile.distance_m, 600.0);
+    EXPECT_EQ(profile.margin, 0.01);
+    EXPECT_EQ(profile.clauses.at(0).text, "From line to line, 600 m.");
+    EXPECT_EQ(profile.clauses.at(2).id, "current");
+}
+
 TEST(GoldenProfile, WhereItIsKnownFromAndHowLongItHolds) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.looked_at, "2026-11-27");
@@ -363,35 +372,35 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
         EXPECT_FALSE(entry.refused) << entry.refused->what();
 
     EXPECT_EQ(day.entries[0].attempt, "heats/run-1.yaml");
-    EXPECT_TRUE(day.entries[0].keys->empty());
-    EXPECT_EQ(day.entries[0].line, 14);
+    EXPECT_FALSE(day.entries[0].keys.is_defined());
+    EXPECT_EQ(day.entries[0].line, 11);
 
-    const Attempt second = read_attempt(attempt_text(day.entries[1].keys, "second"), "f");
+    const auto attempt_of = [](const DayEntry& entry, const std::string& id) {
+        return read_attempt(attempt_text(id, entry.keys, id), "f");
+    };
+    const Attempt second = attempt_of(day.entries[1], day.entries[1].id);
     EXPECT_EQ(second.id, "run-2");
     EXPECT_EQ(second.craft.name, "0042");
-    EXPECT_EQ(second.craft.kind, "land-yacht");
+    EXPECT_EQ(second.craft.kind, "car");
     EXPECT_FALSE(second.record);
     ASSERT_EQ(second.receivers.size(), 1U);
     EXPECT_EQ(second.receivers[0].id, "primary");
-    EXPECT_EQ(second.receivers[0].format, "csv");
-    EXPECT_EQ(second.receivers[0].columns.at("time"), "1");
     EXPECT_EQ(parameters_of(second, "smooth")->at("jerk_density"), 1.0);
 
-    auto keys = day.entries[2].keys;
-    keys["id"] = "third";
-    const Attempt third = read_attempt(attempt_text(keys, "third"), "f");
+    EXPECT_EQ(day.entries[2].id, "");
+    const Attempt third = attempt_of(day.entries[2], "third");
     EXPECT_EQ(third.receivers.at(0).recordings,
               (std::vector<std::string>{"first.csv", "second run.csv"}));
-    EXPECT_EQ(third.receivers[0].columns.size(), 4U);
+    EXPECT_EQ(third.receivers[0].columns.size(), 1U);
     EXPECT_EQ(third.profiles, (std::vector<std::string>{"fisly"}));
     EXPECT_EQ(third.record->speed, 202.9);
 
-    const auto& heats = *day.entries[3].keys;
-    EXPECT_EQ(heats["id"], "heat-*");
-    EXPECT_EQ(heats["place"], "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b");
-    EXPECT_EQ(heats["receivers"][0]["id"], "secondary");
-    EXPECT_EQ(heats["receivers"][0]["lever_arm_m"]["down"], -1.25);
-    EXPECT_EQ(heats["receivers"][1]["recording"], "left/*.csv");
+    const Attempt heat = attempt_of(day.entries[3], day.entries[3].id);
+    EXPECT_EQ(heat.id, "heat-1");
+    EXPECT_EQ(heat.place, "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b");
+    EXPECT_EQ(heat.receivers.at(0).id, "secondary");
+    EXPECT_EQ(heat.receivers[0].lever_arm->at(2), -1.25);
+    EXPECT_EQ(heat.receivers.at(1).recordings.at(0), "left/1.csv");
 }
 
 }  // namespace

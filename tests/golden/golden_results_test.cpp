@@ -62,7 +62,6 @@ TEST(GoldenWindows, Uncertainty) {
 TEST(GoldenWindows, Reliability) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
-    EXPECT_EQ(best.repaired_steps, 1);
     EXPECT_EQ(best.detection_power, 0.8);
     ASSERT_EQ(best.reliability.size(), 3U);
     EXPECT_EQ(best.reliability[0].hypothesis, Hypothesis::step);

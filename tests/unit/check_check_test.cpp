@@ -488,7 +488,6 @@ TEST(Check, WindowsOfTheRuleAsItWasBeforeAnyFigureOfItChangedAreRefused) {
           {part_of_it, "", time, ""},
           {part_of_it, "", part("}, to: [{event: below_start, height_m: 2000"), ""},
           {part_of_it, "", part(", speed_m_s: 12}, to: [{event: below_start, height_m: 2256"), ""},
-          {time, "", time + ", repaired_steps: true", ""},
           {alpha, "", alpha + ", alpha: any", ""},
           {alpha, "", alpha + ", proximity_m: 60", ""},
           {alpha, "", alpha + ", turn_deg: 60", ""}}) {

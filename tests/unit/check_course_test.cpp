@@ -268,30 +268,6 @@ TEST(Course, OnlyRowsBeforeTheWindowAreOfTheStart) {
     EXPECT_NEAR(at_once.speed_before_m_s.value, 20.0, 1e-9);
 }
 
-TEST(Course, AnOffsetOfABridgedStepIsTakenOff) {
-    const Straight motion{.slope = 0.01};
-    const auto without = rows_of(20.0, motion);
-    auto rows = without;
-    rows[115].step_before = true;
-    for (std::size_t i = 115; i < rows.size(); ++i) {
-        *rows[i].east_m += 3.0;
-        *rows[i].north_m -= 2.0;
-        *rows[i].up_m += 4.0;
-    }
-    const CourseErrors plane{.tangent_plane = false};
-    const CourseFacts facts = facts_of(rows, 100, 130, plane);
-    const CourseFacts truth = facts_of(without, 100, 130, plane);
-    EXPECT_NEAR(facts.height_difference_m->value, truth.height_difference_m->value, 1e-9);
-    EXPECT_NEAR(facts.slope->value, 0.01, 1e-9);
-    EXPECT_NEAR(facts.heading_deg.value, 60.0, 1e-9);
-    EXPECT_NEAR(facts.straightness_m.value, 0.0, 1e-9);
-    EXPECT_NEAR(facts.run_up_m, 200.0, 1e-9);
-    // Two places more, and 0.1 s of the velocity's.
-    const double step = 2.0 * sigma_up_m * sigma_up_m + std::pow(0.1 * sigma_m_s, 2);
-    EXPECT_NEAR(*facts.height_difference_m->expanded_uncertainty,
-                2.0 * std::sqrt(2.0 * sigma_up_m * sigma_up_m + step), 1e-12);
-}
-
 TEST(Course, RowsWithoutAnEstimateArePassedOver) {
     auto rows = rows_of(20.0, Straight{});
     for (std::size_t i = 40; i < 45; ++i) {

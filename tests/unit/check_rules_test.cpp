@@ -497,7 +497,7 @@ TEST(OwnArithmetic, GivesNoSpeedWithoutTheCurrentThatItTakesOff) {
         "rounding: {mode: nearest, unit: km/h, decimals: 2}}\n";
     const auto own_of = [](RuleScene& scene) {
         scene.windows().score = RuleScore{.span = scene.best().span, .speed_m_s = 60.1};
-        return scene.verdict().own_arithmetic.value();
+        return scene.verdict().own_arithmetic;
     };
     RuleScene plain(profile_text(clause_text("window_complete"), arithmetic));
     EXPECT_EQ(own_of(plain).shown, "216.36 km/h");

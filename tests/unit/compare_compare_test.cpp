@@ -168,28 +168,6 @@ TEST(Compare, AWindowThatNobodyCertifiesIsNoCandidate) {
     EXPECT_FALSE(method(comparison, "smoother of").certified_error_m_s.has_value());
 }
 
-TEST(Compare, AcrossABridgedStepOnlyMeansOfSpeedsAreCompared) {
-    Sample one = sample();
-    one.screened.rows[60].break_before = ArcBreak::bridged;
-    for (std::size_t k = 60; k < epochs; ++k) {
-        *one.screened.rows[k].east_m += 5.0;
-        *one.trajectory.rows[k].east_m += 5.0;
-    }
-    one.trajectory.rows[60].step_before = true;
-    one.windows.profiles.at(0).best->repaired_steps = 1;
-    const Comparison comparison = compared(one);
-    EXPECT_EQ(comparison.profiles.at(0).candidates, 90 - 30);
-    EXPECT_EQ(comparison.notes.at(comparison.notes.size() - 3),
-              "Steps of the positions were bridged: windows across them are not compared");
-    for (const char* name : {"raw positions", "smoother of the trajectory", "fixed lag, full"}) {
-        const MethodResult result = method(comparison, name);
-        EXPECT_LT(*result.best_m_s, 20.0) << name;  // with the step inside it would be 21.5
-        EXPECT_FALSE(result.certified_m_s || result.certified_error_m_s) << name;
-    }
-    EXPECT_TRUE(method(comparison, "batch").certified_m_s);
-    EXPECT_NEAR(*comparison.profiles.at(0).true_m_s, true_mean_m_s, 1e-12);
-}
-
 TEST(Compare, TruthOfAnotherTimeIsRefused) {
     Sample one = sample();
     one.truth[45].reset();

@@ -88,13 +88,13 @@ TEST(Arrange, ASurfaceIsThePrimaryReceiversWithItsTriangles) {
     };
     const HandedIn table = raw("t.csv", RecordingKind::triangles);
     const Arrangement whole =
-        arrange({ground("course.xml", 9), recorded("a.nmea", 0), table, ground("other.obj", 9)});
+        arrange({ground("course.xml", 9), recorded("a.nmea", 0), table, ground("other.xml", 9)});
     ASSERT_EQ(whole.receivers.size(), 1U);
     EXPECT_EQ(whole.receivers[0].surface, 0U);
     EXPECT_FALSE(whole.receivers[0].triangles);
     EXPECT_EQ(whole.said,
               (std::vector<std::string>{
-                  "other.obj is left out: one surface is used.",
+                  "other.xml is left out: one surface is used.",
                   "course.xml holds the surface of a course. It is taken for the one that the "
                   "craft of the primary receiver ran on.",
                   "t.csv is left out: the surface has triangles already."}));

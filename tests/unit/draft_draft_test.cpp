@@ -121,7 +121,7 @@ TEST(Draft, AnImuIsWrittenAsItsFileSaysAndItsArmIsAskedFor) {
 }
 
 TEST(Draft, OfASurfaceFrameHeightsAndSourceAreAskedFor) {
-    HandedIn ground{.path = "course.obj"};
+    HandedIn ground{.path = "course.csv"};
     ground.is.kind = RecordingKind::surface;
     ground.is.triangles = 2;
     for (const char* key : {"frame", "unit", "source"})
@@ -160,7 +160,7 @@ TEST(Draft, OfASurfaceFrameHeightsAndSourceAreAskedFor) {
     draft.set("profiles", "nalsa");
     const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
     const Surface& surface = *attempt.receivers[0].surface;
-    EXPECT_EQ(surface.file, "course.obj");
+    EXPECT_EQ(surface.file, "course.csv");
     EXPECT_EQ(surface.frame->utm_zone->zone, 53);
     EXPECT_EQ(surface.undulation, -3.2);
     EXPECT_EQ(surface.source, "a survey, the day before");
@@ -309,12 +309,12 @@ TEST(Draft, ADayHasWhatIsAnsweredInCommon) {
     const YamlValue read(parse_yaml(day.text(), "day.yaml"), "day.yaml");
     EXPECT_EQ(read["id"].text(), "Lake-day");
     EXPECT_EQ(read["defaults"]["craft"]["name"].text(), "Yacht");
-    const YamlValue common = read["defaults"]["receivers"].list().at(0);
+    const YamlValue common = read["defaults"];
     EXPECT_EQ(common["solution"].text(), "fixed");
     EXPECT_FALSE(common["recording"].exists());
     ASSERT_EQ(read["attempts"].list().size(), 3U);
     EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-2");
-    const YamlValue third = read["attempts"].list()[2]["receivers"].list().at(0);
+    const YamlValue third = read["attempts"].list()[2];
     EXPECT_EQ(third["recording"].text(), "log.csv");
     EXPECT_EQ(third["columns"]["time"].integer(), 1);
 }

@@ -1,19 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <numbers>
-
 #include "import_imu_support.h"
-#include "import_ubx_test_support.h"
 #include "stages/import/novatel/log.h"
 
-// KF-GINS text, NovAtel RAWIMU, u-blox ESF. Of the latter two no recorded log is at hand.
+// KF-GINS text, NovAtel RAWIMU. Of the latter no recorded log is at hand.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
-
-constexpr double degree = std::numbers::pi / 180.0;
 
 Receiver receiver_of_format() {
     Receiver receiver = imu_receiver();
@@ -105,86 +100,6 @@ TEST(RawImu, NeedsItsScale) {
     for (int i = 0; i < 300; ++i)
         text += rawimu(100.0 + 0.01 * i, 63811 + i % 7, 0, 0, 7, -31, 14);
     EXPECT_TRUE(has(imu_failure(wrong, text), "accelerometer_scale"));
-}
-
-/// A reading of ESF with its type.
-std::uint32_t esf_data(int type, double value, double unit) {
-    return static_cast<std::uint32_t>(type) << 24U |
-           (static_cast<std::uint32_t>(std::lround(value / unit)) & 0xffffffU);
-}
-
-/// Rates (deg/s) and specific force (m/s^2).
-std::vector<std::uint32_t> esf_readings(int i) {
-    return {esf_data(14, 0.5, 1.0 / 4096),
-            esf_data(13, -1.5, 1.0 / 4096),
-            esf_data(5, 2.5 + 0.01 * (i % 9), 1.0 / 4096),
-            esf_data(16, 0.25, 1.0 / 1024),
-            esf_data(17, -0.5, 1.0 / 1024),
-            esf_data(18, -9.75, 1.0 / 1024)};
-}
-
-/// A log of 5 s: NAV-PVT each second, between them 100 samples whose tags count 1/25600 s from
-/// shortly before the 32 bits begin anew.
-std::string esf_log(bool raw) {
-    std::string log;
-    for (int i = 0; i < 500; ++i) {
-        if (i % 100 == 0) log += ubx_test::pvt_frame(i * 10);
-        const auto tag = static_cast<std::int64_t>(static_cast<std::uint32_t>(0xffffff00U) +
-                                                   256U * static_cast<unsigned>(i));
-        const std::vector<std::uint32_t> readings = esf_readings(i);
-        ubx_test::Payload payload(raw ? 4 + 8 * 6 : 8 + 4 * 6);
-        for (std::size_t k = 0; k < 6; ++k)
-            if (raw)
-                payload.put(4 + 8 * k, readings[k], 4).put(8 + 8 * k, tag & 0xffffffff, 4);
-            else
-                payload.put(8 + 4 * k, readings[k], 4);
-        if (!raw) payload.put(0, tag & 0xffffffff, 4).put(4, 6 << 11, 2);
-        log += ubx_test::frame(0x10, raw ? 0x03 : 0x02, payload.bytes());
-    }
-    return log + ubx_test::pvt_frame(5000);
-}
-
-TEST(Esf, ReadingsOfOneTagAreASampleAndTagsAreTiedByNavPvt) {
-    const GpsTime first =
-        import_text(pos_receiver(), ubx_test::pvt_frame(0)).facts.first_epoch.value();
-    for (const bool raw : {true, false}) {
-        SCOPED_TRACE(raw);
-        const ReadImu read = read_imu_text(receiver_of_format(), esf_log(raw),
-                                           {.first_epoch = first, .span_s = 5.0});
-        EXPECT_EQ(read.head.format, "ubx");
-        ASSERT_EQ(read.rows.size(), 500U);
-        EXPECT_NEAR(read.rows[3].rate_forward_rad_s, 0.5 * degree, 1e-9);
-        EXPECT_NEAR(read.rows[3].rate_right_rad_s, -1.5 * degree, 1e-9);
-        EXPECT_NEAR(read.rows[3].rate_down_rad_s, 2.53 * degree, 0.5 / 4096 * degree);
-        EXPECT_EQ(read.rows[3].force_forward_m_s2, 0.25);
-        EXPECT_EQ(read.rows[3].force_right_m_s2, -0.5);
-        EXPECT_EQ(read.rows[3].force_down_m_s2, -9.75);
-        // The first of a hundred ends a hundredth of a second after its NAV-PVT.
-        EXPECT_NEAR(static_cast<double>(read.rows[0].time.nanoseconds) * 1e-9, 0.01, 1e-6);
-        EXPECT_NEAR(static_cast<double>(read.rows[499].time.nanoseconds) * 1e-9, 5.0, 1e-6);
-        EXPECT_FALSE(read.rows[0].source_line);
-        EXPECT_EQ(*read.rows[0].source_byte,
-                  static_cast<std::int64_t>(ubx_test::pvt_frame().size()));
-        EXPECT_TRUE(imu_has_note(read, "no recorded log was at hand"));
-    }
-}
-
-TEST(Esf, WithoutNavPvtARateAndAStartAreNeeded) {
-    const std::string pvt = ubx_test::pvt_frame(0);
-    std::string log = esf_log(true);
-    for (int i = 0; i <= 500; i += 100) {
-        const std::string one = ubx_test::pvt_frame(i * 10);
-        log.erase(log.find(one), one.size());
-    }
-    const GpsTime first = GpsTime::from_week(2270, 0);
-    Receiver receiver = receiver_of_format();
-    EXPECT_TRUE(has(imu_failure(receiver, log, {.first_epoch = first, .span_s = 5.0}),
-                    "cannot be tied to GPS time"));
-    receiver.imu->rate_hz = 100.0;
-    receiver.imu->start_gps = first.plus_nanoseconds(250'000'000);
-    const ReadImu read = read_imu_text(receiver, log, {.first_epoch = first, .span_s = 5.0});
-    EXPECT_EQ(read.rows[0].time.nanoseconds, 250'000'000);
-    EXPECT_EQ(read.rows[499].time.nanoseconds, 5'240'000'000);
 }
 
 }  // namespace

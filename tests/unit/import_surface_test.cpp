@@ -56,17 +56,7 @@ bool says(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
-/// Two triangles over a square of 10 m that rises by 1 m towards north, the second clockwise.
-constexpr const char* obj = R"(# a course
-v 0 0 5
-v 10 0 5
-v 10 10 6
-v 0 10 6
-vn 0 0 1
-f 1 2 3
-f 1/1 4/1 -2/1
-)";
-
+/// Two triangles over a square of 10 m that rises by 1 m towards north.
 constexpr const char* landxml = R"(<?xml version="1.0"?>
 <LandXML version="1.2" xmlns="http://www.landxml.org/schema/LandXML-1.2">
 <Units><Metric linearUnit="meter" elevationUnit="meter"/></Units>
@@ -77,28 +67,26 @@ constexpr const char* landxml = R"(<?xml version="1.0"?>
 <F i="1">7 8 30</F></Faces></Definition></Surface></Surfaces></LandXML>
 )";
 
-constexpr const char* ply = R"(ply
-format ascii 1.0
-comment a course
-element vertex 4
-property float x
-property float y
-property uchar red
-property float z
-element face 2
-property list uchar int vertex_indices
-end_header
-0 0 255 5
-10 0 255 5
-10 10 255 6
-0 10 255 6
-3 0 1 2
-3 0 2 3
-)";
-
 constexpr const char* vertices =
     "vertex;x;y;z\n# corners\n11;0;0;5\n5;10;0;5\n6;10;10;6\n9;0;10;6\n";
-constexpr const char* triangles = "vertex_1,vertex_2,vertex_3\n11,5,6\n11,6,9\n";
+/// The second clockwise.
+constexpr const char* triangles = "vertex_1,vertex_2,vertex_3\n11,5,6\n11,9,6\n";
+constexpr const char* one_triangle = "vertex_1,vertex_2,vertex_3\n1,2,3\n";
+
+/// A table of vertices, numbered from 1.
+std::string table_of(const std::vector<std::string>& coordinates) {
+    std::string text = "vertex,x,y,z\n";
+    for (std::size_t i = 0; i < coordinates.size(); ++i)
+        text += fmt::format("{},{}\n", i + 1, coordinates[i]);
+    return text;
+}
+
+/// LandXML of points alone.
+std::string without_faces() {
+    const std::string text = landxml;
+    const std::size_t begin = text.find("<Faces>");
+    return text.substr(0, begin) + text.substr(text.find("</Definition>"));
+}
 
 void expect_square(const SurfaceTable& table) {
     EXPECT_EQ(table.found.vertices, 4);
@@ -116,18 +104,11 @@ void expect_square(const SurfaceTable& table) {
 }
 
 TEST(SurfaceFormats, HoldTheSameSquare) {
-    const SurfaceTable from_obj = read(obj, receiver_with());
-    EXPECT_EQ(from_obj.format, "obj");
-    EXPECT_EQ(from_obj.found.turned, 1);
-    ASSERT_FALSE(from_obj.notes.empty());
-    EXPECT_TRUE(says(from_obj.notes.back(), "1 of 2 triangles are listed clockwise"));
-    expect_square(from_obj);
-    const SurfaceTable from_ply = read(ply, receiver_with());
-    EXPECT_EQ(from_ply.format, "ply");
-    EXPECT_EQ(from_ply.found.turned, 0);
-    expect_square(from_ply);
     const SurfaceTable from_tables = read(vertices, receiver_with(), triangles);
     EXPECT_EQ(from_tables.format, "csv");
+    EXPECT_EQ(from_tables.found.turned, 1);
+    ASSERT_FALSE(from_tables.notes.empty());
+    EXPECT_TRUE(says(from_tables.notes.back(), "1 of 2 triangles are listed clockwise"));
     expect_square(from_tables);
     Receiver of_landxml = receiver_with();
     of_landxml.surface->unit = "";
@@ -142,13 +123,13 @@ TEST(SurfaceFormats, HoldTheSameSquare) {
 TEST(SurfaceFormats, UnitsAxesAndHeightsAreThoseStated) {
     Receiver receiver = receiver_with();
     receiver.surface->unit = "ft";
-    EXPECT_NEAR(read(obj, receiver).found.area_m2, 100.0 * 0.3048 * 0.3048, 0.1);
+    EXPECT_NEAR(read(vertices, receiver, triangles).found.area_m2, 100.0 * 0.3048 * 0.3048, 0.1);
     receiver.surface->unit = "mm";
-    EXPECT_NEAR(read(obj, receiver).found.edge_m, 0.010, 1e-6);
+    EXPECT_NEAR(read(vertices, receiver, triangles).found.edge_m, 0.010, 1e-6);
     // The square's neighbour axis: with north first it rises towards east, and is mirrored.
     receiver = receiver_with();
     receiver.surface->axes = "north-east-up";
-    const SurfaceTable mirrored = read(obj, receiver);
+    const SurfaceTable mirrored = read(vertices, receiver, triangles);
     EXPECT_EQ(mirrored.found.turned, 1);
     EXPECT_NEAR(surface_of(mirrored, std::nullopt).at({7.0, 2.0})->up_m, 5.7, 1e-4);
 }
@@ -158,14 +139,14 @@ TEST(SurfaceFormats, OfTheEarthLieOnTheEllipsoid) {
                           .longitude = Angle::from_degrees(136.0),
                           .height_m = 110.0};
     const LocalFrame frame(corner);
-    std::string geodetic, utm;
+    std::vector<std::string> geodetic, utm;
     for (const auto& [east, north] : {std::pair(0.0, 0.0), {100.0, 0.0}, {0.0, 100.0}}) {
         const Geodetic place = frame.geodetic_from_enu({{east, north, 0.01 * east}});
-        geodetic += fmt::format("v {:.10f} {:.10f} {:.4f}\n", place.longitude.degrees(),
-                                place.latitude.degrees(), place.height_m - 2.5);
+        geodetic.push_back(fmt::format("{:.10f},{:.10f},{:.4f}", place.longitude.degrees(),
+                                       place.latitude.degrees(), place.height_m - 2.5));
         const UtmCoordinates grid = utm_from_geodetic({.zone = 53, .northern = false}, place);
-        utm += fmt::format("v {:.4f} {:.4f} {:.4f}\n", grid.easting_m, grid.northing_m,
-                           place.height_m - 2.5);
+        utm.push_back(fmt::format("{:.4f},{:.4f},{:.4f}", grid.easting_m, grid.northing_m,
+                                  place.height_m - 2.5));
     }
     Receiver receiver = receiver_with(CoordinateFrame::geodetic);
     receiver.surface->heights = SurfaceHeights::geoid;
@@ -178,12 +159,12 @@ TEST(SurfaceFormats, OfTheEarthLieOnTheEllipsoid) {
         EXPECT_FALSE(surface_of(table, origin).at({60.0, 60.0}));
         EXPECT_THROW(surface_of(table, std::nullopt), Failure);
     };
-    expect_plane(read(geodetic + "f 1 2 3\n", receiver));
+    expect_plane(read(table_of(geodetic), receiver, one_triangle));
     receiver.surface->frame = StatedFrame{.kind = CoordinateFrame::utm,
                                           .utm_zone = UtmZone{.zone = 53, .northern = false}};
-    expect_plane(read(utm + "f 1 2 3\n", receiver));
-    EXPECT_TRUE(
-        says(refused(geodetic + "f 1 2 3\n", receiver), "course:1: the vertex is not where"));
+    expect_plane(read(table_of(utm), receiver, one_triangle));
+    EXPECT_TRUE(says(refused(table_of(geodetic), receiver, one_triangle),
+                     "course:2: the vertex is not where"));
 }
 
 TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
@@ -195,10 +176,10 @@ TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
     for (const char* part : {"LandXML 1.2, a TIN", "0.000 to 500.000", "Easting", "meter",
                              "file: course.xml", "frame: local_plane", "source: ..."})
         EXPECT_TRUE(says(said, part)) << said;
-    EXPECT_TRUE(says(text_of(obj), "unit: ...  # m, mm, ft or us-ft"));
-    EXPECT_TRUE(
-        says(text_of("v 440000 7465000 27\n"), "frame: {utm: {zone: ..., hemisphere: ...}}"));
-    EXPECT_TRUE(says(text_of("v 136.01 -31.6 27\n"), "frame: geodetic"));
+    EXPECT_TRUE(says(text_of(vertices), "unit: ...  # m, mm, ft or us-ft"));
+    EXPECT_TRUE(says(text_of(table_of({"440000,7465000,27"})),
+                     "frame: {utm: {zone: ..., hemisphere: ...}}"));
+    EXPECT_TRUE(says(text_of(table_of({"136.01,-31.6,27"})), "frame: geodetic"));
     EXPECT_EQ(text_of("time,lat\n1,2\n"), "nothing");
     const std::string table = text_of("# a survey\nvertex;east;north;up\n7;1;2;3\n9;4;2;5\n");
     for (const char* part : {"a table (CSV)", "1.000 to 4.000", "3.000 to 5.000",
@@ -206,7 +187,7 @@ TEST(SurfaceFormats, AreDescribedWithTheLinesOfAnAttempt) {
         EXPECT_TRUE(says(table, part)) << table;
     EXPECT_TRUE(says(text_of("vertex_1,vertex_2,vertex_3\n1,2,3\n1,3,4\n"),
                      "beside the table of the vertices"));
-    EXPECT_TRUE(says(text_of("v 1 2 3\n"), "points and no triangles"));
+    EXPECT_TRUE(says(text_of(without_faces()), "points and no triangles"));
 }
 
 // What runcert surface writes says frame, unit, heights and uncertainty itself.
@@ -254,8 +235,8 @@ TEST(SurfaceFormats, AreRecognisedWithWhatMustBeSaid) {
         return keys;
     };
     EXPECT_EQ(keys_of(landxml), "frame! vertical_sd_m source! ");  // it says its unit
-    EXPECT_EQ(keys_of(obj), "frame! unit! vertical_sd_m source! ");
-    EXPECT_EQ(keys_of("v 440000 7465000 27\nv 440010 7465000 27\nv 440000 7465010 28\nf 1 2 3\n"),
+    EXPECT_EQ(keys_of(vertices), "frame! unit! vertical_sd_m source! ");
+    EXPECT_EQ(keys_of(table_of({"440000,7465000,27", "440010,7465000,27", "440000,7465010,28"})),
               "frame! unit! heights! vertical_sd_m source! ");
     EXPECT_EQ(keys_of("vertex,longitude,latitude,height\n1,136,-31,27\n"),
               "frame! unit! heights! vertical_sd_m source! ");
@@ -272,7 +253,10 @@ TEST(SurfaceFormats, AreRecognisedWithWhatMustBeSaid) {
         }
         return std::string("recognised");
     };
-    EXPECT_TRUE(says(refusal("v 1 2 3\n"), "points, and no triangles. Export it with its faces"));
+    EXPECT_TRUE(
+        says(refusal(without_faces()), "points, and no triangles. Export it with its faces"));
+    EXPECT_TRUE(says(refusal("# a course\nv 0 0 5\nv 9 0 5\nv 0 9 5\nf 1 2 3\n"), "this is OBJ"));
+    EXPECT_TRUE(says(refusal("ply\nformat ascii 1.0\n"), "this is PLY"));
     EXPECT_TRUE(says(refusal("  0\nSECTION\n  2\nENTITIES\n  0\n3DFACE\n"), "a drawing (DXF)"));
     EXPECT_TRUE(says(refusal(R"({"type": "FeatureCollection", "features": [{"geometry": )"
                              R"({"type": "Polygon", "coordinates": [[[136, -31, 10]]]}}]})"),
@@ -280,23 +264,23 @@ TEST(SurfaceFormats, AreRecognisedWithWhatMustBeSaid) {
 }
 
 TEST(SurfaceRefusals, NamePlaceAndRemedy) {
+    const auto of_one = [](const std::string& first, const std::string& second,
+                           const std::string& third) {
+        return refused(table_of({first, second, third}), receiver_with(), one_triangle);
+    };
     EXPECT_TRUE(says(refused("hello\n"), "attempt.yaml:9:9: \"course\" is no surface"));
-    EXPECT_TRUE(
-        says(refused("v 0 0 5\nv 1 0 5\nf 1 2 9\n"), "course:3:7: the triangle names vertex 9"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 x\n"), "course:2:7"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 0 1 5\nv 1 1 5\nf 1 2 3 4\n"), "4 corners"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\ncurv 1\n"), "is no line of a surface in OBJ"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\nv 2 0 7\nf 1 2 3\n"),
-                     "triangle 1 (line 4) has no area in plan"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1 0 5\n"), "the surface has no triangles"));
-    EXPECT_TRUE(says(refused("v 0 0 5\nv 1e300 0 5\nv 2 1 7\nf 1 2 3\n"),
+    EXPECT_TRUE(says(of_one("0,0,5", "1,0,x", "0,1,5"), "course:3:7"));
+    EXPECT_TRUE(says(of_one("0,0,5", "1,0,5", "2,0,7"), "triangle 1 (line 2) has no area in plan"));
+    EXPECT_TRUE(says(refused(without_faces()), "the surface has no triangles"));
+    EXPECT_TRUE(says(of_one("0,0,5", "1e300,0,5", "2,1,7"),
                      "vertex 2 is farther away than the Earth is wide"));
     // A bridge over the course.
-    EXPECT_TRUE(says(refused(std::string(obj) + "v 2 2 9\nv 8 2 9\nv 2 8 9\nf 5 6 7\n"),
-                     "triangles 1 (line 7) and 3 (line 12) lie over the same ground"));
+    EXPECT_TRUE(says(refused(std::string(vertices) + "1;2;2;9\n2;8;2;9\n3;2;8;9\n", receiver_with(),
+                             std::string(triangles) + "1,2,3\n"),
+                     "triangles 1 (line 2) and 3 (line 4) lie over the same ground"));
     Receiver receiver = receiver_with();
     receiver.surface->unit = "";
-    EXPECT_TRUE(says(refused(obj, receiver), "Add unit: m, mm, ft or us-ft"));
+    EXPECT_TRUE(says(refused(vertices, receiver, triangles), "Add unit: m, mm, ft or us-ft"));
     EXPECT_TRUE(says(refused(std::string(landxml).replace(std::string(landxml).find("\"meter\""), 7,
                                                           "\"furlong\""),
                              receiver),
@@ -306,10 +290,11 @@ TEST(SurfaceRefusals, NamePlaceAndRemedy) {
         says(refused(landxml, receiver), "the file's unit is meter, and the attempt's is ft"));
     receiver = receiver_with();
     receiver.surface->frame.reset();
-    EXPECT_TRUE(says(refused(obj, receiver), "Add frame: geodetic, local_plane, or utm"));
+    EXPECT_TRUE(
+        says(refused(vertices, receiver, triangles), "Add frame: geodetic, local_plane, or utm"));
 }
 
-TEST(SurfaceRefusals, OfLandXmlPlyAndTables) {
+TEST(SurfaceRefusals, OfLandXmlAndTables) {
     const auto changed = [](std::string text, const std::string& from, const std::string& to) {
         return text.replace(text.find(from), from.size(), to);
     };
@@ -325,11 +310,7 @@ TEST(SurfaceRefusals, OfLandXmlPlyAndTables) {
         says(refused(changed(landxml, "<Surface name",
                              "<Surface name=\"other\"><Definition/></Surface><Surface name")),
              "\"other\" and \"track\""));
-    EXPECT_TRUE(
-        says(refused(changed(ply, "ascii", "binary_little_endian")), "Export it as PLY ascii"));
-    EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3\n", "")), "ends before all"));
-    EXPECT_TRUE(says(refused(changed(ply, "3 0 2 3", "3 0 2 4")), "they are 0 to 3"));
-    EXPECT_TRUE(says(refused(vertices, receiver_with(), changed(triangles, "11,6,9", "11,6,10")),
+    EXPECT_TRUE(says(refused(vertices, receiver_with(), changed(triangles, "11,9,6", "11,9,10")),
                      "triangles:3:6: the triangle names vertex 10"));
     EXPECT_TRUE(says(refused("a;b\n1;2\n", receiver_with(), triangles),
                      "does not name the columns vertex, x, y, z"));
@@ -347,19 +328,21 @@ TEST(SurfaceRefusals, OfASurfaceThatTheRunItselfMade) {
 
 TEST(SurfaceFormats, AMillionTrianglesTakeSeconds) {
     constexpr int side = 708;
-    std::string text;
+    std::string points = "vertex,x,y,z\n", faces = "vertex_1,vertex_2,vertex_3\n";
     for (int row = 0; row <= side; ++row)
         for (int column = 0; column <= side; ++column)
-            text += fmt::format("v {} {} {}\n", 10 * column, 10 * row, 0.01 * row);
+            points += fmt::format("{},{},{},{}\n", row * (side + 1) + column, 10 * column, 10 * row,
+                                  0.01 * row);
     for (int row = 0; row < side; ++row)
         for (int column = 0; column < side; ++column) {
-            const int corner = row * (side + 1) + column + 1;
-            text += fmt::format("f {0} {1} {2}\nf {0} {2} {3}\n", corner, corner + 1,
-                                corner + side + 2, corner + side + 1);
+            const int corner = row * (side + 1) + column;
+            faces += fmt::format("{0},{1},{2}\n{0},{2},{3}\n", corner, corner + 1,
+                                 corner + side + 2, corner + side + 1);
         }
     const std::clock_t before = std::clock();
-    const StreamedSurface streamed =
-        surface::import_surface(receiver_with(), {.file = {.name = "course", .bytes = text}});
+    const StreamedSurface streamed = surface::import_surface(
+        receiver_with(), {.file = {.name = "course", .bytes = points},
+                          .triangles = RecordingBytes{.name = "triangles", .bytes = faces}});
     EXPECT_EQ(streamed.head.found.triangles, 2 * side * side);
     EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 60.0);
 }

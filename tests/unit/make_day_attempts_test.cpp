@@ -160,8 +160,6 @@ TEST_F(Days, TwoThousandAttemptsAreListedAtOnce) {
             ASSERT_EQ(said_of(attempt), "");
     };
     timed("attempt files", day() / "files");
-    put_day("  - {recording: \"logs/*.pos\"}\n");
-    timed("recordings of one pattern", day() / "day.yaml");
     put_day(entries);
     timed("entries of a day file", day() / "day.yaml");
 }

@@ -242,5 +242,42 @@ TYPED_TEST(DiagnosisAgainstDense, AMeasurementLeftOutIsTestedAsIfItWereIn) {
     EXPECT_LT((outside.estimate() - inside.estimate()).norm(), 1e-6 * inside.estimate().norm());
 }
 
+TYPED_TEST(DiagnosisAgainstDense, AStepThatWasFoundIsTestedAsIfItWereNot) {
+    for (const std::size_t k : {5U, 8U}) {
+        auto known = this->arc;
+        known[k].step_before = true;
+        const auto unknown = this->diagnosis.step(k);
+        const auto found =
+            ArcDiagnosis<TestFixture::axes>(known, test::singer_with_error).bridged_step(k);
+        EXPECT_NEAR(found.statistic(), unknown.statistic(), 1e-4 * unknown.statistic()) << k;
+        EXPECT_LT((found.estimate() - unknown.estimate()).norm(), 1e-4 * unknown.estimate().norm())
+            << k;
+    }
+}
+
+TEST(Filter, TheMeasurementThatTellsTheOffsetOfAStepTestsNothing) {
+    auto arc = test::sample_arc<2>(12, 7);  // the seventh has no measurement
+    const auto testing = [&] {
+        std::vector<std::size_t> epochs;
+        KalmanFilter<2> filter(test::singer_with_error);
+        filter_along<2>(filter, std::span<const ArcEpoch<2>>(arc),
+                        [&](std::size_t k, const StateEstimate<2>&, const Innovation<2>* seen,
+                            const StateEstimate<2>&) {
+                            if (seen && seen->tests_model) epochs.push_back(k);
+                        });
+        return epochs;
+    };
+    EXPECT_EQ(testing(), (std::vector<std::size_t>{3, 4, 5, 6, 8, 9, 10, 11}));
+    arc[0].step_before = true;  // means nothing
+    arc[5].step_before = true;
+    EXPECT_EQ(testing(), (std::vector<std::size_t>{3, 4, 6, 8, 9, 10, 11}));
+    // Two without a measurement between them are told by one; one among the first three adds to
+    // them.
+    arc[7].step_before = arc[8].step_before = true;
+    EXPECT_EQ(testing(), (std::vector<std::size_t>{3, 4, 6, 9, 10, 11}));
+    arc[1].step_before = true;
+    EXPECT_EQ(testing(), (std::vector<std::size_t>{4, 6, 9, 10, 11}));
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

@@ -122,8 +122,7 @@ InnovationSums plain_sums(const std::vector<ArcEpoch<Axes>>& arc, const Estimati
 }
 
 template <int Axes>
-void expect_as_plain(std::vector<ArcEpoch<Axes>> arc) {
-    arc[arc.size() / 2].step_before = true;
+void expect_as_plain(const std::vector<ArcEpoch<Axes>>& arc) {
     std::vector<EstimationModel> models(5, singer_with_error);
     models[1].motion = {.jerk_density = 0.01};
     models[2].measurement_scale = 0.02;
@@ -167,8 +166,7 @@ TEST(Likelihood, AStepOfAnotherMotionIsThatOfAModelWithItsDensity) {
 }
 
 TEST(Likelihood, AlongAnArcIsWhatEachStretchAddsToThatOfItsBeginning) {
-    auto arc = sample_arc<2>(400);
-    arc[210].step_before = true;
+    const auto arc = sample_arc<2>(400);
     std::vector<EstimationModel> models(3, singer_with_error);
     models[1].motion.jerk_density = 0.01;
     models[2].measurement_scale = 0.2;
@@ -204,31 +202,6 @@ TEST(Likelihood, LeavesOutThreeMeasurementsOfEachArc) {
     EXPECT_EQ(sums_of(sample_arc<2>(4), singer_with_error).values, 2);
     // The fifth epoch has no measurement.
     EXPECT_EQ(sums_of(sample_arc<2>(6), singer_with_error).values, 4);
-}
-
-TEST(Likelihood, LeavesOutWhatOnlyTellsTheOffsetOfABridgedStep) {
-    auto arc = sample_arc<2>(40, 20);
-    const auto with_offset = [&](double offset_m) {
-        auto moved = arc;
-        for (std::size_t k = 20; k < moved.size(); ++k)
-            if (moved[k].measurement) moved[k].measurement->position.array() += offset_m;
-        return sums_of(moved, singer_with_error);
-    };
-    const std::int64_t whole = with_offset(0.0).values;
-    EXPECT_GT(with_offset(0.5).statistic, with_offset(0.0).statistic + 100.0);
-    arc[20].step_before = true;
-    const InnovationSums none = with_offset(0.0);
-    EXPECT_EQ(none.values, whole - 2);
-    // Whatever the offset, the rest is as likely: the prior of 100 m is next to nothing.
-    for (const double offset_m : {0.5, -20.0}) {
-        EXPECT_NEAR(with_offset(offset_m).statistic, none.statistic, 1e-3);
-        EXPECT_NEAR(with_offset(offset_m).log_determinant, none.log_determinant, 1e-9);
-    }
-    // The epoch of the step has no measurement: with another step at the next it is but one.
-    arc[21].step_before = true;
-    EXPECT_EQ(with_offset(0.5).values, whole - 2);
-    arc[22].step_before = true;
-    EXPECT_EQ(with_offset(0.5).values, whole - 4);
 }
 
 TEST(Likelihood, OfTwoArcsIsTheProductOfBoth) {

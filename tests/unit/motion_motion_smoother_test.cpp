@@ -46,7 +46,7 @@ TEST(MotionSmoother, IsTheSmootherOnOneAxisAndInThePlane) {
     }
 }
 
-TEST(MotionSmoother, IsTheSmootherAcrossBridgedStepsAndGaps) {
+TEST(MotionSmoother, IsTheSmootherAcrossStepsAndGaps) {
     std::vector<ArcEpoch<2>> arc = sample_arc<2>(600, 256);
     arc[100].step_before = true;
     arc[512].step_before = true;

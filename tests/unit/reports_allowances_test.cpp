@@ -10,7 +10,7 @@
 #include "reports_page_support.h"
 #include "reports_sample.h"
 
-// What revision 1.5 of the report holds of windows, verdict, screening and recording: the limit of
+// What the report holds of windows, verdict, screening and recording: the limit of
 // the selection bias, other models of the motion, attempts made, drift, witnesses, whose clock and
 // whose fix type.
 
@@ -49,7 +49,7 @@ void expect_in(const std::string& text, const std::string& part) {
     EXPECT_NE(text.find(part), std::string::npos) << part << "\nin " << text.substr(0, 2000);
 }
 
-/// A run whose windows have what revision 1.4 of them says.
+/// A run whose windows have all that they may say.
 sample::Run made(const sample::Options& options = {}) {
     sample::Run run = sample::make_run(options);
     CertifiableWindow& best = best_of(run);

@@ -10,7 +10,6 @@
 #include "reports_sample_rules.h"
 #include "reports_sample_screening.h"
 #include "reports_sample_verdict.h"
-#include "schemas/common/revision.h"
 #include "store/atomic_file.h"
 #include "store/document_schema.h"
 #include "store/program.h"

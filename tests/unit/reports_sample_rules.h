@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-// The rules of the made-up run of reports_sample.h: two profiles of revision 1.1.
+// The rules of the made-up run of reports_sample.h: two profiles.
 
 namespace runcert::sample {
 

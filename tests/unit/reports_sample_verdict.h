@@ -2,7 +2,7 @@
 
 #include "schemas/verdict/declared.h"
 
-// What revision 1.1 of a verdict adds to the made-up run of reports_sample.h.
+// The verdict of the made-up run of reports_sample.h.
 
 namespace runcert::sample {
 
@@ -47,6 +47,7 @@ inline void fill_verdict(ProfileVerdict& verdict, const RecordToBeat& record,
                          const WindowSpan& whole) {
     verdict.record = record;
     verdict.record->expanded_uncertainty = 0.05;
+    verdict.own_arithmetic.text = "The scorers take the displacement. It gives no speed.";
     verdict.notes = {"The wind was not measured by this recording."};
     verdict.overrides = {
         {.figure = "margin.value",

@@ -89,7 +89,7 @@ TEST(Screening, DecisionsAreCountedByHypothesis) {
         bursts += row.reason == Reason::burst ? 1 : 0;
     ASSERT_GT(bursts, 1);
     screened_of(run).rows[200].break_before = ArcBreak::step;
-    screened_of(run).rows[300].break_before = ArcBreak::bridged;
+    screened_of(run).rows[300].break_before = ArcBreak::step;
     ScreenedEpoch& wrong = screened_of(run).rows[50];
     wrong.usable = false;
     wrong.reason = Reason::outlier;
@@ -210,7 +210,6 @@ TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
     const Json best = best_json(run);
     const auto& errors = best_of(run).reliability;
     EXPECT_EQ(best["detection_power"], 0.8);
-    EXPECT_EQ(best["repaired_steps"], 0);
     ASSERT_EQ(best["reliability"].size(), errors.size());
     Json rows;
     for (const Json& block : blocks_at(report_json(run.inputs), undetected))
@@ -250,18 +249,6 @@ TEST(Reliability, WordsFollowTheErrorThatCounts) {
     EXPECT_NE(words(run).find("could have any size"), std::string::npos);
     EXPECT_EQ(row_at(report_json(run.inputs), undetected, "step of the positions")["cells"][3],
               "no limit");
-}
-
-TEST(Reliability, BridgedStepsAreSaid) {
-    sample::Run run = sample::make_run();
-    const Place window{.section = "window", .rule = "nalsa"};
-    const char* bridged = "Steps inside it, bridged with their offsets as unknowns";
-    EXPECT_FALSE(has_fact(report_json(run.inputs), window, bridged));
-    best_of(run).repaired_steps = 2;
-    EXPECT_EQ(best_json(run)["repaired_steps"], 2);
-    EXPECT_EQ(fact_at(report_json(run.inputs), window, bridged), "2");
-    EXPECT_NE(page_of(run).find("bridged with their offsets as unknowns</bdi></dt><dd><bdi>2<"),
-              std::string::npos);
 }
 
 }  // namespace

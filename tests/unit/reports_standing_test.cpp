@@ -7,10 +7,8 @@
 #include "reports/certificate/report_run.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
-#include "schemas/products/products.h"
 #include "store/process.h"
 #include "trust/run_standing.h"
-#include "trust/verification.h"
 
 // What was answered after a report was signed, in the places that the report has for it; and what a
 // document may hold.
@@ -199,48 +197,6 @@ TEST(Document, OfATableWithoutColumnsHasAPage) {
         for (Json& block : section["blocks"])
             block.erase("columns");
     EXPECT_NO_THROW(print_page(parse_report(report_text_of(report), "report.json")));
-}
-
-class FirstRevision : public testing::Test {
-  protected:
-    const std::string text_ =
-        read_file(std::string(RUNCERT_SOURCE_DIR) + "/tests/unit/data/report_1_0.json");
-};
-
-TEST_F(FirstRevision, OfAReportHasItsPagesFromTheProgramThatMadeIt) {
-    try {
-        (void)parse_report(text_, "report.json");
-        FAIL() << "it was read";
-    } catch (const Failure& failure) {
-        EXPECT_EQ(
-            failure.problem(),
-            "it follows report/1.0, of which this program makes no pages: it was made by "
-            "runcert 1.0.0, source " +
-                Json::parse(text_)["predicate"]["program"]["source_revision"].get<std::string>());
-        EXPECT_EQ(failure.remedy(),
-                  "Make its pages with that program, or certify the attempt again");
-    }
-}
-
-TEST_F(FirstRevision, OfAReportIsStillVerified) {
-    const TemporaryFolder folder;
-    const auto step_of = [&](const Json& report) {
-        write_file_atomically(folder.path() / "report.json", report.dump(1));
-        return verify_schemas(folder.path(), read_report_facts(folder.path()));
-    };
-    Json report = Json::parse(text_);
-    const VerificationStep step = step_of(report);
-    EXPECT_TRUE(step.is(LayerAnswer::verified))
-        << (step.details.empty() ? "" : step.details.front());
-    // Each field of it is held to the table of its revision.
-    report["predicate"]["profiles"][0].erase("standing_words");
-    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified));
-    report = Json::parse(text_);
-    report["predicate"]["document"] = Json::object();
-    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified)) << "that revision has none";
-    report = Json::parse(text_);
-    report["predicate"]["schema"]["version"] = report_field_table().version();
-    EXPECT_TRUE(step_of(report).is(LayerAnswer::not_verified)) << "it is not of the later one";
 }
 
 }  // namespace

@@ -7,8 +7,7 @@
 #include "schemas_attempt_support.h"
 #include "store_test_support.h"
 
-// What revision 1.6 of an attempt added: claims that somebody must answer for, and how many
-// attempts were made.
+// Claims of an attempt that somebody must answer for, and how many attempts were made.
 
 namespace runcert::RUNCERT_FILE {
 namespace {

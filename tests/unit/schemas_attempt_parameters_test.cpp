@@ -161,7 +161,6 @@ TEST(AttemptScreening, EachFieldKeepsToItsRange) {
         {"burst_epochs_max", "2", "1", "1 is below 2"},
         {"burst_epochs_max", "100", "101", "101 is above 100"},
         {"noise", "stated", "guessed", "\"guessed\" is not one of fitted, stated"},
-        {"steps", "bridge", "jump", "\"jump\" is not one of end_arc, bridge"},
         {"acceleration_max_m_s2", "30", "0", "is below 1 m s-2"},
         {"jerk_max_m_s3", "30", "-1", "is below 1 m s-3"},
         {"vertical_rate_max_m_s", "2", "0", "is below 0.1 m / s"},

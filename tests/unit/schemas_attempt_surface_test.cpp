@@ -73,7 +73,7 @@ TEST(SurfaceKeys, StagesReadWhatTheyUseAlone) {
 }
 
 TEST(SurfaceKeys, WhatCannotBeComparedIsRefused) {
-    EXPECT_TRUE(says(refused("    surface: {file: a.obj, source: a survey}\n"),
+    EXPECT_TRUE(says(refused("    surface: {file: a.xml, source: a survey}\n"),
                      "Add antenna_height_m to the receiver"));
     EXPECT_TRUE(says(refused(surface(", frame: geodetic")), "heights: geoid, with undulation_m"));
     EXPECT_TRUE(says(refused(surface(", frame: geodetic, heights: geoid")), "Add undulation_m"));

@@ -84,8 +84,8 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
 }
 
 TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
-    const Attempt attempt = read_attempt(
-        replaced(replaced(least, "  - {id: primary, recording: r.csv}\n", R"(  - id: primary
+    const Attempt attempt =
+        read_attempt(replaced(least, "  - {id: primary, recording: r.csv}\n", R"(  - id: primary
     recording: [a.obs, b.obs]
     format: rinex
     base: base.obs
@@ -96,8 +96,7 @@ TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
     start_date: "2026-08-01"
     gpsbabel_type: garmin_fit
 )"),
-                 "attempt/1.0", "attempt/1.0"),
-        "f");
+                     "f");
     const Receiver& receiver = attempt.receivers.at(0);
     EXPECT_EQ(receiver.recordings, (std::vector<std::string>{"a.obs", "b.obs"}));
     EXPECT_EQ(receiver.base, "base.obs");
@@ -327,11 +326,10 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
-    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.0");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =
-            read_attempt(replaced(newest, "class: board", "class: " + name), "f");
+            read_attempt(replaced(least, "class: board", "class: " + name), "f");
         // As if the attempt had set them all: types, ranges and words hold for defaults too.
         const nlohmann::ordered_json parameters{
             {"parameters", json_from_yaml(attempt.resolved["parameters"])}};
@@ -339,7 +337,7 @@ TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
         for (const auto& stage : parameters["parameters"])
             count += stage.size();
         const Attempt again = read_attempt(
-            replaced(newest, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
+            replaced(least, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
         EXPECT_EQ(json_from_yaml(again.resolved["parameters"]), parameters["parameters"]) << name;
         EXPECT_EQ(again.overrides.size(), count);
     }

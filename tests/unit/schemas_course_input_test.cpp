@@ -1,6 +1,6 @@
 #include "schemas_rule_input_support.h"
 
-// What revision 1.4 of an attempt says of the course, of wind and current, and of a second method.
+// What an attempt says of the course, of wind and current, and of a second method.
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -7,8 +7,8 @@
 #include "core/text.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/day/day.h"
-#include "schemas/day/merge.h"
 #include "store/yaml_input.h"
+#include "store/yaml_output.h"
 #include "store_test_support.h"
 
 // A day's file: what its entries are with the defaults, and what is refused.
@@ -17,75 +17,72 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
-using Json = nlohmann::ordered_json;
 
-Json keys_of(const std::string& yaml) {
-    return attempt_keys(YamlValue(parse_yaml(yaml, "f"), "f"));
+/// The text of the only attempt of a day with those defaults and that entry.
+std::string text_of(const std::string& defaults, const std::string& entry) {
+    const DayFile day = read_day_file(
+        "schema: day/1.0\ndefaults: " + defaults + "\nattempts: [" + entry + "]\n", "f");
+    const DayEntry& one = day.entries.at(0);
+    return one.refused ? one.refused->what() : attempt_text(one.id, one.keys, "c");
 }
 
-TEST(DayMerge, LaterWinsKeyByKey) {
+const std::string head = "# c\nschema: attempt/1.0\nid: a\n";
+
+TEST(DayDefaults, StandWhereTheEntryIsSilent) {
     const struct {
         const char *defaults, *entry, *expected;
     } cases[] = {
-        {"{}", "{place: a}", "{place: a}"},
-        {"{place: a}", "{}", "{place: a}"},
-        {"{place: a}", "{place: b}", "{place: b}"},
-        // Maps are joined, at any depth.
-        {"{craft: {name: A, class: car}}", "{craft: {name: B}}", "{craft: {name: B, class: car}}"},
-        {"{parameters: {smooth: {jerk_density: 1, noise: stated}}}",
-         "{parameters: {smooth: {jerk_density: 2}, window: {seed: 3}}}",
-         "{parameters: {smooth: {jerk_density: 2, noise: stated}, window: {seed: 3}}}"},
-        // Other lists are replaced.
-        {"{profiles: [nalsa, fisly]}", "{profiles: [fisly]}", "{profiles: [fisly]}"},
-        {"{officials: [{role: measurer, name: A}]}", "{officials: [{role: measurer}]}",
-         "{officials: [{role: measurer}]}"},
-        {"{profiles: [nalsa]}", "{profiles: []}", "{profiles: []}"},
-        // What is of another kind replaces the whole.
-        {"{craft: {name: A}}", "{craft: B}", "{craft: B}"},
-        {"{craft: B}", "{craft: {name: A}}", "{craft: {name: A}}"},
-        // Null takes a default away.
-        {"{place: a, record: {speed: 1, unit: kn}}", "{place: null, record: {unit: ~}}",
-         "{record: {speed: 1}}"},
-        // Receivers by their id: the entry says which, and in which order.
-        {"{receivers: [{id: a, format: csv, columns: {time: 1, up: 2}}, {id: b, format: nmea}]}",
-         "{receivers: [{id: b, recording: y}, {id: a, recording: x, columns: {up: 5}}]}",
-         "{receivers: [{id: b, format: nmea, recording: y}, {id: a, format: csv, columns: {time: "
-         "1, up: 5}, recording: x}]}"},
-        {"{receivers: [{id: a, format: csv}]}", "{receivers: [{id: c, recording: x}]}",
-         "{receivers: [{id: c, recording: x}]}"},
-        {"{receivers: [{id: a, format: csv}]}",
-         "{receivers: [{id: a, format: null, recording: x}]}",
-         "{receivers: [{id: a, recording: x}]}"},
-        {"{receivers: [{id: a, recording: x}]}", "{place: b}",
-         "{receivers: [{id: a, recording: x}], place: b}"},
+        {"{}", "{place: a}", "place: a\n"},
+        {"{place: a}", "{}", "place: a\n"},
+        {"{place: a}", "{place: b}", "place: b\n"},
+        // A value is replaced whole, and null takes it away.
+        {"{craft: {name: A, class: car}}", "{craft: {name: B}}", "craft:\n  name: B\n"},
+        {"{profiles: [nalsa, fisly]}", "{profiles: [fisly]}", "profiles:\n  - fisly\n"},
+        {"{place: a, craft: {name: A}}", "{place: null}", "craft:\n  name: A\n"},
+        // What is of a receiver stands beside the recording.
+        {"{format: csv, columns: {time: 1}}", "{recording: r, columns: {time: 2}}",
+         "receivers:\n  - id: primary\n    format: csv\n    recording: r\n    columns:\n"
+         "      time: 2\n"},
     };
-    for (const auto& one : cases)
-        EXPECT_EQ(over_defaults(keys_of(one.defaults), keys_of(one.entry)), keys_of(one.expected))
-            << one.defaults << " " << one.entry;
+    for (const auto& one : cases) {
+        std::string entry = one.entry;
+        entry.insert(1, entry == "{}" ? "id: a" : "id: a, ");
+        EXPECT_EQ(text_of(one.defaults, entry), head + one.expected) << one.defaults << entry;
+    }
+    EXPECT_NE(text_of("{format: csv}", "{id: a, receivers: [{id: b, recording: r}]}")
+                  .find("the defaults have \"format\" of a receiver"),
+              std::string::npos);
 }
 
-TEST(DayMerge, TextStaysAsItIsWrittenAndFiguresAreNumbers) {
-    const Json keys = keys_of(
-        "{craft: {name: 0042}, place: 1.50, date: 2026-03-14, record: {speed: 202.90, unit: kn, "
-        "source: 12}, receivers: [{columns: {time: 1, east: 01}}], parameters: {window: {seed: 7}, "
-        "smooth: {jerk_density: \"1.5\"}}, signatures: [{role: judge, count: 2}]}");
-    EXPECT_EQ(keys.dump(),
-              R"({"craft":{"name":"0042"},"place":"1.50","date":"2026-03-14","record":{"speed":)"
-              R"(202.9,"unit":"kn","source":"12"},"receivers":[{"columns":{"time":"1","east":)"
-              R"("01"}}],"parameters":{"window":{"seed":7},"smooth":{"jerk_density":"1.5"}},)"
-              R"("signatures":[{"role":"judge","count":2}]})");
+TEST(DayDefaults, TextStaysAsItIsWritten) {
+    EXPECT_EQ(text_of("{}",
+                      "{id: a, craft: {name: 0042, \"x: y\": \"\"}, place: 1.50, date: "
+                      "\"2026-03-14\", officials: [], record: {}}"),
+              head +
+                  "craft:\n  name: 0042\n  \"x: y\": \"\"\nplace: 1.50\ndate: "
+                  "\"2026-03-14\"\nofficials: []\nrecord: {}\n");
+}
+
+/// The lines of an attempt as an entry of a day.
+std::string indented_keys(const std::string& text) {
+    std::string all;
+    for (const std::string& line : lines_of(text))
+        if (!line.starts_with("schema:")) all += "    " + line + "\n";
+    return all;
 }
 
 /// Every attempt that the reader takes is the same attempt once it was written by the day.
-TEST(DayMerge, AnAttemptIsTheSameAttemptAfterwards) {
+TEST(DayDefaults, AnAttemptIsTheSameAttemptAfterwards) {
     int read = 0;
     for (const char* name : {"v1.0/attempt.yaml", "v1.0/attempt.plane.yaml"}) {
         const std::string file = std::string(RUNCERT_SOURCE_DIR "/tests/golden/") + name;
         SCOPED_TRACE(name);
         const std::string text = test::slurp(file);
-        Json keys = keys_of(text);
-        keys.erase("schema");
-        const std::string again = attempt_text(over_defaults(Json::object(), keys), "again");
+        const DayFile day =
+            read_day_file("schema: day/1.0\nattempts:\n  -\n" + indented_keys(text), "f");
+        const DayEntry& entry = day.entries.at(0);
+        ASSERT_FALSE(entry.refused) << entry.refused->what();
+        const std::string again = attempt_text(entry.id, entry.keys, "again");
         const YamlValue before(parse_yaml(text, "f"), "f"), after(parse_yaml(again, "g"), "g");
         const Attempt a = read_attempt(text, "f"), b = read_attempt(again, "g");
         EXPECT_EQ(a.id, b.id);
@@ -126,16 +123,6 @@ TEST(DayMerge, AnAttemptIsTheSameAttemptAfterwards) {
     EXPECT_EQ(read, 2);
 }
 
-TEST(DayMerge, TheOrderOfKeysDoesNotMatter) {
-    EXPECT_EQ(
-        attempt_text(keys_of("{profiles: [nalsa], craft: {class: car, name: A}, id: a}"), "c"),
-        attempt_text(keys_of("{id: a, craft: {name: A, class: car}, profiles: [nalsa]}"), "c"));
-    EXPECT_EQ(
-        attempt_text(keys_of("{profiles: [nalsa], craft: {class: car, name: A}, id: a}"), "c"),
-        "# c\nschema: attempt/1.0\nid: a\ncraft:\n  name: A\n  class: car\nprofiles:\n"
-        "  - nalsa\n");
-}
-
 TEST(DayFile, AShortEntryIsOneReceiver) {
     const DayFile day = read_day_file(
         "schema: day/1.0\n"
@@ -146,17 +133,12 @@ TEST(DayFile, AShortEntryIsOneReceiver) {
     EXPECT_EQ(day.id, "");
     EXPECT_TRUE(day.entries.at(0).short_form);
     EXPECT_EQ(day.entries[0].place, "f:3:5");
-    EXPECT_EQ(day.entries[0].keys->dump(),
-              R"({"id":"x","receivers":[{"id":"primary","recording":"a.csv","format":"csv",)"
-              R"("columns":{"time":"1"},"height_m":1.0}]})");
-    EXPECT_EQ(day.entries[1].keys->dump(),
-              R"({"receivers":[{"id":"primary","recording":["a","b"]}]})");
-    const DayFile other = read_day_file(
-        "schema: day/1.0\ndefaults: {receivers: [{id: mast, format: ubx}]}\n"
-        "attempts: [{recording: a.ubx}]\n",
-        "f");
-    EXPECT_EQ(other.entries.at(0).keys->dump(),
-              R"({"receivers":[{"id":"mast","format":"ubx","recording":"a.ubx"}]})");
+    EXPECT_EQ(day.entries[0].id, "x");
+    EXPECT_EQ(plain_yaml_text(day.entries[0].keys),
+              "receivers:\n  - id: primary\n    recording: a.csv\n    format: csv\n    columns:\n"
+              "      time: 1\n    height_m: 1\n");
+    EXPECT_EQ(plain_yaml_text(day.entries[1].keys),
+              "receivers:\n  - id: primary\n    recording:\n      - a\n      - b\n");
 }
 
 TEST(DayFile, FaultsOfTheWhole) {
@@ -180,10 +162,10 @@ TEST(DayFile, FaultsOfTheWhole) {
         {"schema: day/1.0\ndefaults: {id: a}\nattempts: [{recording: a}]\n", "f:2:12",
          "\"id\" cannot be the same for all"},
         {"schema: day/1.0\ndefaults: [a]\nattempts: [{recording: a}]\n", "f:2:11", "not map"},
-        {"schema: day/1.0\ndefaults: {receivers: [{format: csv}]}\nattempts: [{recording: a}]\n",
-         "f:2:24", "id"},
-        {"schema: day/1.0\ndefaults: {receivers: {id: a}}\nattempts: [{recording: a}]\n", "f:2:23",
-         "list"},
+        {"schema: day/1.0\ndefaults: {receivers: [{id: a}]}\nattempts: [{recording: a}]\n",
+         "f:2:12", "\"receivers\" cannot be the same for all attempts. List the attempts"},
+        {"schema: day/1.0\ndefaults: {recording: a}\nattempts: [{recording: a}]\n", "f:2:12",
+         "\"recording\" cannot be the same for all attempts"},
         {"schema: day/1.0\na: &x [1]\nattempts: [*x]\n", "f:2:4", "anchors and aliases"},
         {"schema: day/1.0\nattempts: [\n", "f:", "not valid YAML"},
     };

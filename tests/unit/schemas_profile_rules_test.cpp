@@ -8,7 +8,7 @@
 #include "schemas/profile/profile.h"
 #include "store_test_support.h"
 
-// What revision 1.3 of a profile added: kinds of window, and computations that decide a clause.
+// Kinds of window, and computations that decide a clause.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-/// A rule over a stretch, with all that can stand beside it, of revision 1.3.
-const std::string newest = R"(schema: profile/1.0
+/// A rule over a stretch, with all that can stand beside it.
+const std::string complete = R"(schema: profile/1.0
 id: my-rule
 body: Some Body
 title: top speed
@@ -29,7 +29,7 @@ clauses:
 
 TEST(ProfileWindow, EveryMemberIsRead) {
     const Profile stretch = read_profile(
-        replaced(replaced(newest, "definition: displacement",
+        replaced(replaced(complete, "definition: displacement",
                           "definition: displacement, dimension: vertical, exact: true, count: 5, "
                           "ends: epochs, source: position"),
                  "margin:",
@@ -50,7 +50,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
     EXPECT_EQ(stretch.result->unit, "kn");
     EXPECT_EQ(stretch.result->decimals, 1);
     const Profile alpha =
-        read_profile(replaced(newest, "kind: time, duration_s: 10, definition: displacement",
+        read_profile(replaced(complete, "kind: time, duration_s: 10, definition: displacement",
                               "kind: alpha, distance_m: 250, proximity_m: 25, turn_deg: 120, "
                               "definition: path_length, source: velocity"),
                      "p");
@@ -61,7 +61,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
     EXPECT_EQ(alpha.turn_deg, 120.0);
     EXPECT_EQ(alpha.speed_source, SpeedSource::velocity);
     const Profile pair =
-        read_profile(replaced(replaced(newest, "displacement}", "path_length, ends: any}"),
+        read_profile(replaced(replaced(complete, "displacement}", "path_length, ends: any}"),
                               "margin:", "opposite_runs: {within_s: 1800}\nmargin:"),
                      "p");
     EXPECT_EQ(pair.ends, WindowEnds::any);
@@ -69,8 +69,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
 }
 
 TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
-    for (const std::string& text :
-         {newest, replaced(replaced(newest, "profile/1.0", "profile/1.0"), "kind: time, ", "")}) {
+    for (const std::string& text : {complete, replaced(complete, "kind: time, ", "")}) {
         const Profile profile = read_profile(text, "p");
         EXPECT_EQ(profile.window_kind, WindowKind::time);
         EXPECT_EQ(profile.dimension, Dimension::horizontal);
@@ -145,7 +144,7 @@ TEST(ProfileWindow, WhatNoComputationExistsForIsRefusedWithItsPlace) {
     };
     for (const auto& c : cases) {
         const auto said =
-            failure_of([&] { read_profile(replaced(newest, window, c.window), "p"); });
+            failure_of([&] { read_profile(replaced(complete, window, c.window), "p"); });
         EXPECT_EQ(said.where, c.where) << c.window << "\n" << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.window << "\n" << said.problem << said.remedy;
     }
@@ -210,9 +209,9 @@ TEST(ProfileRule, BadInputIsNamedWithItsPlaceAndRemedy) {
         {"title: top speed", "title: top speed\nresult: {mode: nearest, unit: kn}", "p:5:9",
          "\"decimals\" is missing"},
     };
-    ASSERT_NO_THROW(read_profile(newest, "p"));
+    ASSERT_NO_THROW(read_profile(complete, "p"));
     for (const auto& c : cases) {
-        const auto said = failure_of([&] { read_profile(replaced(newest, c.from, c.to), "p"); });
+        const auto said = failure_of([&] { read_profile(replaced(complete, c.from, c.to), "p"); });
         EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << said.remedy;
     }
@@ -239,7 +238,7 @@ TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
         for (const std::string unit :
              {"m", "deg", "Hz", "\"%\"", "km/h", "m/s", "kn", "mph", "m/s2", "satellites"}) {
             const std::string text =
-                replaced(newest, "attest", c.computation + ", limit: 1.5, unit: " + unit);
+                replaced(complete, "attest", c.computation + ", limit: 1.5, unit: " + unit);
             if (std::ranges::find(c.units, unit) == c.units.end()) {
                 EXPECT_TRUE(failure_of([&] {
                                 read_profile(text, "p");
@@ -251,9 +250,9 @@ TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
         }
     for (const char* none : {"window_complete", "margin", "georeferenced", "secondary_method",
                              "standing_start", "device_deduction", "sail_area", "attest"}) {
-        EXPECT_NO_THROW(read_profile(replaced(newest, "attest", none), "p"));
+        EXPECT_NO_THROW(read_profile(replaced(complete, "attest", none), "p"));
         EXPECT_TRUE(failure_of([&] {
-                        read_profile(replaced(newest, "attest", std::string(none) + ", limit: 1"),
+                        read_profile(replaced(complete, "attest", std::string(none) + ", limit: 1"),
                                      "p");
                     }).contains(std::string(none) + " compares with no limit. Remove it"));
     }
@@ -282,7 +281,7 @@ TEST(ProfileRule, OfEvidenceHasNoMeasureAndEveryOtherHasOne) {
 
 TEST(ProfileRule, SaysWhoAnswersForAClause) {
     const auto answerer = [](const std::string& more) {
-        return read_profile(replaced(newest, "attest", "attest" + more), "p")
+        return read_profile(replaced(complete, "attest", "attest" + more), "p")
             .clauses.at(0)
             .answered_by;
     };
@@ -306,7 +305,7 @@ TEST(ProfileRule, FieldsThatSayWhatHoldsAnyway) {
           {"unit: mph}", "unit: mph, above: value}"},
           {"definition: displacement", "definition: displacement, count: 1"},
           {"title", "current: ignored\ntitle"}}) {
-        const std::string text = replaced(replaced(newest, "kind: time, ", ""), from, to);
+        const std::string text = replaced(replaced(complete, "kind: time, ", ""), from, to);
         EXPECT_NO_THROW(read_profile(text, "p")) << to;
     }
 }

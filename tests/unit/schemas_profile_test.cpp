@@ -151,19 +151,6 @@ TEST(ProfileUncertainty, BadInputIsNamedWithItsPlace) {
     }
 }
 
-TEST(ProfileRepairedSteps, AreAllowedWhereItSaysSo) {
-    const auto with = [](const std::string& value) {
-        return replaced(sample, "mean_n_plus_1}", "mean_n_plus_1, repaired_steps: " + value + "}");
-    };
-    EXPECT_TRUE(read_profile(with("true"), "p").repaired_steps);
-    EXPECT_FALSE(read_profile(with("false"), "p").repaired_steps);
-    for (const std::string& text : {sample, std::string(builtin_profile("nalsa"))})
-        EXPECT_FALSE(read_profile(text, "p").repaired_steps);
-    const auto word = failure_of([&] { read_profile(with("some"), "p"); });
-    EXPECT_EQ(word.where, "p:5:69");
-    EXPECT_TRUE(word.contains("window.repaired_steps")) << word.problem;
-}
-
 TEST(MetresPerSecond, KnowsFourUnitsAndRefusesOtherUnits) {
     EXPECT_EQ(metres_per_second("m/s"), 1.0);
     EXPECT_EQ(metres_per_second("km/h"), 1.0 / 3.6);

@@ -5,7 +5,7 @@
 #include "schemas/enu/declared.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "store_test_support.h"
 
 // Tables that are gone through row by row, against the same read and written whole.

@@ -1,6 +1,6 @@
 #include "schemas_rule_input_support.h"
 
-// What revision 1.4 of an attempt added: records of profiles, and figures that replace theirs.
+// An attempt's records of profiles, and figures that replace theirs.
 
 namespace runcert::RUNCERT_FILE {
 namespace {

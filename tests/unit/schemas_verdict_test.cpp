@@ -5,8 +5,8 @@
 #include "schemas/verdict/declared.h"
 #include "store_test_support.h"
 
-// What revision 1.3 of the verdict added: of how many attempts this is the best, what may remain of
-// the bias of choosing the window, how much drift the decision survives, and what else was heard.
+// Of how many attempts this is the best, what may remain of the bias of choosing the window, how
+// much drift the decision survives, and what else was heard.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -17,7 +17,7 @@ using test::replaced;
 Verdict verdict_of(const Decision& decision, const std::vector<std::string>& witnesses = {}) {
     Verdict verdict;
     verdict.header.stage = "check";
-    verdict.header.program_version = "1.3.0";
+    verdict.header.program_version = "1.0.0";
     verdict.header.source_revision = "0";
     verdict.attempt = "a";
     verdict.receiver = "primary";
@@ -31,6 +31,7 @@ Verdict verdict_of(const Decision& decision, const std::vector<std::string>& wit
     profile.definition = SpeedDefinition::displacement;
     profile.decision = decision;
     profile.witnesses = witnesses;
+    profile.own_arithmetic.text = "It is not known.";
     verdict.profiles = {profile};
     return verdict;
 }

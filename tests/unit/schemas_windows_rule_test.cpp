@@ -5,8 +5,7 @@
 #include "schemas/windows/windows.h"
 #include "store_test_support.h"
 
-// What revision 1.3 of the windows added: the rule that they follow, and several that make a
-// figure.
+// The rule that windows follow, and several that make a figure.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -74,8 +73,7 @@ TEST(WindowRuleText, EveryMemberRoundTrips) {
           .opposite_runs = true,
           .opposite_runs_within_s = 3600.5,
           .runs = "{\"turn_deg\":120}",
-          .within = "{\"from\":{\"event\":\"exit\"}}",
-          .repaired_steps = true},
+          .within = "{\"from\":{\"event\":\"exit\"}}"},
           WindowRule{.kind = WindowKind::alpha,
           .distance_m = 250.0,
           .definition = SpeedDefinition::path_length,

@@ -108,9 +108,9 @@ struct Ramp {
             rows[k].recorded_velocity_north_m_s = k < 30 + later ? 10.0 : 10.0 + change_m_s;
         }
     }
-    std::int64_t left(TestedAxes axes = TestedAxes::horizontal, MarkOptions options = {}) {
+    std::int64_t left(TestedAxes axes = TestedAxes::horizontal, bool on_the_ground = true) {
         std::vector<ScreenedEpoch> marked = rows;
-        mark_rows(marked, arc_rows, decisions, axes, options);
+        mark_rows(marked, arc_rows, decisions, axes, on_the_ground);
         return std::ranges::count_if(marked, &ScreenedEpoch::usable);
     }
 };
@@ -142,14 +142,14 @@ TEST(Drift, OfHeightsIsAskedOfTheHorizontalVelocitiesForCraftsOnTheGround) {
     ramp.decisions.breaks[30]->estimated.rate_up_m_s = -6.0;
     ramp.record(-6.0);
     EXPECT_EQ(ramp.left(TestedAxes::vertical), 60);
-    EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 0);
+    EXPECT_EQ(ramp.left(TestedAxes::vertical, false), 0);
     // Where vertical velocities are recorded they are asked.
     for (ScreenedEpoch& row : ramp.rows)
         row.recorded_velocity_up_m_s = 10.0;
     EXPECT_EQ(ramp.left(TestedAxes::vertical), 0);
     for (std::size_t k = 30; k < 60; ++k)
         ramp.rows[k].recorded_velocity_up_m_s = 4.0;
-    EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 60);
+    EXPECT_EQ(ramp.left(TestedAxes::vertical, false), 60);
 }
 
 TEST(Drift, ASideThatTheVelocitiesVouchForLosesNothing) {
@@ -201,7 +201,7 @@ struct LongRamp {
 TEST(Drift, ReachesAsFarAsAnErrorCanGrow) {
     LongRamp ramp;
     const auto largest =
-        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal);
     for (std::size_t k = 0; k < 600; ++k)
         EXPECT_EQ(ramp.rows[k].usable, k < 200 || k > 400) << k;
     ASSERT_TRUE(largest);
@@ -214,7 +214,7 @@ TEST(Drift, ReachesAsFarAsAnErrorCanGrow) {
 
 TEST(Drift, DoesNotReachOverStandingStill) {
     LongRamp ramp(260.0);
-    mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+    mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal);
     EXPECT_TRUE(ramp.rows[255].usable);
     EXPECT_FALSE(ramp.rows[265].usable);
     EXPECT_FALSE(ramp.rows[400].usable);
@@ -228,7 +228,7 @@ TEST(Drift, ThatIsDatedLosesItsOwnSpan) {
     for (const std::size_t k : {300U, 330U})
         ramp.decisions.breaks[k]->sigma_rate_m_s = 0.05;
     const auto largest =
-        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal);
     for (std::size_t k = 0; k < 600; ++k)
         EXPECT_EQ(ramp.rows[k].usable, k < 300 || k >= 330) << k;
     EXPECT_EQ(largest.value().epochs, 30);
@@ -252,7 +252,7 @@ TEST(Losses, OfAStretchAreCountedWhateverWasDecidedBefore) {
         ramp.decisions.left_out[k] = outlier;
     }
     const auto largest =
-        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal);
     ASSERT_TRUE(largest);
     EXPECT_EQ(largest->hypothesis, Hypothesis::model);
     EXPECT_GE(largest->epochs, 49);

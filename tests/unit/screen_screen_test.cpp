@@ -206,20 +206,6 @@ TEST(Screen, ADriftIsLeftOutOnBothSidesOfItsBeginning) {
     EXPECT_NEAR(*screened.rows[200].estimated.rate_north_m_s, 2.0, 0.2);
 }
 
-TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
-    EnuTable table = clean_run(200);
-    for (std::size_t k = 100; k < 200; ++k)
-        *table.rows[k].north_m += 0.5;
-    ScreenConfig bridging = config();
-    bridging.steps = StepTreatment::bridge;
-    const ScreenedTable screened = screen(table, bridging);
-    EXPECT_EQ(summarise(screened.rows).arcs, 1);
-    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::bridged);
-    EXPECT_NEAR(*screened.rows[100].estimated.north_m, 0.5,
-                4.0 * *screened.rows[100].estimated.sigma_north_m);
-    EXPECT_FALSE(screened.rows[100].detectable.step_m);
-}
-
 TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
     std::vector<ScreenedEpoch> rows(8);
     std::vector<std::size_t> arc_rows;
@@ -242,7 +228,7 @@ TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
                                               .statistic = 88.0,
                                               .threshold = 40.0,
                                               .estimated = {}};
-    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, MarkOptions{});
+    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal);
     finish_arcs(rows, 20.0, 2);
     EXPECT_EQ(rows[3].reason, Reason::outlier);
     EXPECT_EQ(rows[3].statistic, 88.0);

@@ -37,8 +37,8 @@ fields:
     return instance;
 }
 
-test::Said check(const std::string& text, bool newer = false) {
-    return failure_of([&] { schema().validate({parse_yaml(text, "f"), "f"}, newer); });
+test::Said check(const std::string& text) {
+    return failure_of([&] { schema().validate({parse_yaml(text, "f"), "f"}); });
 }
 
 TEST(DocumentSchema, ReadsItsFieldTable) {
@@ -144,13 +144,6 @@ TEST(DocumentSchema, RefusesWhatDoesNot) {
         EXPECT_EQ(said.where, c.where) << c.text << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.text << said.problem << ". " << said.remedy;
     }
-}
-
-TEST(DocumentSchema, PassesOverUnknownKeysOfANewerRevisionAlone) {
-    EXPECT_EQ(check("name: x\nlater: 1\nlist: [{id: a, later: {b: c}}]\n", true).problem, "");
-    EXPECT_TRUE(check("name: x\nlater: 1\n").contains("unknown key \"later\""));
-    EXPECT_TRUE(check("name: x\nlater: 1\ncount: 0\n", true).contains("below 1"));
-    EXPECT_TRUE(check("later: 1\n", true).contains("\"name\" is missing"));
 }
 
 TEST(DocumentSchema, TheCommonPartStandsInFront) {

@@ -181,7 +181,6 @@ TEST_F(EcsvAstropy, WeReadWhatItWrites) {
         ASSERT_EQ(in.columns().size(), 5U);
         EXPECT_EQ(in.columns()[2].unit, "m / s");
         EXPECT_EQ(in.columns()[2].description, "how fast: \"x\" # y");
-        EXPECT_TRUE(in.columns()[2].must_understand);
         EXPECT_EQ(in.columns()[4].unit, "deg");
         const YamlNode& meta = in.meta();
         EXPECT_EQ(meta["schema"]["name"].scalar(), "x");

@@ -75,8 +75,7 @@ TEST(Ecsv, RandomTablesRoundTrip) {
                           .type = static_cast<CellType>(random.next() % 4),
                           .unit = random.next() % 2 == 0 ? "m / s2" : "",
                           .decimals = static_cast<int>(random.next() % 13),
-                          .description = random_text(random),
-                          .must_understand = random.next() % 2 == 0};
+                          .description = random_text(random)};
         nlohmann::ordered_json meta;
         meta[random_text(random)] = random_text(random);
         EcsvWriter out(columns, meta);
@@ -88,10 +87,8 @@ TEST(Ecsv, RandomTablesRoundTrip) {
 
         EcsvReader in(text, "random");
         ASSERT_EQ(in.columns().size(), columns.size());
-        for (std::size_t i = 0; i < columns.size(); ++i) {
+        for (std::size_t i = 0; i < columns.size(); ++i)
             EXPECT_EQ(in.columns()[i].description, columns[i].description);
-            EXPECT_EQ(in.columns()[i].must_understand, columns[i].must_understand);
-        }
         EXPECT_EQ(in.meta()[meta.begin().key()].scalar(), meta.begin()->get<std::string>());
         for (const auto& row : rows) {
             ASSERT_TRUE(in.next_row()) << text;

@@ -63,7 +63,6 @@ TEST(Ecsv, EveryTypeRoundTrips) {
         EXPECT_EQ(in.columns()[i].unit, expected[i].unit);
         EXPECT_EQ(in.columns()[i].decimals, expected[i].decimals);
         EXPECT_EQ(in.columns()[i].description, expected[i].description);
-        EXPECT_FALSE(in.columns()[i].must_understand);
     }
     EXPECT_EQ(in.meta()["k"].scalar(), "1");
     for (const auto& row : rows) {
@@ -79,11 +78,7 @@ TEST(Ecsv, EveryTypeRoundTrips) {
 
 TEST(Ecsv, WritesWhatTheFormatSays) {
     EcsvWriter out({{.name = "a", .unit = "m", .decimals = 2, .description = {}},
-                    {.name = "b",
-                     .type = CellType::text,
-                     .unit = {},
-                     .description = {},
-                     .must_understand = true}},
+                    {.name = "b", .type = CellType::text, .unit = {}, .description = {}}},
                    {{"k", nullptr}});
     out.real(-0.001);
     out.text("x");
@@ -92,7 +87,7 @@ TEST(Ecsv, WritesWhatTheFormatSays) {
     EXPECT_EQ(std::move(out).take(),
               "# %ECSV 1.0\n# ---\n# datatype:\n"
               "#   - name: a\n#     unit: m\n#     datatype: float64\n#     format: \"%.2f\"\n"
-              "#   - name: b\n#     datatype: string\n#     meta:\n#       required: true\n"
+              "#   - name: b\n#     datatype: string\n"
               "# delimiter: \",\"\n# meta:\n#   k: null\n"
               "a,b\n0.00,x\n,\"x,\"\"y\"\"\"\n");
 }
@@ -266,27 +261,6 @@ TEST(Ecsv, ReadsWhatOtherWritersMake) {
     const std::string empty = table.substr(0, table.find("1,61"));
     EcsvReader rows(empty, "t.ecsv");
     EXPECT_FALSE(rows.next_row());
-}
-
-TEST(Ecsv, AColumnMarkedAsRequiredIsKnownAsSuch) {
-    const struct {
-        const char* meta;
-        bool required;
-    } cases[] = {
-        {"meta: {required: true}", true},
-        {"meta: {required: True}", true},
-        {"meta: {required: [1]}", true},
-        {"meta: !!omap [{required: true}]", true},  // as astropy writes it
-        {"meta: {required: false}", false},
-        {"meta: {other: true}", false},
-        {"meta: x", false},
-        {"unit: m", false},
-    };
-    for (const auto& c : cases) {
-        const std::string text =
-            replaced(table, "datatype: bool", std::string("datatype: bool, ") + c.meta);
-        EXPECT_EQ(EcsvReader(text, "t").columns()[2].must_understand, c.required) << c.meta;
-    }
 }
 
 TEST(Ecsv, OrderedMapsAreMapsWhereverTheyStand) {

@@ -302,7 +302,7 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
     EXPECT_FALSE(other.chord_m_s);
 }
 
-TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
+TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
     const auto has_chord = [&](SpeedDefinition definition) {
@@ -319,9 +319,6 @@ TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
     };
     EXPECT_TRUE(has_chord(SpeedDefinition::displacement));
     EXPECT_FALSE(has_chord(SpeedDefinition::path_length));
-    stretch.epochs[stretch.window.first + 3].step_before = true;
-    EXPECT_FALSE(has_chord(SpeedDefinition::displacement));
-    stretch.epochs[stretch.window.first + 3].step_before = false;
     stretch.epochs[stretch.window.last].measurement.reset();
     EXPECT_FALSE(has_chord(SpeedDefinition::displacement));
 }

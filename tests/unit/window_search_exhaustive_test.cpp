@@ -160,8 +160,7 @@ TEST(RuleSearch, AllowsTheWindowsThatCanBeCertified) {
                 track.series[s].bounds.push_back(!obstacle);
         }
         const TrajectoryTable table = trajectory_of(track);
-        const auto certifiable =
-            certifiable_windows(table, arcs_in(table), 3.0, 0.001, BridgedSteps::refused);
+        const auto certifiable = certifiable_windows(table, arcs_in(table), 3.0, 0.001);
         const auto allowed = allowed_and_best(track.series, over_time(3.0, displacement), 1).all;
         std::size_t i = 0;
         for (std::size_t arc = 0; arc < certifiable.size(); ++arc)

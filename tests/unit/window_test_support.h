@@ -9,7 +9,7 @@
 #include "motion/speed.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
-#include "schemas/trajectory/trajectory.h"
+#include "schemas/trajectory/declared.h"
 #include "stages/window/window.h"
 #include "witness/arcs.h"
 
@@ -93,13 +93,6 @@ inline void append_arc(ScreenedTable& table, const RecordedRun& run) {
     }
 }
 
-/// Moves every position from a row on by so much towards east, and bridges that step.
-inline void add_bridged_step(ScreenedTable& table, std::size_t row, double east_m) {
-    table.rows[row].break_before = ArcBreak::bridged;
-    for (std::size_t k = row; k < table.rows.size(); ++k)
-        *table.rows[k].east_m += east_m;
-}
-
 inline ScreenedTable recorded(const RecordedRun& run) {
     ScreenedTable table;
     table.facts.receiver = "primary";
@@ -120,7 +113,6 @@ inline TrajectoryTable smoothed_with(const ScreenedTable& screened, const NoiseS
         epoch.time = row.time;
         epoch.arc = row.arc;
         epoch.usable = row.usable;
-        epoch.step_before = row.break_before == ArcBreak::bridged;
     }
     for (const Arc<2>& arc : arcs_of<2>(screened)) {
         const SmoothedArc<2> smoothed = smooth<2>(arc.epochs, model_of(noise));

@@ -19,8 +19,6 @@ std::string format_text(const Proposal& proposal) {
     if (format == "kf-gins") return "KF-GINS text: seconds of the GPS week, increments";
     if (format == "novatel")
         return "NovAtel RAWIMU, read by its published description; no recorded log was at hand";
-    if (format == "ubx")
-        return "u-blox ESF, read by its published description; no recorded log was at hand";
     return "a table";
 }
 

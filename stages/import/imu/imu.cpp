@@ -68,7 +68,6 @@ void give_rows(const HeldImu& held, const TakeRow& take) {
         if (held.faults.repeated[i]) row.repeated = true;
         if (held.faults.saturated[i]) row.saturated = true;
         row.source_line = sample.line;
-        if (!sample.line) row.source_byte = sample.byte;
         take(row);
     }
 }

@@ -11,7 +11,7 @@
 #include "stages/import/recording.h"
 
 /// IMUs beside a receiver: tables with a mapping (`receivers[].imu.columns`), KF-GINS text, NovAtel
-/// RAWIMUA and RAWIMUSA, u-blox ESF-MEAS and ESF-RAW.
+/// RAWIMUA and RAWIMUSA.
 namespace runcert::imu {
 
 /// The recording that an IMU was recorded beside.

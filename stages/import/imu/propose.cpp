@@ -45,7 +45,7 @@ class Proposing {
 
     std::optional<Proposal> made() {
         const std::string_view head = file_.bytes.substr(0, recognised_by);
-        const bool known = is_rawimu(head) || is_esf(head) || is_kf_gins(head);
+        const bool known = is_rawimu(head) || is_kf_gins(head);
         if (!known && !set_columns()) return std::nullopt;
         try {
             read();

@@ -33,7 +33,6 @@ void read_lines(const RecordingBytes& file, const SampleOfLine& sample_of, RawFi
             std::optional<RawSample> sample = sample_of(*line, lines.at_end() && !line->ended);
             if (!sample) continue;
             sample->line = static_cast<std::int32_t>(line->number);
-            sample->byte = line->byte;
             raw.samples.push_back(*sample);
             log.count_good();
         } catch (const Failure& failure) {
@@ -75,8 +74,6 @@ RawFile read_raw(const Receiver& receiver, const RecordingBytes& file, bool utc)
         raw = read_table(receiver, file, utc);
     else if (is_rawimu(head))
         raw = read_rawimu(receiver, file);
-    else if (is_esf(head))
-        raw = read_esf(receiver, file);
     else if (is_kf_gins(head))
         raw = read_kf_gins(receiver, file);
     else
@@ -86,7 +83,7 @@ RawFile read_raw(const Receiver& receiver, const RecordingBytes& file, bool utc)
                                   imu.file),
                       "Write columns: {time: ..., gyro_x: ..., accelerometer_x: ...}; runcert "
                       "inspect proposes them. Recognised are KF-GINS text, NovAtel RAWIMUA and "
-                      "RAWIMUSA, u-blox ESF-MEAS and ESF-RAW");
+                      "RAWIMUSA");
     settle_axes(imu, raw);
     if (raw.samples.empty())
         throw Failure(place_in(file, RecordPlace(std::size_t{0})), "the file has no samples",

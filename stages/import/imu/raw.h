@@ -9,7 +9,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/optional_number.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
 #include "stages/import/cell.h"
@@ -30,13 +29,12 @@ struct RawSample {
     std::int64_t time_ns = 0;
     Eigen::Vector3d gyro = Eigen::Vector3d::Zero();
     Eigen::Vector3d accelerometer = Eigen::Vector3d::Zero();
-    OptionalNumber<std::int32_t> line = {};  ///< counted from 1; empty in binary formats
-    std::int64_t byte = 0;                   ///< where its record begins
+    std::int32_t line = 0;  ///< counted from 1
 };
 
 /// A file as it was read.
 struct RawFile {
-    std::string format;  ///< "csv", "kf-gins", "novatel", "ubx"
+    std::string format;  ///< "csv", "kf-gins", "novatel"
     Stamps stamps = Stamps::count;
     bool increments = false;
     ImuAxes axes;  ///< as the attempt says, or else the format
@@ -78,11 +76,5 @@ RawFile read_kf_gins(const Receiver& receiver, const RecordingBytes& file);
 /// of velocity Z, -Y, X and of angle Z, -Y, X. The scale of a count is not in the log.
 bool is_rawimu(std::string_view bytes);
 RawFile read_rawimu(const Receiver& receiver, const RecordingBytes& file);
-
-/// u-blox ESF-MEAS and ESF-RAW ("F9 interface description", ESF): gyros at 2^-12 deg/s,
-/// accelerometers at 2^-10 m/s^2. Sensor time tags are tied to GPS time by the NAV-PVT messages
-/// that stand between them.
-bool is_esf(std::string_view bytes);
-RawFile read_esf(const Receiver& receiver, const RecordingBytes& file);
 
 }  // namespace runcert::imu

@@ -24,8 +24,7 @@ constexpr std::ptrdiff_t fitted_from = 200;
 constexpr double uneven_share = 0.05, uneven_jitter = 0.25;
 
 std::string place_of(const RawSample& sample, const RecordingBytes& file) {
-    if (sample.line) return fmt::format("{}:{}", file.name, *sample.line);
-    return fmt::format("{}:byte {}", file.name, sample.byte);
+    return fmt::format("{}:{}", file.name, sample.line);
 }
 
 /// A rate as people write it: four significant digits.

@@ -46,18 +46,20 @@ void refuse_other_kinds(const RecordingBytes& file) {
     const bool dxf = (first == "0" || first == "999") && head.find("SECTION") != head.npos;
     const bool geojson = first.starts_with('{') && head.find("\"Polygon\"") != head.npos &&
                          head.find("\"coordinates\"") != head.npos;
-    if (!dxf && !geojson) return;
-    throw Failure(file.name,
-                  fmt::format("this is {}, and surfaces are not read from it",
-                              dxf ? "a drawing (DXF)" : "GeoJSON"),
-                  "Export LandXML 1.2, OBJ or PLY (ascii)");
+    const bool obj = first.starts_with("v ") || head.find("\nv ") != head.npos;
+    const char* const kind = dxf              ? "a drawing (DXF)"
+                             : geojson        ? "GeoJSON"
+                             : first == "ply" ? "PLY"
+                             : obj            ? "OBJ"
+                                              : nullptr;
+    if (kind == nullptr) return;
+    throw Failure(file.name, fmt::format("this is {}, and surfaces are not read from it", kind),
+                  "Export LandXML 1.2");
 }
 
 std::optional<SeenSurface> read_seen(const RecordingBytes& file) {
     refuse_other_kinds(file);
     if (is_landxml(file.bytes)) return SeenSurface{.raw = read_landxml(file)};
-    if (is_ply(file.bytes)) return SeenSurface{.raw = read_ply(file)};
-    if (is_obj(file.bytes)) return SeenSurface{.raw = read_obj(file)};
     if (is_own(file.bytes)) return read_own(file);
     if (is_vertex_table(file.bytes)) return SeenSurface{.raw = read_vertex_table(file)};
     if (is_triangle_table(file.bytes))
@@ -149,8 +151,7 @@ std::string yaml_of(const SeenSurface& seen, const std::string& name) {
 std::string format_words(const std::string& format) {
     if (format == "landxml") return "LandXML 1.2, a TIN";
     if (format == "runcert") return "written by runcert surface";
-    if (format == "csv") return "a table (CSV)";
-    return format;
+    return "a table (CSV)";
 }
 
 void add_coordinates(const SeenSurface& seen, Block& found) {

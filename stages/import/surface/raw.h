@@ -25,7 +25,7 @@ inline constexpr std::int64_t largest_number = 1'000'000'000'000'000;
 /// A surface as its file has it, but for its axes: coordinates x, y, z are east, north, up, or
 /// longitude and latitude in degrees.
 struct RawSurface {
-    std::string format;                           ///< "landxml", "obj", "ply", "csv"
+    std::string format;                           ///< "landxml", "csv"
     bool north_first = false;                     ///< the format's own order is northing, easting
     std::optional<double> unit_m = std::nullopt;  ///< where the file says it
     std::string unit_name = {};                   ///< as it says it
@@ -54,14 +54,6 @@ class VertexNumbers {
 /// elevation; a face with i="1" is invisible.
 bool is_landxml(std::string_view bytes);
 RawSurface read_landxml(const RecordingBytes& file);
-
-/// Wavefront OBJ: lines v and f.
-bool is_obj(std::string_view bytes);
-RawSurface read_obj(const RecordingBytes& file);
-
-/// PLY 1.0, ascii: elements vertex and face.
-bool is_ply(std::string_view bytes);
-RawSurface read_ply(const RecordingBytes& file);
 
 /// Two tables: vertex, x, y, z (or east, north, up; longitude, latitude, height); and vertex_1,
 /// vertex_2, vertex_3.

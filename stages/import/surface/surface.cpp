@@ -20,13 +20,11 @@ RawSurface read_raw(const SurfaceFiles& files, const Receiver& receiver) {
     const std::string_view bytes = files.file.bytes;
     if (files.triangles) return read_tables(files.file, *files.triangles);
     if (is_landxml(bytes)) return read_landxml(files.file);
-    if (is_ply(bytes)) return read_ply(files.file);
-    if (is_obj(bytes)) return read_obj(files.file);
     throw Failure(
         receiver.surface->place,
         fmt::format("\"{}\" is no surface of a format that is known", shown(files.file.name)),
-        "Export LandXML 1.2, OBJ or PLY (ascii); or a table of vertices, and name the "
-        "table of its triangles in surface: triangles");
+        "Export LandXML 1.2; or a table of vertices, and name the table of its triangles in "
+        "surface: triangles");
 }
 
 /// Metres in a unit of the file.

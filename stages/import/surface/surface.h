@@ -9,8 +9,8 @@
 #include "schemas/surface/declared.h"
 #include "stages/import/recording.h"
 
-/// Surfaces that craft run on: LandXML 1.2 (TIN), OBJ, PLY (ascii), a table of vertices and one of
-/// triangles (CSV), and what `runcert surface` wrote.
+/// Surfaces that craft run on: LandXML 1.2 (TIN), a table of vertices and one of triangles (CSV),
+/// and what `runcert surface` wrote.
 namespace runcert::surface {
 
 /// The files of a surface.

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,15 +16,6 @@ namespace {
 constexpr double step_m = 0.5;
 constexpr double step_at_s = 30.0;
 constexpr std::int64_t step_epoch = 301;
-
-Attempt attempt_with(const std::string& steps) {
-    return read_attempt(
-        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
-        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n"
-        "parameters: {screen: {steps: " +
-            steps + "}}\n",
-        "attempt");
-}
 
 /// 60 s that are fastest, 35 m/s, in their middle: 20 m/s and a bell of 15 m/s and 8 s.
 double distance_m(double time_s) {
@@ -66,11 +56,13 @@ struct CertifiedRun {
     ProfileWindows windows;
 };
 
-CertifiedRun certified(const std::string& steps, bool repaired_steps) {
-    const Attempt attempt = attempt_with(steps);
+CertifiedRun certified() {
+    const Attempt attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+        "attempt");
     Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     profile.duration_s = 3.0;
-    profile.repaired_steps = repaired_steps;
     CertifiedRun run;
     run.screened = screen(recording(), screen_config(attempt));
     // As the stages hand them on: by their files.
@@ -93,56 +85,29 @@ double true_speed_m_s(const WindowSpan& span) {
     return (distance_m(start_s + duration_s) - distance_m(start_s)) / duration_s;
 }
 
-TEST(BridgedStep, CertifiesNoWindowAcrossItByDefault) {
-    const CertifiedRun run = certified("bridge", false);
-    const ScreeningSummary summary = summarise(run.screened.rows);
-    EXPECT_EQ(summary.arcs, 1);
-    for (std::size_t k = 1; k < run.screened.rows.size(); ++k) {
-        const bool step = run.screened.rows[k].epoch == step_epoch;
-        EXPECT_EQ(run.screened.rows[k].break_before == ArcBreak::bridged, step) << k;
-        EXPECT_EQ(begins_after_step(run.trajectory.rows[k]), step) << k;
-    }
+TEST(PositionStep, EndsTheArcAndIsNamedWithItsSize) {
+    const CertifiedRun run = certified();
+    EXPECT_EQ(summarise(run.screened.rows).arcs, 2);
+    EXPECT_EQ(run.trajectory.estimation.arcs, 2);
+    for (const ScreenedEpoch& row : run.screened.rows)
+        EXPECT_EQ(row.break_before == ArcBreak::step, row.epoch == step_epoch) << row.epoch;
+    const EstimatedError& step = run.screened.rows.at(step_epoch - 1).estimated;
+    EXPECT_NEAR(step.east_m.value(), step_m, 4.0 * step.sigma_east_m.value());
+    EXPECT_NEAR(step.north_m.value(), 0.0, 4.0 * step.sigma_north_m.value());
+}
+
+TEST(PositionStep, NoWindowAcrossItIsCertified) {
+    const CertifiedRun run = certified();
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_FALSE(holds_step(best.span));
-    EXPECT_EQ(best.repaired_steps, 0);
     EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
     // The fastest that the raw positions indicate does hold it, and is refused for it alone.
     const IndicatedWindow& indicated = run.windows.indicated.value();
     EXPECT_TRUE(holds_step(indicated.span));
     EXPECT_GT(indicated.speed_m_s, true_speed_m_s(indicated.span) + 0.05);
     ASSERT_EQ(indicated.refusals.size(), 1U);
-    EXPECT_NE(indicated.refusals[0].find("1 repaired step"), std::string::npos);
-}
-
-TEST(BridgedStep, UnderAProfileThatAllowsItTheFastestWindowIsCertified) {
-    const CertifiedRun run = certified("bridge", true);
-    const CertifiableWindow& best = run.windows.best.value();
-    EXPECT_TRUE(holds_step(best.span));
-    EXPECT_EQ(best.repaired_steps, 1);
-    EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
-    EXPECT_NEAR(best.definitions.displacement_m_s, true_speed_m_s(best.span), 0.02);
-    EXPECT_NEAR(best.definitions.path_length_m_s, true_speed_m_s(best.span), 0.02);
-    EXPECT_NEAR(best.definitions.mean_n_plus_1_m_s, true_speed_m_s(best.span), 0.05);
-    EXPECT_TRUE(best.robust.value().agrees);
-    EXPECT_NEAR(best.position_r95_m, step_m, 0.1);
-    EXPECT_FALSE(best.methods.v1_m_s || best.methods.v2_m_s || best.methods.kalman_m_s);
-    EXPECT_TRUE(run.windows.indicated->refusals.empty());
-    fmt::print("{:+.4f} m/s from the truth, standard uncertainty {:.4f} m/s\n",
-               best.speed_m_s - true_speed_m_s(best.span), best.standard_uncertainty_m_s);
-    const CertifiableWindow refused = certified("bridge", false).windows.best.value();
-    EXPECT_GT(best.speed_m_s, refused.speed_m_s + 0.1);
-}
-
-TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
-    const CertifiedRun run = certified("end_arc", true);
-    EXPECT_EQ(summarise(run.screened.rows).arcs, 2);
-    EXPECT_EQ(run.trajectory.estimation.arcs, 2);
-    for (const TrajectoryEpoch& row : run.trajectory.rows)
-        EXPECT_FALSE(begins_after_step(row));
-    const CertifiableWindow& best = run.windows.best.value();
-    EXPECT_FALSE(holds_step(best.span));
-    EXPECT_EQ(best.repaired_steps, 0);
-    EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
+    EXPECT_NE(indicated.refusals[0].find("1 step that the motion cannot explain"),
+              std::string::npos);
 }
 
 }  // namespace

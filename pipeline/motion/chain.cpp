@@ -43,6 +43,19 @@ bool is_vague(const StateMatrix<Axes>& covariance) {
            variance.template segment<Axes>(2 * Axes).maxCoeff() > acceleration_m2_s4;
 }
 
+/// The RTS step [YSM22]: what later measurements say of the next epoch changes the state given
+/// those up to its own.
+template <int Axes>
+StateEstimate<Axes> step_back(const StateEstimate<Axes>& filtered, const StateMatrix<Axes>& gain,
+                              const StateEstimate<Axes>& next,
+                              const StateEstimate<Axes>& next_predicted) {
+    const StateMatrix<Axes> covariance =
+        filtered.covariance +
+        gain * (next.covariance - next_predicted.covariance) * gain.transpose();
+    return {.mean = filtered.mean + gain * (next.mean - next_predicted.mean),
+            .covariance = 0.5 * (covariance + covariance.transpose())};
+}
+
 }  // namespace
 
 template <int Axes>
@@ -170,7 +183,10 @@ template <int Axes>
 void Chain<Axes>::smooth_vague_states() {
     for (std::size_t k = size(); k-- > 0;) {
         if (!is_vague<Axes>(epochs_[k].predicted.covariance)) continue;
-        vague_.emplace(k, k + 1 < size() ? step_back(k, state(k + 1)) : epochs_[k].filtered());
+        const StateEstimate<Axes> filtered = epochs_[k].filtered();
+        vague_.emplace(k, k + 1 < size() ? step_back(filtered, smoother_gain(k, filtered),
+                                                     state(k + 1), epochs_[k + 1].predicted)
+                                         : filtered);
     }
 }
 
@@ -183,18 +199,6 @@ StateMatrix<Axes> Chain<Axes>::smoother_gain(std::size_t k,
     return factorise<Axes>(epochs_[k + 1].predicted.covariance, times_s_[k + 1])
         .solve(cross)
         .transpose();
-}
-
-/// The smoothed state of an epoch from that of the next.
-template <int Axes>
-StateEstimate<Axes> Chain<Axes>::step_back(std::size_t k, const StateEstimate<Axes>& next) const {
-    const StateEstimate<Axes> filtered = epochs_[k].filtered();
-    const StateEstimate<Axes>& predicted = epochs_[k + 1].predicted;
-    const StateMatrix<Axes> gain = smoother_gain(k, filtered);
-    const StateMatrix<Axes> covariance =
-        filtered.covariance + gain * (next.covariance - predicted.covariance) * gain.transpose();
-    return {.mean = filtered.mean + gain * (next.mean - predicted.mean),
-            .covariance = 0.5 * (covariance + covariance.transpose())};
 }
 
 template <int Axes>
@@ -249,16 +253,21 @@ double Chain<Axes>::asymmetry(std::size_t k) const {
 
 template <int Axes>
 std::vector<StateEstimate<Axes>> Chain<Axes>::fixed_lag(std::size_t lag) const {
-    std::vector<StateEstimate<Axes>> states(size());
+    std::vector<StateEstimate<Axes>> filtered(size()), states(size());
+    std::vector<StateMatrix<Axes>> gains(size());
     const std::size_t end = size() - 1;
-    for (std::size_t k = 0; k < size(); ++k) {
+    for (std::size_t k = 0; k <= end; ++k) {
+        filtered[k] = epochs_[k].filtered();
+        if (k < end && lag > 0) gains[k] = smoother_gain(k, filtered[k]);
+    }
+    for (std::size_t k = 0; k <= end; ++k) {
         if (lag >= end - k) {
             states[k] = state(k);
             continue;
         }
-        states[k] = epochs_[k + lag].filtered();
+        states[k] = filtered[k + lag];
         for (std::size_t j = k + lag; j-- > k;)
-            states[k] = step_back(j, states[k]);
+            states[k] = step_back(filtered[j], gains[j], states[k], epochs_[j + 1].predicted);
     }
     return states;
 }
@@ -289,8 +298,7 @@ Eigen::Matrix<double, Columns, Columns> Chain<Axes>::joint_covariance(
     StateMatrix<Axes> own = state(s).covariance;
     for (std::size_t i = 0; i + 1 < gradients.size(); ++i) {
         const std::size_t k = s + i;
-        const Gradient next =
-            smoother_gain(k, epochs_[k].filtered()).transpose() * carried;
+        const Gradient next = smoother_gain(k, epochs_[k].filtered()).transpose() * carried;
         const StateMatrix<Axes> later = state(k + 1).covariance;
         sum += of(carried, own) - of(next, later);
         carried = gradients[i + 1] + next;
@@ -369,11 +377,10 @@ std::vector<LanePositions<Axes, Lanes>> Chain<Axes>::positions_of(
             positions[k][a] = state[a];
         for (int j = 0; j < Axes; ++j) {
             const auto& one = seen.coordinates[static_cast<std::size_t>(j)];
-            const One missed = kernel::whitened<Axes>(
-                seen.white, j, [&](int axis) -> One {
-                    const auto a = static_cast<std::size_t>(axis);
-                    return measured[k][a] - state[a] - state[3 * Axes + a];
-                });
+            const One missed = kernel::whitened<Axes>(seen.white, j, [&](int axis) -> One {
+                const auto a = static_cast<std::size_t>(axis);
+                return measured[k][a] - state[a] - state[3 * Axes + a];
+            });
             const One weight = missed / one.variance;
             weighted[k][static_cast<std::size_t>(j)] = weight;
             for (std::size_t i = 0; i < state.size(); ++i)
@@ -403,13 +410,28 @@ std::vector<LanePositions<Axes, Lanes>> Chain<Axes>::positions_of(
 }
 
 template <int Axes>
+std::vector<PositionVector<Axes>> Chain<Axes>::positions_of(
+    std::span<const PositionVector<Axes>> measured) const {
+    std::vector<LanePositions<Axes, 1>> lane(measured.size());
+    for (std::size_t k = 0; k < measured.size(); ++k)
+        for (int a = 0; a < Axes; ++a)
+            lane[k][static_cast<std::size_t>(a)][0] = measured[k](a);
+    std::vector<PositionVector<Axes>> positions(measured.size());
+    const auto smoothed = positions_of<1>(lane);
+    for (std::size_t k = 0; k < measured.size(); ++k)
+        for (int a = 0; a < Axes; ++a)
+            positions[k](a) = smoothed[k][static_cast<std::size_t>(a)][0];
+    return positions;
+}
+
+template <int Axes>
 ScoreTest<Axes> Chain<Axes>::outlier(std::size_t k) const {
     return {.score = epochs_[k].own_score, .precision = epochs_[k].own_precision};
 }
 
 template <int Axes>
 ScoreTest<Axes> Chain<Axes>::left_out(std::size_t k,
-                                             const PositionMeasurement<Axes>& measurement) const {
+                                      const PositionMeasurement<Axes>& measurement) const {
     const StateVector<Axes> state = mean(k);
     const StateMatrix<Axes> of_state = smoothed_covariance(k);
     const double scale = model_.measurement_scale * model_.measurement_scale;
@@ -417,8 +439,7 @@ ScoreTest<Axes> Chain<Axes>::left_out(std::size_t k,
     for (const int row : {0, 3 * Axes})
         for (const int column : {0, 3 * Axes})
             covariance += of_state.template block<Axes, Axes>(row, column);
-    const PositionMatrix<Axes> precision =
-        covariance.llt().solve(PositionMatrix<Axes>::Identity());
+    const PositionMatrix<Axes> precision = covariance.llt().solve(PositionMatrix<Axes>::Identity());
     const PositionVector<Axes> missed =
         measurement.position - state.template head<Axes>() - state.template tail<Axes>();
     return {.score = precision * missed, .precision = precision};
@@ -563,16 +584,16 @@ double weighted_variance(std::span<const ArcEpoch<Axes>> arc, double scale,
     return scale * scale * sum;
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                            \
-    template class Chain<AXES>;                                                              \
-    template std::vector<LanePositions<AXES, 4>> Chain<AXES>::positions_of<4>(               \
-        std::span<const LanePositions<AXES, 4>>) const;                                      \
-    template std::vector<LanePositions<AXES, 1>> Chain<AXES>::positions_of<1>(               \
-        std::span<const LanePositions<AXES, 1>>) const;                                      \
-    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,                 \
-                                            const GaussMarkovError&,                         \
-                                            std::span<const PositionVector<AXES>>);          \
-    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>, double,         \
+#define RUNCERT_INSTANTIATE(AXES)                                                    \
+    template class Chain<AXES>;                                                      \
+    template std::vector<LanePositions<AXES, 4>> Chain<AXES>::positions_of<4>(       \
+        std::span<const LanePositions<AXES, 4>>) const;                              \
+    template std::vector<LanePositions<AXES, 1>> Chain<AXES>::positions_of<1>(       \
+        std::span<const LanePositions<AXES, 1>>) const;                              \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,         \
+                                            const GaussMarkovError&,                 \
+                                            std::span<const PositionVector<AXES>>);  \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>, double, \
                                             std::span<const PositionVector<AXES>>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

@@ -14,8 +14,8 @@
 // measurements [JP98]: the chain from which every figure of a track follows [DK12, 4.4 to 4.7].
 //
 // Forward, a and P are the predicted mean and covariance of an epoch. Each coordinate of a measured
-// position has an innovation v of variance f, and the gain k = P z' / f. Backward, r and N are score
-// and information of the measurements from an epoch on, with respect to its predicted state:
+// position has an innovation v of variance f, and the gain k = P z' / f. Backward, r and N are
+// score and information of the measurements from an epoch on, with respect to its predicted state:
 //     u = v / f - k' r,  r <- r + z' u,  N <- (I - k z)' N (I - k z) + z' z / f,
 // and r <- F' r, N <- F' N F from epoch to epoch.
 namespace runcert {
@@ -67,15 +67,6 @@ struct ScoreTest {
 struct SetTest {
     double statistic = 0.0;
     int degrees_of_freedom = 0;
-};
-
-/// Velocity (m/s) and acceleration (m/s^2) with their covariances.
-template <int Axes>
-struct MotionEstimate {
-    PositionVector<Axes> velocity;
-    PositionVector<Axes> acceleration;
-    PositionMatrix<Axes> velocity_covariance;
-    PositionMatrix<Axes> acceleration_covariance;
 };
 
 /// The chain of one arc. Its tests use all measurements, before and after a supposed error. They
@@ -134,6 +125,8 @@ class Chain {
     template <int Lanes>
     std::vector<LanePositions<Axes, Lanes>> positions_of(
         std::span<const LanePositions<Axes, Lanes>> measured) const;
+    std::vector<PositionVector<Axes>> positions_of(
+        std::span<const PositionVector<Axes>> measured) const;
 
     /// Tests for an error (m), in any direction, of epoch k's measurement alone. Epoch k must have
     /// one.
@@ -149,7 +142,8 @@ class Chain {
     /// a jump of the state.
     Test step(std::size_t k) const;
 
-    /// Tests for the offset (m) of a step just before epoch k that the arc knows of (`step_before`).
+    /// Tests for the offset (m) of a step just before epoch k that the arc knows of
+    /// (`step_before`).
     Test known_step(std::size_t k) const;
 
     /// Tests for an error of all measurements from epoch k on that grows linearly from zero at k
@@ -187,9 +181,9 @@ class Chain {
         bool measured = false;
         std::size_t step = 0;  ///< to the next epoch, an index into `steps_`
         Innovation<Axes> seen;
-        StateVector<Axes> score = StateVector<Axes>::Zero();              ///< r
-        StateMatrix<Axes> information = StateMatrix<Axes>::Zero();        ///< N
-        PositionVector<Axes> own_score = PositionVector<Axes>::Zero();    ///< u
+        StateVector<Axes> score = StateVector<Axes>::Zero();                ///< r
+        StateMatrix<Axes> information = StateMatrix<Axes>::Zero();          ///< N
+        PositionVector<Axes> own_score = PositionVector<Axes>::Zero();      ///< u
         PositionMatrix<Axes> own_precision = PositionMatrix<Axes>::Zero();  ///< variance of u
 
         StateEstimate<Axes> filtered() const;
@@ -210,7 +204,6 @@ class Chain {
     void smooth_vague_states();
     /// The gain of the RTS recursion [YSM22]: P[k|k] F' inverse(P[k+1|k]).
     StateMatrix<Axes> smoother_gain(std::size_t k, const StateEstimate<Axes>& filtered) const;
-    StateEstimate<Axes> step_back(std::size_t k, const StateEstimate<Axes>& next) const;
     StateMatrix<Axes> smoothed_covariance(std::size_t k) const;
     template <int Columns>
     Eigen::Matrix<double, Columns, Columns> joint_covariance(

@@ -191,9 +191,9 @@ void carry_information_back(const StepNumbers<double>& f, double* m) {
     mirror<size>(m);
 }
 
-/// A covariance of measured positions as L D L', with ones on the diagonal of the lower triangular L.
-/// The errors of the coordinates of inverse(L) times a position are independent, of variances D, so
-/// that each can be taken in on its own [DK12, 6.4].
+/// A covariance of measured positions as L D L', with ones on the diagonal of the lower triangular
+/// L. The errors of the coordinates of inverse(L) times a position are independent, of variances D,
+/// so that each can be taken in on its own [DK12, 6.4].
 template <int Axes>
 struct Whitening {
     double row[static_cast<std::size_t>(Axes)][static_cast<std::size_t>(Axes)];  ///< of inverse(L)
@@ -306,8 +306,8 @@ void reduce_covariance(const Whitening<Axes>& white, int j, const Compared<Axes,
                 (row >= column ? p[row * size + column] : p[column * size + row]) -
                 gain[row] * seen.cross[column];
     for (int row = 0; row < size; ++row) {
-        const Number rest = gain[row] * seen.own_variance -
-                            observed<Axes>(white, j, one_side.data() + row * size);
+        const Number rest =
+            gain[row] * seen.own_variance - observed<Axes>(white, j, one_side.data() + row * size);
         for (int column = 0; column <= row; ++column) {
             Number& entry = p[row * size + column];
             const Number joseph = one_side[row * size + column] + rest * gain[column];

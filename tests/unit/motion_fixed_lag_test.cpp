@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -37,7 +37,7 @@ template <int Axes>
 void expect_filter_and_smoother_at_the_ends() {
     const auto arc = sample_arc<Axes>(30);
     const auto filter = filtered<Axes>(arc);
-    const auto smoother = smooth<Axes>(arc, singer_with_error).states;
+    const auto smoother = Chain<Axes>(arc, singer_with_error).states;
     const auto no_lag = smooth_fixed_lag<Axes>(arc, singer_with_error, 0);
     ASSERT_EQ(no_lag.size(), 30U);
     for (std::size_t k = 0; k < arc.size(); ++k) {
@@ -98,7 +98,7 @@ TEST(FixedLag, VarianceFallsWithTheLag) {
 TEST(FixedLag, OfFourSecondsIsAlmostTheSmoother) {
     RandomGenerator random(3);
     const auto arc = test::simulate_arc<2>(singer_with_error, 200, 0.1, 0.003, random).arc;
-    const auto smoother = smooth<2>(arc, singer_with_error).states;
+    const auto smoother = Chain<2>(arc, singer_with_error).states;
     const auto states = smooth_fixed_lag<2>(arc, singer_with_error, 40);
     double largest = 0.0;
     for (std::size_t k = 0; k < arc.size(); ++k)

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "motion/linear_smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -24,9 +24,9 @@ template <int Axes>
 void expect_the_smoothers_positions(const std::vector<ArcEpoch<Axes>>& arc) {
     const LinearSmoother<Axes> linear(arc, test::singer_with_error);
     const auto positions = linear(positions_of(arc));
-    const SmoothedArc<Axes> smoothed = smooth<Axes>(arc, test::singer_with_error);
+    const Chain<Axes> smoothed = Chain<Axes>(arc, test::singer_with_error);
     for (std::size_t k = 0; k < arc.size(); ++k)
-        EXPECT_LT((positions[k] - smoothed.states[k].mean.template head<Axes>()).norm(), 1e-9) << k;
+        EXPECT_LT((positions[k] - smoothed.mean(k).template head<Axes>()).norm(), 1e-9) << k;
 }
 
 TEST(LinearSmoother, GivesThePositionsOfTheSmoother) {

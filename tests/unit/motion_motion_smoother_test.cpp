@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "motion/motion_smoother.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -14,7 +14,7 @@ using test::singer_with_error;
 /// Differences of states and variances from the RTS smoother's, in standard deviations.
 template <int Axes>
 void expect_as_by_rts(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model) {
-    const SmoothedArc<Axes> expected = smooth<Axes>(arc, model);
+    const Chain<Axes> expected = Chain<Axes>(arc, model);
     MotionSmoother<Axes> at(arc, model);
     EXPECT_NEAR(at.innovation_sum(), expected.innovation_sum, 1e-9 * expected.innovation_sum);
     EXPECT_EQ(at.measurements(), expected.measurements);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch_problem.h"
@@ -42,7 +42,7 @@ template <int Axes>
 std::vector<StateVector<Axes>> smoothed_states(const std::vector<ArcEpoch<Axes>>& arc,
                                                const EstimationModel& model) {
     std::vector<StateVector<Axes>> states;
-    for (const StateEstimate<Axes>& state : smooth<Axes>(arc, model).states)
+    for (const StateEstimate<Axes>& state : Chain<Axes>(arc, model).states)
         states.push_back(state.mean);
     return states;
 }

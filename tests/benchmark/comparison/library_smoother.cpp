@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "comparison_data.h"
-#include "motion/motion_smoother.h"
+#include "motion/chain.h"
 
 // The project's own filter and smoother, on the data of the others.
 

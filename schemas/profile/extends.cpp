@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/document.h"
 #include "schemas/profile/profile.h"
@@ -107,9 +108,14 @@ class Extension {
         for (std::size_t i = own.size(); i-- > 0;) {
             const YamlNode entry = own.item(i);
             const auto same = std::ranges::find_if(entries, [&](const Entry& known) {
-                return known.base.is_map() && !known.own.is_defined() && entry.is_map() &&
+                return known.base.is_map() && entry.is_map() &&
                        known.base["id"].scalar() == entry["id"].scalar();
             });
+            if (same != entries.end() && same->own.is_defined())
+                throw Failure(yaml_place(own_.where(), entry["id"]),
+                              fmt::format("two entries have the id \"{}\"",
+                                          escape_for_message(entry["id"].scalar())),
+                              "Give each an id of its own");
             next = same == entries.end() ? next : static_cast<std::size_t>(same - entries.begin());
             if (same == entries.end())
                 entries.insert(entries.begin() + static_cast<std::ptrdiff_t>(next),
@@ -135,8 +141,9 @@ class Extension {
     YamlBuilder builder_;
 };
 
-/// `ids` are those of the rules that extend this one.
-YamlValue extended(const YamlValue& document, std::vector<std::string> ids) {
+/// `ids` are those of the rules that extend this one; `place` is where the first of them says so.
+YamlValue extended(const YamlValue& document, const YamlValue& place,
+                   std::vector<std::string> ids) {
     const YamlValue extends = document["extends"];
     if (!extends.exists()) {
         if (document["leaves_out"].exists())
@@ -148,21 +155,22 @@ YamlValue extended(const YamlValue& document, std::vector<std::string> ids) {
     const std::string name = extends.text();
     ids.push_back(document["id"].text_or(""));
     if (std::ranges::count(ids, name) > 0)
-        extends.fail(fmt::format("the rule \"{}\" would extend itself", escape_for_message(name)),
-                     "Name another rule, or remove extends");
+        place.fail(fmt::format("the rule \"{}\" would extend itself", escape_for_message(name)),
+                   "Name another rule, or remove extends");
     const std::string file = name + ".yaml";
     const std::string_view text = builtin_profile_text(file);
     if (text.empty())
         extends.fail(fmt::format("no rule \"{}\" comes with the program", escape_for_message(name)),
                      fmt::format("Use one of: {}", fmt::join(builtin_profiles(), ", ")));
-    const YamlValue base = extended(parse_input(text, file, profile_schema()), std::move(ids));
+    const YamlValue base =
+        extended(parse_input(text, file, profile_schema()), place, std::move(ids));
     return {Extension(base, document).joined(), document.where()};
 }
 
 }  // namespace
 
 YamlValue extended(const YamlValue& document) {
-    return extended(document, {});
+    return extended(document, document["extends"], {});
 }
 
 }  // namespace runcert

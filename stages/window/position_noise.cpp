@@ -70,7 +70,6 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
 
 template <int Axes>
 double position_r95_m(const Chain<Axes>& smoothed, EpochPair window, const ErrorBound& bound) {
-    constexpr int counted = speed_axes<Axes>;
     double radius_m = 0.0;
     for (const std::size_t k : {window.first, window.last}) {
         const SpeedMatrix<Axes> covariance =

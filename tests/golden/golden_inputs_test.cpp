@@ -391,7 +391,7 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
     const Attempt third = attempt_of(day.entries[2], "third");
     EXPECT_EQ(third.receivers.at(0).recordings,
               (std::vector<std::string>{"first.csv", "second run.csv"}));
-    EXPECT_EQ(third.receivers[0].columns.size(), 1U);
+    EXPECT_EQ(third.receivers[0].columns.size(), 2U);
     EXPECT_EQ(third.profiles, (std::vector<std::string>{"fisly"}));
     EXPECT_EQ(third.record->speed, 202.9);
 

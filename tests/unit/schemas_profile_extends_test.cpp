@@ -95,7 +95,7 @@ TEST(ProfileExtends, BadInputIsNamedWithItsPlace) {
         {"distance_m: 250", "duration_s: 250", "p:6:22", "a window of kind distance has no"},
         {"distance_m: 250", "distance: 250", "p:6:10", "Did you mean \"distance_m\""},
         {"id: last", "id: first", "p:11:10", "two clauses have the id \"first\""},
-        {"id: last", "id: margin", "p:11:10", "two clauses have the id \"margin\""},
+        {"id: last", "id: margin", "p:10:10", "two entries have the id \"margin\""},
         {"kn, coverage_factor: 2}", "kn, coverage_factor: 2}\nevidence: true", "p:6:9",
          "a rule of evidence measures nothing"},
         // What comes from the other rule has the place of extends.

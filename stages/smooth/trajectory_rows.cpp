@@ -5,6 +5,7 @@
 
 #include "core/uncertainty.h"
 #include "motion/chain.h"
+#include "motion/sections.h"
 #include "motion/speed.h"
 #include "stages/smooth/dhd22.h"
 

@@ -3,7 +3,6 @@
 #include <functional>
 
 #include "motion/chain.h"
-#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -222,7 +221,7 @@ TYPED_TEST(DiagnosisAgainstDense, SmoothedStatesAreTheSmoothers) {
     constexpr int size = TestFixture::axes;
     const Chain<size> smoothed = smooth<size>(this->arc, test::singer_with_error);
     for (std::size_t k = 0; k < this->arc.size(); ++k) {
-        const StateEstimate<size> state = this->diagnosis.smoothed(k);
+        const StateEstimate<size> state = this->diagnosis.state(k);
         EXPECT_LT((state.mean - smoothed.mean(k)).norm(), 1e-7) << k;
         // A vague prior of 300 m/s leaves the first two epochs fewer digits.
         EXPECT_LT((state.covariance - smoothed.state(k).covariance).norm(),
@@ -247,8 +246,7 @@ TYPED_TEST(DiagnosisAgainstDense, AStepThatWasFoundIsTestedAsIfItWereNot) {
         auto known = this->arc;
         known[k].step_before = true;
         const auto unknown = this->diagnosis.step(k);
-        const auto found =
-            Chain<TestFixture::axes>(known, test::singer_with_error).known_step(k);
+        const auto found = Chain<TestFixture::axes>(known, test::singer_with_error).known_step(k);
         EXPECT_NEAR(found.statistic(), unknown.statistic(), 1e-4 * unknown.statistic()) << k;
         EXPECT_LT((found.estimate() - unknown.estimate()).norm(), 1e-4 * unknown.estimate().norm())
             << k;

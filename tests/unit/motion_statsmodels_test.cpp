@@ -135,7 +135,7 @@ void expect_same_states(const Chain<2>& ours, const Json& theirs) {
         const Eigen::VectorXd mean = states.row(static_cast<Eigen::Index>(k)).transpose();
         EXPECT_LT((ours.mean(k) - mean).norm(), 1e-9 * mean.norm()) << k;
         const Difference found =
-            difference(ours.states[k], mean, matrix_of(theirs["covariances"][k]));
+            difference(ours.state(k), mean, matrix_of(theirs["covariances"][k]));
         EXPECT_LT(found.mean, k < 10 ? 2e-8 : 1e-9) << k;
         // Its smoother subtracts P N P from P, and loses what a prior of 300 m/s squared takes of
         // sixteen digits: all in the first two epochs, where we agree with the dense solution.

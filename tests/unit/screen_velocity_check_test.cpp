@@ -78,7 +78,7 @@ void smooth_positions(Recording& recording) {
         if (!rows[first].arc) continue;
         const Chain<2> smoothed = Chain<2>(arc, model);
         for (std::size_t k = first; k < end; ++k) {
-            const StateEstimate<2>& state = smoothed.states[k - first];
+            const StateEstimate<2>& state = smoothed.state(k - first);
             EpochMotion& motion = recording.motion[k].emplace();
             motion.velocity = state.mean.segment<2>(2);
             motion.acceleration = state.mean.segment<2>(4);

@@ -77,8 +77,8 @@ void remove_measurements(std::vector<ArcEpoch<Axes>>& arc, std::size_t from, std
 template <int Axes>
 std::vector<StateVector<Axes>> means(const Chain<Axes>& smoothed) {
     std::vector<StateVector<Axes>> states;
-    for (const StateEstimate<Axes>& state : smoothed.states)
-        states.push_back(state.mean);
+    for (std::size_t k = 0; k < smoothed.size(); ++k)
+        states.push_back(smoothed.mean(k));
     return states;
 }
 

@@ -310,7 +310,6 @@ TEST(FilterHealth, OfWhiteNoiseIsWhiteAndConsistent) {
         EXPECT_GT(health.upper, 1.0);
         EXPECT_EQ(health.innovations, 2 * (600 - 3));
         EXPECT_EQ(health.spans, 11);
-        EXPECT_EQ(health.repaired, 0);
         EXPECT_LT(health.largest_asymmetry, 1e-6);
         consistent += health.consistent ? 1 : 0;
     }

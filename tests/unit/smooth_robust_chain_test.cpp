@@ -41,9 +41,10 @@ std::vector<ArcEpoch<Axes>> draw_arc(const EstimationModel& model, double rate_h
 template <int Axes>
 std::vector<StateVector<Axes>> smoothed_states(const std::vector<ArcEpoch<Axes>>& arc,
                                                const EstimationModel& model) {
+    const Chain<Axes> chain(arc, model);
     std::vector<StateVector<Axes>> states;
-    for (const StateEstimate<Axes>& state : Chain<Axes>(arc, model).states)
-        states.push_back(state.mean);
+    for (std::size_t k = 0; k < chain.size(); ++k)
+        states.push_back(chain.mean(k));
     return states;
 }
 

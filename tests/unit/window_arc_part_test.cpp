@@ -58,8 +58,8 @@ TEST(ArcPart, OfAsMuchAsTheModelRemembersTellsOfTheWindowWhatTheWholeArcTells) {
                     for (const auto& [k, in_part] :
                          {std::pair{made.window.first, part.window.first},
                           {made.window.last, part.window.last}}) {
-                        const auto& expected = whole.states[k];
-                        const auto& got = cut.states[in_part];
+                        const auto expected = whole.state(k);
+                        const auto got = cut.state(in_part);
                         EXPECT_LT((expected.mean - got.mean).norm(), 1e-9 * (1.0 + sigma_m))
                             << jerk_density << " " << sigma_m << " " << interval_s << " " << slow_m
                             << " " << tau_s;

@@ -49,7 +49,7 @@ template <int Axes>
 SpeedEstimate mean_speed(const Chain<Axes>& arc, std::size_t s, std::size_t e);
 
 /// Gradients of these three speeds with respect to the smoothed states s to e, as
-/// `SmoothedArc::variance` and `sensitivities` take them. Zero if the displacement, or a
+/// `Chain::variance` and `Chain::weights` take them. Zero if the displacement, or a
 /// velocity, has no direction.
 template <int Axes>
 Gradients<Axes> displacement_speed_gradients(const Chain<Axes>& arc, std::size_t s, std::size_t e,

@@ -70,53 +70,25 @@ void KalmanFilter<Axes>::carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<
 }
 
 template <int Axes>
-kernel::Triangle<double, Axes> KalmanFilter<Axes>::noise_of(
-    const PositionMeasurement<Axes>& measurement) const {
+Innovation<Axes> KalmanFilter<Axes>::take_in(StateEstimate<Axes>& estimate,
+                                             const PositionMeasurement<Axes>& measurement) const {
     const double scale = model_.measurement_scale * model_.measurement_scale;
-    return kernel::triangle_of(PositionMatrix<Axes>(scale * measurement.covariance));
-}
-
-template <int Axes>
-Innovation<Axes> KalmanFilter<Axes>::innovation(
-    const StateEstimate<Axes>& predicted, const PositionMeasurement<Axes>& measurement) const {
-    const StateMatrix<Axes>& p = predicted.covariance;
-    const double scale = model_.measurement_scale * model_.measurement_scale;
-    Innovation<Axes> result;
-    result.residual = residual(predicted.mean, measurement.position);
-    result.covariance = p.template topLeftCorner<Axes, Axes>() +
-                        p.template topRightCorner<Axes, Axes>() +
-                        p.template bottomLeftCorner<Axes, Axes>() +
-                        p.template bottomRightCorner<Axes, Axes>() + scale * measurement.covariance;
-    result.statistic =
-        kernel::innovation_of<Axes>(predicted.mean.data(), p.data(), measurement.position.data(),
-                                    noise_of(measurement))
-            .statistic;
-    return result;
-}
-
-template <int Axes>
-typename KalmanFilter<Axes>::GainMatrix KalmanFilter<Axes>::gain(
-    const StateEstimate<Axes>& predicted, const Innovation<Axes>& seen) const {
-    // H = [I 0 0 I].
-    const GainMatrix cross = predicted.covariance.template leftCols<Axes>() +
-                             predicted.covariance.template rightCols<Axes>();
-    return seen.covariance.llt().solve(cross.transpose()).transpose();
-}
-
-template <int Axes>
-typename KalmanFilter<Axes>::FactoredInnovation KalmanFilter<Axes>::take_in(
-    StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const {
-    const auto noise = noise_of(measurement);
-    const FactoredInnovation seen = kernel::innovation_of<Axes>(
-        estimate.mean.data(), estimate.covariance.data(), measurement.position.data(), noise);
-    kernel::take_in(seen, noise, estimate.mean.data(), estimate.covariance.data());
+    Innovation<Axes> seen;
+    seen.white = kernel::whitening_of<Axes>(measurement.covariance);
+    for (int j = 0; j < Axes; ++j) {
+        const double measured = kernel::whitened<Axes>(
+            seen.white, j, [&](int axis) { return measurement.position(axis); });
+        seen.coordinates[j] =
+            kernel::take_in<Axes>(seen.white, j, measured, scale * seen.white.variance[j],
+                                  estimate.mean.data(), estimate.covariance.data());
+    }
     kernel::mirror<state_size<Axes>>(estimate.covariance.data());
     return seen;
 }
 
 template <int Axes>
 void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s) {
-    if (kernel::is_positive_definite<Axes>(kernel::triangle_of(covariance))) return;
+    if (kernel::whitening_of<Axes>(covariance).is_positive_definite()) return;
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   "the stated covariance of the position is not positive definite",
                   "Check the stated standard deviations and correlations of this epoch");

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
 
-#include "motion/filter_kernel.h"
+#include "motion/chain_kernel.h"
 #include "motion/motion_model.h"
 
 namespace runcert {
@@ -47,15 +48,25 @@ StepKind step_kind(const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
 /// Standard deviation of an unknown position, or of an unknown offset between positions.
 inline constexpr double vague_position_sigma_m = 100.0;
 
-/// A measurement compared with its prediction.
+/// A measured position compared with its prediction, coordinate after coordinate in terms of
+/// independent errors.
 template <int Axes>
 struct Innovation {
-    PositionVector<Axes> residual = PositionVector<Axes>::Zero();  ///< measured minus predicted
-    PositionMatrix<Axes> covariance = PositionMatrix<Axes>::Identity();
-    double statistic = 0.0;  ///< residual' covariance^-1 residual, chi-squared with Axes degrees
+    kernel::Whitening<Axes> white;
+    std::array<kernel::Compared<Axes, double>, static_cast<std::size_t>(Axes)> coordinates;
     /// Whether it tests the model. It does not where the measurement only determines the motion at
-    /// the beginning of the arc, or the offset of a bridged step.
+    /// the beginning of the arc, or the offset after a step.
     bool tests_model = true;
+
+    /// Independent, of mean 0 and variance 1 under the model.
+    PositionVector<Axes> normalised() const {
+        PositionVector<Axes> all;
+        for (int j = 0; j < Axes; ++j)
+            all(j) = coordinates[j].innovation / std::sqrt(coordinates[j].variance);
+        return all;
+    }
+    /// Chi-squared with Axes degrees of freedom under the model.
+    double statistic() const { return normalised().squaredNorm(); }
 };
 
 /// The Kalman filter of one model. Consecutive steps of the same kind share their transition and
@@ -63,10 +74,6 @@ struct Innovation {
 template <int Axes>
 class KalmanFilter {
   public:
-    using FactoredInnovation = kernel::FactoredInnovation<Axes, double>;
-    /// The gain P H' S^-1, which maps an innovation to the change of the state.
-    using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
-
     explicit KalmanFilter(const EstimationModel& model) : model_(model) {}
 
     const EstimationModel& model() const { return model_; }
@@ -84,33 +91,17 @@ class KalmanFilter {
     void carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                   const ArcEpoch<Axes>& to);
 
-    /// Updates the estimate with a measurement. The covariance becomes P - P H' inverse(S) H P.
-    /// Where the measurement is so much better than the prediction that this would lose digits,
-    /// Joseph's form is used instead, one side after the other.
-    FactoredInnovation take_in(StateEstimate<Axes>& estimate,
-                               const PositionMeasurement<Axes>& measurement) const;
+    /// Updates the estimate with a measurement, whose covariance must be positive definite.
+    Innovation<Axes> take_in(StateEstimate<Axes>& estimate,
+                             const PositionMeasurement<Axes>& measurement) const;
 
     /// For a kind of step: the five numbers of its transition, and its transition for all axes.
     const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
     const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
-    /// The measured position minus the predicted one. The measurement observes the sum of position
-    /// and Gauss-Markov error.
-    static PositionVector<Axes> residual(const StateVector<Axes>& predicted,
-                                         const PositionVector<Axes>& measured) {
-        return measured - predicted.template head<Axes>() - predicted.template tail<Axes>();
-    }
-
-    Innovation<Axes> innovation(const StateEstimate<Axes>& predicted,
-                                const PositionMeasurement<Axes>& measurement) const;
-
-    GainMatrix gain(const StateEstimate<Axes>& predicted, const Innovation<Axes>& seen) const;
-
   private:
     void prepare(const StepKind& kind);
     void carry(StateEstimate<Axes>& estimate, const StepKind& kind);
-    /// The measurement's covariance under the model, scale included.
-    kernel::Triangle<double, Axes> noise_of(const PositionMeasurement<Axes>& measurement) const;
 
     EstimationModel model_;
     StepKind kind_;
@@ -169,9 +160,8 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
             continue;
         }
         require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-        Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
+        Innovation<Axes> seen = filter.take_in(estimate, *arc[k].measurement);
         seen.tests_model = !unknowns.determined_by_measurement();
-        filter.take_in(estimate, *arc[k].measurement);
         visit(k, predicted, &seen, estimate);
     }
 }

@@ -6,7 +6,7 @@
 #include <iterator>
 
 #include "core/parallel.h"
-#include "motion/filter_kernel.h"
+#include "motion/chain_kernel.h"
 
 namespace runcert {
 
@@ -71,9 +71,7 @@ class Likelihood {
         for (std::size_t k = 0; k < arc.size(); ++k) {
             if (k > 0) carry(step_kind(arc[k - 1], arc[k]));
             if (arc[k].measurement) {
-                require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-                const auto seen = take_in(*arc[k].measurement);
-                if (!unknowns.determined_by_measurement()) count(seen);
+                take_in(arc[k], !unknowns.determined_by_measurement());
             }
             visited(k);
         }
@@ -87,15 +85,6 @@ class Likelihood {
 
   private:
     static constexpr int size = state_size<Axes>;
-    using FactoredInnovation = kernel::FactoredInnovation<Axes, SideBySide>;
-
-    void count(const FactoredInnovation& seen) {
-        statistic_ += seen.statistic;
-        for (std::size_t i = 0; i < models_side_by_side; ++i)
-            determinants_[i].multiply(seen.determinant[i]);
-        values_ += Axes;
-    }
-
     void begin(const PositionVector<Axes>& position) {
         for (std::size_t i = 0; i < models_side_by_side; ++i) {
             const StateEstimate<Axes> prior = KalmanFilter<Axes>(models_[i]).prior(position);
@@ -123,16 +112,22 @@ class Likelihood {
         kernel::carry_covariance<Axes>(step_, covariance_.data());
     }
 
-    FactoredInnovation take_in(const PositionMeasurement<Axes>& measurement) {
-        kernel::Triangle<SideBySide, Axes> noise;
-        for (int row = 0; row < Axes; ++row)
-            for (int column = 0; column <= row; ++column)
-                noise[kernel::in_triangle(row, column)] =
-                    scale_ * measurement.covariance(row, column);
-        const FactoredInnovation seen = kernel::innovation_of<Axes>(
-            mean_.data(), covariance_.data(), measurement.position.data(), noise);
-        kernel::take_in(seen, noise, mean_.data(), covariance_.data());
-        return seen;
+    void take_in(const ArcEpoch<Axes>& epoch, bool counts) {
+        const PositionMeasurement<Axes>& measurement = *epoch.measurement;
+        const auto white = kernel::whitening_of<Axes>(measurement.covariance);
+        if (!white.is_positive_definite())
+            require_positive_definite<Axes>(measurement.covariance, epoch.time_s);
+        for (int j = 0; j < Axes; ++j) {
+            const double measured = kernel::whitened<Axes>(
+                white, j, [&](int axis) { return measurement.position(axis); });
+            const auto seen = kernel::take_in<Axes, SideBySide>(
+                white, j, measured, scale_ * white.variance[j], mean_.data(), covariance_.data());
+            if (!counts) continue;
+            statistic_ += seen.innovation * seen.innovation / seen.variance;
+            for (std::size_t i = 0; i < models_side_by_side; ++i)
+                determinants_[i].multiply(seen.variance[i]);
+            ++values_;
+        }
     }
 
     std::span<const EstimationModel> models_;

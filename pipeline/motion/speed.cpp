@@ -24,25 +24,21 @@ SpeedEstimate vertical_speed(double velocity_m_s, double variance) {
 }
 
 template <int Axes>
-SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+SpeedVector<Axes> displacement(const Chain<Axes>& arc, std::size_t s, std::size_t e) {
     constexpr int counted = speed_axes<Axes>;
-    return arc.states[e].mean.template head<counted>() -
-           arc.states[s].mean.template head<counted>();
+    return arc.mean(e).template head<counted>() - arc.mean(s).template head<counted>();
 }
 
 template <int Axes>
-SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
-                                          std::size_t e) {
+SpeedMatrix<Axes> displacement_covariance(const Chain<Axes>& arc, std::size_t s, std::size_t e) {
     constexpr int counted = speed_axes<Axes>;
     const SpeedMatrix<Axes> cross =
         arc.cross_covariance(s, e).template topLeftCorner<counted, counted>();
-    return arc.states[s].covariance.template topLeftCorner<counted, counted>() +
-           arc.states[e].covariance.template topLeftCorner<counted, counted>() - cross -
-           cross.transpose();
+    return arc.covariance_of(0, s) + arc.covariance_of(0, e) - cross - cross.transpose();
 }
 
 template <int Axes>
-SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+SpeedEstimate displacement_speed(const Chain<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s) {
     const SpeedVector<Axes> velocity = displacement(arc, s, e) / duration_s;
     const SpeedMatrix<Axes> covariance =
@@ -54,8 +50,8 @@ SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, st
 }
 
 template <int Axes>
-Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
-                                             std::size_t e, double duration_s) {
+Gradients<Axes> displacement_speed_gradients(const Chain<Axes>& arc, std::size_t s, std::size_t e,
+                                             double duration_s) {
     const SpeedVector<Axes> moved = displacement(arc, s, e);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     if (moved.norm() == 0.0) return gradients;
@@ -66,7 +62,7 @@ Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::
 }
 
 template <int Axes>
-Gradients<Axes> path_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+Gradients<Axes> path_speed_gradients(const Chain<Axes>& arc, std::size_t s, std::size_t e,
                                      double duration_s) {
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     for (std::size_t k = s; k < e; ++k) {
@@ -78,12 +74,11 @@ Gradients<Axes> path_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s
 }
 
 template <int Axes>
-Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+Gradients<Axes> mean_speed_gradients(const Chain<Axes>& arc, std::size_t s, std::size_t e) {
     const auto count = static_cast<double>(e - s + 1);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     for (std::size_t k = s; k <= e; ++k) {
-        const SpeedVector<Axes> velocity =
-            arc.states[k].mean.template segment<speed_axes<Axes>>(Axes);
+        const SpeedVector<Axes> velocity = arc.mean(k).template segment<speed_axes<Axes>>(Axes);
         if (velocity.norm() > 0.0)
             gradients[k - s].template segment<speed_axes<Axes>>(Axes) =
                 velocity.normalized() / count;
@@ -92,8 +87,7 @@ Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s
 }
 
 template <int Axes>
-SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
-                         double duration_s) {
+SpeedEstimate path_speed(const Chain<Axes>& arc, std::size_t s, std::size_t e, double duration_s) {
     double length_m = 0.0;
     const double variance = arc.variance(s, path_speed_gradients(arc, s, e, duration_s));
     for (std::size_t k = s; k < e; ++k)
@@ -102,30 +96,28 @@ SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 }
 
 template <int Axes>
-SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+SpeedEstimate mean_speed(const Chain<Axes>& arc, std::size_t s, std::size_t e) {
     double sum_m_s = 0.0;
     for (std::size_t k = s; k <= e; ++k)
-        sum_m_s += arc.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
+        sum_m_s += arc.mean(k).template segment<speed_axes<Axes>>(Axes).norm();
     return {sum_m_s / static_cast<double>(e - s + 1),
             std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
-    template SpeedVector<AXES> displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,           \
-                                                  std::size_t);                                    \
-    template SpeedMatrix<AXES> displacement_covariance<AXES>(const SmoothedArc<AXES>&,             \
-                                                             std::size_t, std::size_t);            \
-    template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
-                                                    std::size_t, double);                          \
-    template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,    \
-                                            double);                                               \
-    template Gradients<AXES> displacement_speed_gradients<AXES>(const SmoothedArc<AXES>&,          \
-                                                                std::size_t, std::size_t, double); \
-    template Gradients<AXES> path_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+    template SpeedVector<AXES> displacement<AXES>(const Chain<AXES>&, std::size_t, std::size_t);   \
+    template SpeedMatrix<AXES> displacement_covariance<AXES>(const Chain<AXES>&, std::size_t,      \
+                                                             std::size_t);                         \
+    template SpeedEstimate displacement_speed<AXES>(const Chain<AXES>&, std::size_t, std::size_t,  \
+                                                    double);                                       \
+    template SpeedEstimate path_speed<AXES>(const Chain<AXES>&, std::size_t, std::size_t, double); \
+    template Gradients<AXES> displacement_speed_gradients<AXES>(const Chain<AXES>&, std::size_t,   \
+                                                                std::size_t, double);              \
+    template Gradients<AXES> path_speed_gradients<AXES>(const Chain<AXES>&, std::size_t,           \
                                                         std::size_t, double);                      \
-    template Gradients<AXES> mean_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+    template Gradients<AXES> mean_speed_gradients<AXES>(const Chain<AXES>&, std::size_t,           \
                                                         std::size_t);                              \
-    template SpeedEstimate mean_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t);
+    template SpeedEstimate mean_speed<AXES>(const Chain<AXES>&, std::size_t, std::size_t);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 #undef RUNCERT_INSTANTIATE

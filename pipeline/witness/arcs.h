@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "motion/noise_fit.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/declared.h"

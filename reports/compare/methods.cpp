@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "schemas/enu/measured_position.h"
 #include "witness/arcs.h"
 
@@ -62,12 +62,12 @@ void add_fixed_lags(const std::vector<Arc<2>>& arcs, const EstimationModel& mode
             empty_track(fmt::format("fixed lag {} s ({} epoch{})", lag_s, lag, lag == 1 ? "" : "s"),
                         SpeedDefinition::displacement, trajectory.rows.size()));
         for (const Arc<2>& arc : arcs)
-            take_states(arc, smooth_fixed_lag<2>(arc.epochs, model, lag), track);
+            take_states(arc, Chain<2>(arc.epochs, model).fixed_lag(lag), track);
     }
     MethodTrack& full = tracks.emplace_back(
         empty_track("fixed lag, full", SpeedDefinition::displacement, trajectory.rows.size()));
     for (const Arc<2>& arc : arcs)
-        take_states(arc, smooth_fixed_lag<2>(arc.epochs, model, arc.epochs.size()), full);
+        take_states(arc, Chain<2>(arc.epochs, model).fixed_lag(arc.epochs.size()), full);
 }
 
 /// The smoother with one motion model and noise fitted for it.
@@ -96,7 +96,8 @@ FittedSmoother fitted_smoother(const std::string& name, const std::vector<Arc<2>
     }
     result.log_likelihood = innovation_sums<2>(spans, result.fit.model).log_likelihood();
     for (const Arc<2>& arc : arcs)
-        take_states(arc, smooth<2>(arc.epochs, result.fit.model).states, result.track);
+        take_states(arc, Chain<2>(arc.epochs, result.fit.model).fixed_lag(arc.epochs.size()),
+                    result.track);
     return result;
 }
 

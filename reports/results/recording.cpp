@@ -66,9 +66,9 @@ std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimatio
                        : "none"},
         {"Autocorrelation of the innovations, lag 1", autocorrelation_text(health)},
         {"Innovation test", innovations_text(health)},
-        {"Covariances", fmt::format("condition at most {}, asymmetry at most {}, {} repaired",
+        {"Covariances", fmt::format("condition at most {}, asymmetry at most {}",
                                     significant_text(health.largest_condition, 3),
-                                    scientific_text(health.largest_asymmetry), health.repaired)}};
+                                    scientific_text(health.largest_asymmetry))}};
 }
 
 /// The estimated noise, and whether filter and smoother behaved by it: a column for the horizontal

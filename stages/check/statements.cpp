@@ -104,11 +104,6 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
             "stated standard deviations say: {} of {} spans are outside their limits, "
             "where chance allows {}.",
             axes, health.spans_outside, health.spans, health.spans_allowed);
-    if (health.repaired > 0)
-        say(statements,
-            "{} covariances of the {} estimate had stopped being positive definite by "
-            "rounding and were repaired.",
-            health.repaired, axes);
 }
 
 void add_records(const RecordCount& records, Statements& statements) {

@@ -251,7 +251,7 @@ class Adaptation {
                     --at;
                 auto& step = decisions_.breaks[at];
                 const double statistic =
-                    tests.diagnosis().bridged_step(i).statistic() / tests.factor(i);
+                    tests.diagnosis().known_step(i).statistic() / tests.factor(i);
                 if (statistic > plan_.critical(Axes))
                     step->statistic = statistic;
                 else if (reconsidered_.insert(arc_.size() + at).second) {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "stages/screen/sections.h"
+#include "motion/sections.h"
 #include "stages/screen/stretch_tests.h"
 
 namespace runcert {

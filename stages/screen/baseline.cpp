@@ -135,14 +135,14 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
 template <int Axes>
 void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDecisions& decisions) {
     for (const TestedStretch<Axes>& stretch : stretches_of(arc.epochs, model, decisions)) {
-        const ArcDiagnosis<Axes> diagnosis(stretch.epochs, model);
+        const Chain<Axes> diagnosis(stretch.epochs, model);
         for (std::size_t i = 0; i < stretch.epochs.size(); ++i) {
             const std::size_t k = stretch.first + i;
             if (auto& left_out = decisions.left_out[k])
                 left_out->estimated =
                     estimated_error(diagnosis.left_out(i, arc.epochs[k].measurement.value()));
             if (stretch.epochs[i].step_before && decisions.breaks[k])
-                decisions.breaks[k]->estimated = estimated_error(diagnosis.bridged_step(i));
+                decisions.breaks[k]->estimated = estimated_error(diagnosis.known_step(i));
         }
     }
 }

@@ -99,7 +99,7 @@ class ArcExamination {
         }
     }
 
-    MotionEstimate<Axes> motion(std::size_t k) const { return diagnosis_.motion(k); }
+    const Chain<Axes>& chain() const { return diagnosis_; }
 
   private:
     ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixType, double>& kinds,
@@ -114,7 +114,7 @@ class ArcExamination {
 
     std::span<const ArcEpoch<Axes>> epochs_;
     const TestPlan& plan_;
-    ArcDiagnosis<Axes> diagnosis_;
+    Chain<Axes> diagnosis_;
     std::vector<double> factors_;
 };
 
@@ -131,7 +131,7 @@ std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
             filter, arc.epochs,
             [&](std::size_t k, const auto&, const Innovation<Axes>* seen, const auto&) {
                 if (seen && seen->tests_model)
-                    statistics[first_look.rows[arc.rows[k]].fix].push_back(seen->statistic);
+                    statistics[first_look.rows[arc.rows[k]].fix].push_back(seen->statistic());
             });
     }
     const double expected = chi_squared_quantile(0.5, Axes);
@@ -171,17 +171,17 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcExami
                     const std::optional<ArcExamination<1>>& height, ScreenedEpoch& row) {
     BestSupported best;
     plane.fill(k, noises.horizontal_factors, row, best);
-    const MotionEstimate<2> level = plane.motion(k);
+    const StateVector<2> level = plane.chain().mean(k);
     EpochMotion at;
-    at.velocity = level.velocity;
-    at.acceleration = level.acceleration;
-    at.velocity_covariance = level.velocity_covariance;
-    at.acceleration_covariance = level.acceleration_covariance;
+    at.velocity = level.segment<2>(2);
+    at.acceleration = level.segment<2>(4);
+    at.velocity_covariance = plane.chain().covariance_of(1, k);
+    at.acceleration_covariance = plane.chain().covariance_of(2, k);
     if (!height) return at;
     height->fill(k, noises.vertical_factors, row, best);
-    const MotionEstimate<1> up = height->motion(k);
-    at.vertical_rate_m_s = up.velocity.value();
-    at.sigma_vertical_rate_m_s = std::sqrt(std::max(0.0, up.velocity_covariance.value()));
+    at.vertical_rate_m_s = height->chain().mean(k)(1);
+    at.sigma_vertical_rate_m_s =
+        std::sqrt(std::max(0.0, height->chain().covariance_of(1, k).value()));
     return at;
 }
 

@@ -40,7 +40,8 @@ class ArcFilter {
                               : filter_.prior(measurement.position);
         if (!started_) taken_ = 0;
         if (taken_ < measurements_of_the_prior) return std::nullopt;
-        return filter_.innovation(predicted_, measurement).statistic;
+        estimate_ = predicted_;
+        return filter_.take_in(estimate_, measurement).statistic();
     }
 
     /// Takes in the epoch tested last.

@@ -53,7 +53,7 @@ double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretche
         filter_along<Axes>(
             filter, stretch,
             [&](std::size_t, const auto&, const Innovation<Axes>* seen, const auto&) {
-                if (seen && seen->tests_model) statistics.push_back(seen->statistic);
+                if (seen && seen->tests_model) statistics.push_back(seen->statistic());
             });
     }
     if (statistics.empty()) return 1.0;

@@ -7,7 +7,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
-#include "stages/screen/sections.h"
+#include "motion/sections.h"
 #include "stages/screen/surface_check.h"
 #include "witness/roster.h"
 #include "witness/witness.h"

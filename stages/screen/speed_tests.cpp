@@ -131,7 +131,7 @@ void examine(const SpeedArc& arc, const ArcDecisions& decisions, const Estimatio
              std::vector<ScreenedEpoch>& rows) {
     for (const TestedStretch<1>& stretch : stretches_of<1>(arc.epochs, model, decisions)) {
         const StretchTests<1> tests(stretch, model, plan);
-        const ArcDiagnosis<1>& diagnosis = tests.diagnosis();
+        const Chain<1>& diagnosis = tests.diagnosis();
         const auto add = [&](std::size_t k, std::size_t length, const ScoreTest<1>& test) {
             detectable[length - 1].push_back(
                 std::sqrt(tests.factor(k) * plan.noncentrality(1) / test.precision(0)));

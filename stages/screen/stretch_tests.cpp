@@ -41,7 +41,7 @@ EstimatedError estimated_time(const ScoreTest<1>& test) {
 }
 
 template <int Axes>
-std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) {
+std::vector<double> local_variance_factors(const Chain<Axes>& diagnosis) {
     constexpr std::size_t fewest = 30;
     constexpr std::size_t local_epochs = 100;  // on each side
     const double expected = chi_squared_quantile(0.5, Axes);
@@ -96,7 +96,7 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
 #define RUNCERT_INSTANTIATE(AXES)                                    \
     template EstimatedError estimated_error(const ScoreTest<AXES>&); \
     template EstimatedError estimated_rate(const ScoreTest<AXES>&);  \
-    template std::vector<double> local_variance_factors(const ArcDiagnosis<AXES>&);
+    template std::vector<double> local_variance_factors(const Chain<AXES>&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 #undef RUNCERT_INSTANTIATE

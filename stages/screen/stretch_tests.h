@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "core/statistics.h"
-#include "motion/diagnosis.h"
+#include "motion/chain.h"
+#include "motion/sections.h"
 #include "schemas/screened/screened.h"
-#include "stages/screen/sections.h"
 #include "stages/screen/test_plan.h"
 
 namespace runcert {
@@ -34,7 +34,7 @@ EstimatedError estimated_time(const ScoreTest<1>& test);
 /// over 201 epochs divided by the chi-squared median, at least 1. It is robust, so that a few
 /// outliers do not change it. Every statistic of the epoch is divided by it.
 template <int Axes>
-std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis);
+std::vector<double> local_variance_factors(const Chain<Axes>& diagnosis);
 
 /// A hypothesis for epochs `first` to `last` of a stretch, and its support.
 struct Candidate {
@@ -59,7 +59,7 @@ class StretchTests {
           diagnosis_(stretch.epochs, model),
           factors_(local_variance_factors(diagnosis_)) {}
 
-    const ArcDiagnosis<Axes>& diagnosis() const { return diagnosis_; }
+    const Chain<Axes>& diagnosis() const { return diagnosis_; }
 
     EstimatedError estimate_of(const Candidate& candidate) const {
         if (candidate.manoeuvre) return {};
@@ -273,7 +273,7 @@ class StretchTests {
 
     const TestedStretch<Axes>& stretch_;
     const TestPlan& plan_;
-    ArcDiagnosis<Axes> diagnosis_;
+    Chain<Axes> diagnosis_;
     std::vector<double> factors_;
 };
 

@@ -1,6 +1,5 @@
 #include "stages/smooth/health.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -64,8 +63,7 @@ InnovationStatistics innovation_statistics(const std::vector<Arc<Axes>>& arcs,
                                    before.setZero();
                                    return;
                                }
-                               const PositionVector<Axes> normalised =
-                                   seen->covariance.llt().matrixL().solve(seen->residual);
+                               const PositionVector<Axes> normalised = seen->normalised();
                                statistics.values += Axes;
                                statistics.squares += normalised.squaredNorm();
                                statistics.lagged += normalised.dot(before);

@@ -99,8 +99,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
         link.measured = stretch[k].measurement.has_value();
         if (!link.measured) continue;
         link.whitener = whitener<Axes>(*stretch[k].measurement, model);
-        link.missed = link.whitener *
-                      KalmanFilter<Axes>::residual(start[k], stretch[k].measurement->position);
+        link.missed = link.whitener * (stretch[k].measurement->position - seen<Axes>(start[k]));
     }
 }
 

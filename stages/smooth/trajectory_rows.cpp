@@ -4,7 +4,8 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
-#include "motion/motion_smoother.h"
+#include "motion/chain.h"
+#include "motion/sections.h"
 #include "motion/speed.h"
 #include "stages/smooth/dhd22.h"
 
@@ -17,12 +18,12 @@ PositionVector<Axes> sigmas(const PositionMatrix<Axes>& covariance) {
     return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
 }
 
-void set_motion(const MotionSmoother<2>& at, TrajectoryEpoch& row) {
-    const StateVector<2>& mean = at.mean();
-    const Eigen::Matrix2d of_velocity = at.covariance(MotionSmoother<2>::velocity);
-    const Eigen::Vector2d position = sigmas<2>(at.covariance(MotionSmoother<2>::position));
+void set_motion(const Chain<2>& chain, std::size_t k, TrajectoryEpoch& row) {
+    const StateVector<2> mean = chain.mean(k);
+    const Eigen::Matrix2d of_velocity = chain.covariance_of(1, k);
+    const Eigen::Vector2d position = sigmas<2>(chain.covariance_of(0, k));
     const Eigen::Vector2d velocity = sigmas<2>(of_velocity);
-    const Eigen::Vector2d acceleration = sigmas<2>(at.covariance(MotionSmoother<2>::acceleration));
+    const Eigen::Vector2d acceleration = sigmas<2>(chain.covariance_of(2, k));
     row.east_m = mean(0);
     row.north_m = mean(1);
     row.velocity_east_m_s = mean(2);
@@ -40,13 +41,14 @@ void set_motion(const MotionSmoother<2>& at, TrajectoryEpoch& row) {
     row.sigma_speed_m_s = speed.standard_uncertainty_m_s;
 }
 
-void set_motion(const MotionSmoother<1>& at, TrajectoryEpoch& row) {
-    row.up_m = at.mean()(0);
-    row.velocity_up_m_s = at.mean()(1);
-    row.acceleration_up_m_s2 = at.mean()(2);
-    row.sigma_up_m = sigmas<1>(at.covariance(MotionSmoother<1>::position))(0);
-    row.sigma_velocity_up_m_s = sigmas<1>(at.covariance(MotionSmoother<1>::velocity))(0);
-    row.sigma_acceleration_up_m_s2 = sigmas<1>(at.covariance(MotionSmoother<1>::acceleration))(0);
+void set_motion(const Chain<1>& chain, std::size_t k, TrajectoryEpoch& row) {
+    const StateVector<1> mean = chain.mean(k);
+    row.up_m = mean(0);
+    row.velocity_up_m_s = mean(1);
+    row.acceleration_up_m_s2 = mean(2);
+    row.sigma_up_m = sigmas<1>(chain.covariance_of(0, k))(0);
+    row.sigma_velocity_up_m_s = sigmas<1>(chain.covariance_of(1, k))(0);
+    row.sigma_acceleration_up_m_s2 = sigmas<1>(chain.covariance_of(2, k))(0);
 }
 
 template <int Axes>
@@ -59,25 +61,33 @@ double scaled_condition(const StateMatrix<Axes>& covariance) {
 }
 
 constexpr std::size_t condition_every = 16;
+constexpr std::size_t epochs_at_once = 16'384;
 
 }  // namespace
 
 template <int Axes>
 SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
                                 std::vector<TrajectoryEpoch>& rows) {
-    MotionSmoother<Axes> at(arc.epochs, model);
+    const std::span<const ArcEpoch<Axes>> epochs(arc.epochs);
     SmoothedMeans<Axes> smoothed;
-    smoothed.states.resize(arc.epochs.size());
-    smoothed.measurements = at.measurements();
-    for (; !at.done(); at.step_back()) {
-        smoothed.states[at.epoch()] = at.mean();
-        set_motion(at, rows[arc.rows[at.epoch()]]);
-        if (at.epoch() == arc.epochs.size() / 2)
-            smoothed.covariance_in_the_middle = at.covariance();
-        if (at.epoch() % condition_every != 0) continue;
-        smoothed.largest_condition =
-            std::max(smoothed.largest_condition, scaled_condition<Axes>(at.covariance()));
-        smoothed.largest_asymmetry = std::max(smoothed.largest_asymmetry, at.asymmetry());
+    smoothed.states.resize(epochs.size());
+    smoothed.measurements = std::ranges::count_if(
+        epochs, [](const ArcEpoch<Axes>& epoch) { return epoch.measurement.has_value(); });
+    const double memory = epochs.size() > epochs_at_once ? memory_s<Axes>(epochs, model) : 0.0;
+    for (const ArcSection& section : sections_of<Axes>(epochs, memory, epochs_at_once)) {
+        const Chain<Axes> chain(
+            epochs.subspan(section.taken_first, section.taken_end - section.taken_first), model);
+        for (std::size_t k = section.first; k < section.end; ++k) {
+            const std::size_t at = k - section.taken_first;
+            smoothed.states[k] = chain.mean(at);
+            set_motion(chain, at, rows[arc.rows[k]]);
+            if (k == epochs.size() / 2)
+                smoothed.covariance_in_the_middle = chain.state(at).covariance;
+            if (k % condition_every != 0) continue;
+            smoothed.largest_condition = std::max(
+                smoothed.largest_condition, scaled_condition<Axes>(chain.state(at).covariance));
+            smoothed.largest_asymmetry = std::max(smoothed.largest_asymmetry, chain.asymmetry(at));
+        }
     }
     return smoothed;
 }

@@ -69,8 +69,8 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
 /// The speed of a window between two states by all four definitions, corrected by what they lack.
 /// With heights alone they are vertical.
 template <int Axes>
-SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                                double duration_s, double lacking_m_s) {
+SpeedDefinitions definitions_of(const Chain<Axes>& smoothed, EpochPair window, double duration_s,
+                                double lacking_m_s) {
     const auto [first, last] = window;
     const auto with = [lacking_m_s](const SpeedEstimate& by) { return by.speed_m_s + lacking_m_s; };
     return {.displacement_m_s = with(displacement_speed(smoothed, first, last, duration_s)),
@@ -473,9 +473,9 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
     // A window that begins or ends between epochs is smoothed again with these instants included.
     const bool between_epochs = at.arc.epochs.size() != part.arc.epochs.size();
-    const SmoothedArc<Axes> between =
-        between_epochs ? smooth<Axes>(at.arc.epochs, estimate.model) : SmoothedArc<Axes>{};
-    const SmoothedArc<Axes>& smoothed_at = between_epochs ? between : smoothed;
+    const Chain<Axes> between =
+        between_epochs ? Chain<Axes>(at.arc.epochs, estimate.model) : Chain<Axes>{};
+    const Chain<Axes>& smoothed_at = between_epochs ? between : smoothed;
 
     const EstimatedWindow<Axes> estimated{.epochs = at.arc.epochs,
                                           .smoothed = smoothed_at,

@@ -27,10 +27,10 @@ std::size_t insert_instant(Arc<Axes>& arc, std::vector<ElapsedTime>& times, Elap
 }
 
 /// How much later (s) the smoothed track reaches the gate's line.
-double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const SurveyedLine& gate) {
+double lateness_s(const Chain<2>& smoothed, std::size_t k, const SurveyedLine& gate) {
     const Eigen::Vector2d normal = along_course(gate);
-    const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
-    const Eigen::Vector2d velocity = smoothed.states[k].mean.segment<2>(2);
+    const Eigen::Vector2d position = smoothed.mean(k).head<2>();
+    const Eigen::Vector2d velocity = smoothed.mean(k).segment<2>(2);
     // A slower passage is refused; the smoothed track may be slower than the one between epochs.
     const double speed_m_s = std::max(normal.dot(velocity), slowest_crossing_m_s);
     return normal.dot(gate.left - position) / speed_m_s;
@@ -60,7 +60,7 @@ CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTim
     for (int step = 0; step < 3; ++step) {
         const ArcWithInstants<2> both = with_instants(arc, times, crossings.start, crossings.end);
         // The trajectory holds only epochs, and the line is crossed between two of them.
-        const SmoothedArc<2> smoothed = smooth<2>(both.arc.epochs, model);
+        const Chain<2> smoothed = Chain<2>(both.arc.epochs, model);
         const auto move = [&](ElapsedTime& instant, std::size_t k, const SurveyedLine& gate) {
             instant.nanoseconds += std::llround(1e9 * lateness_s(smoothed, k, gate));
             instant = std::clamp(instant, times.front(), times.back());

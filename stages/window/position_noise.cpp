@@ -7,7 +7,7 @@
 
 #include "core/accuracy_measures.h"
 #include "core/uncertainty.h"
-#include "motion/sensitivity.h"
+#include "motion/chain.h"
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/stands.h"
 
@@ -56,11 +56,11 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     const double lag_s =
         screened.rows[last_row].time.seconds() - screened.rows[first_row].time.seconds();
     for (const FixType fix : fixes)
-        if (const auto shown = standing_error_m<Axes>(screened, stands, fix, lag_s,
-                                                      noise.measurement_scale.value))
+        if (const auto shown =
+                standing_error_m<Axes>(screened, stands, fix, lag_s, noise.measurement_scale.value))
             bound.standing_m = std::max(*shown, bound.standing_m.value_or(0.0));
-    bound.sigma_m = std::max(
-        {bound.fitted_m, bound.stated_m, bound.standing_m.value_or(0.0), bound.floor_m});
+    bound.sigma_m =
+        std::max({bound.fitted_m, bound.stated_m, bound.standing_m.value_or(0.0), bound.floor_m});
     bound.decided_by = bound.sigma_m == bound.floor_m    ? BoundSource::floor
                        : bound.sigma_m == bound.stated_m ? BoundSource::stated
                        : bound.sigma_m == bound.fitted_m ? BoundSource::fitted
@@ -69,13 +69,11 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
 }
 
 template <int Axes>
-double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                      const ErrorBound& bound) {
-    constexpr int counted = speed_axes<Axes>;
+double position_r95_m(const Chain<Axes>& smoothed, EpochPair window, const ErrorBound& bound) {
     double radius_m = 0.0;
     for (const std::size_t k : {window.first, window.last}) {
         const SpeedMatrix<Axes> covariance =
-            smoothed.states[k].covariance.template topLeftCorner<counted, counted>() +
+            smoothed.covariance_of(0, k) +
             bound.sigma_m * bound.sigma_m * SpeedMatrix<Axes>::Identity();
         if constexpr (Axes == 1)
             radius_m = std::max(
@@ -106,7 +104,7 @@ SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQua
         return weights;
     }
     const auto [from, gradients] = speed_gradients(at.smoothed, at.window, at.duration_s, quantity);
-    return sensitivities<Axes>(at.epochs, at.model, at.smoothed, from, gradients);
+    return at.smoothed.weights(from, gradients);
 }
 
 template <int Axes>
@@ -183,7 +181,7 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
                   std::span<const ArcEpoch<Axes>> epochs, double density_factor) {
     EstimationModel model = at.model;
     model.motion.jerk_density *= density_factor;
-    return speed_by_definition(smooth<Axes>(epochs, model), at.window, at.duration_s, quantity)
+    return speed_by_definition(Chain<Axes>(epochs, model), at.window, at.duration_s, quantity)
         .speed_m_s;
 }
 
@@ -238,7 +236,7 @@ FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
     double square = 0.0;  // of the deviation from the first model's speed
     double first = 0.0;
     for (std::size_t i = 0; i < models.size(); ++i) {
-        const SpeedEstimate one = speed_by_definition(smooth<Axes>(stretch.epochs, models[i].model),
+        const SpeedEstimate one = speed_by_definition(Chain<Axes>(stretch.epochs, models[i].model),
                                                       stretch.window, stretch.duration_s, quantity);
         if (i == 0) first = one.speed_m_s;
         const double deviation = one.speed_m_s - first;
@@ -253,8 +251,8 @@ FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
             .models = static_cast<std::int64_t>(models.size())};
 }
 
-template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorBound&);
-template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
+template double position_r95_m<1>(const Chain<1>&, EpochPair, const ErrorBound&);
+template double position_r95_m<2>(const Chain<2>&, EpochPair, const ErrorBound&);
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
     template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,          \
                                           const NoiseSummary&, const UncertaintyRule&, double,     \

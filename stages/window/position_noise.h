@@ -38,7 +38,7 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
 /// covariance and the bound on the time-correlated error. For heights alone (Axes 1), it is half
 /// the width of the interval that holds the true height with that probability.
 template <int Axes>
-double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
+double position_r95_m(const Chain<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
 
 /// The process that bounds every time-correlated error that the certificate allows for.
 GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound);
@@ -47,7 +47,7 @@ GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bou
 template <int Axes>
 struct EstimatedWindow {
     std::span<const ArcEpoch<Axes>> epochs;  ///< of the arc
-    const SmoothedArc<Axes>& smoothed;       ///< estimated from `epochs` with `model`
+    const Chain<Axes>& smoothed;             ///< estimated from `epochs` with `model`
     const EstimationModel& model;
     EpochPair window;  ///< indices into the epochs
     double duration_s = 0.0;

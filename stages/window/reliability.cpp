@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "motion/diagnosis.h"
+#include "motion/chain.h"
 #include "witness/arcs.h"
 
 namespace runcert {
@@ -94,7 +94,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     const ScreeningModel* const tested = tested_model<Axes>(screened);
     if (tested == nullptr) return {};
     const std::vector<ArcEpoch<Axes>> epochs = tested_epochs(screened, arc, stretch);
-    const ArcDiagnosis<Axes> diagnosis(epochs, model_of(*tested));
+    const Chain<Axes> diagnosis(epochs, model_of(*tested));
     const double of_one = noncentrality(screened.basis.test_size, screened.basis.power, 1);
     const double of_all = noncentrality(screened.basis.test_size, screened.basis.power, Axes);
     const auto factor = [&](std::size_t k) {
@@ -116,7 +116,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
         constant[k] = constant[k + 1] + weights[k];
         if (epochs[k].measurement) {
             outlier.consider(diagnosis.outlier(k), of_all * factor(k), weights[k], k, k);
-            late -= weights[k].dot(diagnosis.smoothed(k).mean.template segment<Axes>(Axes));
+            late -= weights[k].dot(diagnosis.mean(k).template segment<Axes>(Axes));
         }
         if (k == 0) continue;
         step.consider(diagnosis.step(k), of_all * factor(k), constant[k], k, k);

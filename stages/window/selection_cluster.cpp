@@ -211,14 +211,14 @@ SelectionCluster<Axes>::SelectionCluster(const WindowCluster<Axes>& windows,
         const PositionMatrix<Axes> factor = epoch.measurement->covariance.llt().matrixL();
         white_factors_.push_back(models.estimated.measurement_scale * factor);
     }
-    motion_ = smoothed(local_(measured));
-    re_motion_ = smoothed(local_(motion_.motion));
+    motion_ = smoothed(local_.positions_of(measured));
+    re_motion_ = smoothed(local_.positions_of(motion_.motion));
 }
 
 template <int Axes>
 typename SelectionCluster<Axes>::template Smoothed<typename SelectionCluster<Axes>::Positions>
 SelectionCluster<Axes>::smoothed(const Positions& motion) const {
-    return {motion, estimator_(motion)};
+    return {motion, estimator_.positions_of(motion)};
 }
 
 /// The sum of time-correlated error and white noise.
@@ -283,8 +283,8 @@ std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
     std::array<const double*, selection_lanes> more = numbers;
     for (const double*& one : more)
         one += normals() / 2;
-    const Lanes noise = estimator_.template smooth_lanes<count>(errors(numbers, tau_s));
-    const Lanes drift = local_.template smooth_lanes<count>(errors(more, tau_s));
+    const Lanes noise = estimator_.template positions_of<count>(errors(numbers, tau_s));
+    const Lanes drift = local_.template positions_of<count>(errors(more, tau_s));
     Lanes none(noise.size());
     for (auto& at : none)
         for (Lane& axis : at)
@@ -294,7 +294,7 @@ std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
     const Smoothed<Lanes> once{still.motion, sum<Axes>(motion_.estimated, noise)};
     const Smoothed<Lanes> moved{
         sum<Axes>(re_motion_.motion, drift),
-        sum<Axes>(re_motion_.estimated, estimator_.template smooth_lanes<count>(drift))};
+        sum<Axes>(re_motion_.estimated, estimator_.template positions_of<count>(drift))};
     const Smoothed<Lanes> again{moved.motion, sum(moved.estimated, noise)};
     const auto found_once = search(once);
     const auto found_again = search(again);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "motion/linear_smoother.h"
+#include "motion/chain.h"
 #include "stages/window/selection.h"
 
 namespace runcert {
@@ -88,8 +88,8 @@ class SelectionCluster {
     GaussMarkovError fitted_error_;
     double bound_m_;
     std::vector<PositionMatrix<Axes>> white_factors_;
-    LinearSmoother<Axes> estimator_;
-    LinearSmoother<Axes> local_;
+    Chain<Axes> estimator_;
+    Chain<Axes> local_;
     Smoothed<Positions> motion_;     ///< as estimated
     Smoothed<Positions> re_motion_;  ///< as estimated from that without errors
 };

@@ -39,15 +39,14 @@ WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double m
 namespace {
 
 template <int Axes>
-double speed_at(const SmoothedArc<Axes>& smoothed, std::size_t k) {
-    return smoothed.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
+double speed_at(const Chain<Axes>& smoothed, std::size_t k) {
+    return smoothed.mean(k).template segment<speed_axes<Axes>>(Axes).norm();
 }
 
 /// Factor from an error of the path, over the duration, to the speed over a given length. The
 /// length is reached earlier or later, at the speed of the end.
 template <int Axes>
-double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                              double path_m_s) {
+double factor_of_given_length(const Chain<Axes>& smoothed, EpochPair window, double path_m_s) {
     constexpr double standing_m_s = 0.1;
     const double slower =
         std::min(speed_at(smoothed, window.first), speed_at(smoothed, window.last));
@@ -61,10 +60,10 @@ double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair windo
 
 /// Gradients of the length over the elapsed time. A position error along a line's normal shifts the
 /// instant of its crossing by that error over the speed along the normal.
-Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair window,
-                                    double duration_s, const SpeedQuantity& quantity) {
+Gradients<2> elapsed_time_gradients(const Chain<2>& smoothed, EpochPair window, double duration_s,
+                                    const SpeedQuantity& quantity) {
     const auto velocity = [&](std::size_t k) -> Eigen::Vector2d {
-        return smoothed.states[k].mean.segment<2>(2);
+        return smoothed.mean(k).segment<2>(2);
     };
     const double per_second = quantity.length_m / (duration_s * duration_s);
     Gradients<2> gradients(window.last - window.first + 1, StateVector<2>::Zero());
@@ -78,8 +77,8 @@ Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair wi
 }  // namespace
 
 template <int Axes>
-SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                                  double duration_s, const SpeedQuantity& quantity) {
+SpeedEstimate speed_by_definition(const Chain<Axes>& smoothed, EpochPair window, double duration_s,
+                                  const SpeedQuantity& quantity) {
     const auto [first, last] = window;
     switch (quantity.definition) {
         case SpeedDefinition::displacement:
@@ -107,7 +106,7 @@ SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair w
 }
 
 template <int Axes>
-SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPair window,
+SpeedGradients<Axes> speed_gradients(const Chain<Axes>& smoothed, EpochPair window,
                                      double duration_s, const SpeedQuantity& quantity) {
     const auto [first, last] = window;
     switch (quantity.definition) {
@@ -134,13 +133,13 @@ SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPai
     return {first, displacement_speed_gradients(smoothed, first, last, duration_s)};
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                                 \
-    template EpochPair reach_around<AXES>(const Arc<AXES>&, EpochPair, double);                   \
-    template WindowStretch<AXES> cut_stretch<AXES>(const Arc<AXES>&, EpochPair, double);          \
-    template SpeedEstimate speed_by_definition<AXES>(const SmoothedArc<AXES>&, EpochPair, double, \
-                                                     const SpeedQuantity&);                       \
-    template SpeedGradients<AXES> speed_gradients<AXES>(const SmoothedArc<AXES>&, EpochPair,      \
-                                                        double, const SpeedQuantity&);
+#define RUNCERT_INSTANTIATE(AXES)                                                              \
+    template EpochPair reach_around<AXES>(const Arc<AXES>&, EpochPair, double);                \
+    template WindowStretch<AXES> cut_stretch<AXES>(const Arc<AXES>&, EpochPair, double);       \
+    template SpeedEstimate speed_by_definition<AXES>(const Chain<AXES>&, EpochPair, double,    \
+                                                     const SpeedQuantity&);                    \
+    template SpeedGradients<AXES> speed_gradients<AXES>(const Chain<AXES>&, EpochPair, double, \
+                                                        const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 #undef RUNCERT_INSTANTIATE

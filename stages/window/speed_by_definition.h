@@ -47,8 +47,8 @@ struct SpeedQuantity {
 /// states that it depends on. Horizontal; for heights alone (Axes 1) vertical, and not for a
 /// course.
 template <int Axes>
-SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                                  double duration_s, const SpeedQuantity& quantity);
+SpeedEstimate speed_by_definition(const Chain<Axes>& smoothed, EpochPair window, double duration_s,
+                                  const SpeedQuantity& quantity);
 
 /// The gradients of that speed with respect to the states, and the index of the first state.
 template <int Axes>
@@ -57,7 +57,7 @@ struct SpeedGradients {
     Gradients<Axes> gradients;
 };
 template <int Axes>
-SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPair window,
+SpeedGradients<Axes> speed_gradients(const Chain<Axes>& smoothed, EpochPair window,
                                      double duration_s, const SpeedQuantity& quantity);
 
 }  // namespace runcert

@@ -26,12 +26,11 @@ struct TrajectoryDifference {
 template <int Axes>
 std::optional<TrajectoryDifference> difference_from(const TrajectoryTable& trajectory,
                                                     const ArcPart<Axes>& part,
-                                                    const SmoothedArc<Axes>& smoothed) {
+                                                    const Chain<Axes>& smoothed) {
     constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
     for (const std::size_t k : {part.window.first, part.window.last}) {
         const TrajectoryEpoch& row = trajectory.rows[part.arc.rows[k]];
-        const SpeedVector<Axes> position =
-            smoothed.states[k].mean.template head<speed_axes<Axes>>();
+        const SpeedVector<Axes> position = smoothed.mean(k).template head<speed_axes<Axes>>();
         SpeedVector<Axes> written;
         if constexpr (Axes == 1)
             written << *row.up_m;
@@ -56,7 +55,7 @@ CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const Fou
             .smoothed = {}};
         // Smoothed again, because the trajectory does not hold the correlation of the errors of two
         // epochs.
-        checked.smoothed = smooth<Axes>(checked.part.arc.epochs, estimate.model);
+        checked.smoothed = Chain<Axes>(checked.part.arc.epochs, estimate.model);
         const auto different = difference_from(estimate.trajectory, checked.part, checked.smoothed);
         if (!different) return checked;
         if (checked.part.whole)
@@ -110,7 +109,7 @@ std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajec
 }  // namespace
 
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
-                                        const SmoothedArc<2>& smoothed, double model_m_s) {
+                                        const Chain<2>& smoothed, double model_m_s) {
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;

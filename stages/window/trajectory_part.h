@@ -42,7 +42,7 @@ inline constexpr double stretch_margin_s = 60.0;
 template <int Axes>
 struct CheckedPart {
     ArcPart<Axes> part;
-    SmoothedArc<Axes> smoothed;
+    Chain<Axes> smoothed;
 };
 
 /// The part of the arc that determines the window, confirmed to agree with the trajectory at the
@@ -58,6 +58,6 @@ CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const Fou
 /// the change of the speed under other motion models. Where the craft moves harder than its model
 /// allows, the two estimates distribute the residuals differently.
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
-                                        const SmoothedArc<2>& smoothed, double model_m_s);
+                                        const Chain<2>& smoothed, double model_m_s);
 
 }  // namespace runcert

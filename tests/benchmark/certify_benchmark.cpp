@@ -8,7 +8,7 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "simulated_arc.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
@@ -156,7 +156,7 @@ void Certify(benchmark::State& state, const Form& form) {
         even += seconds;
         uneven += seconds_of([&] { certify(folder.path() / "uneven"); });
         pass += seconds_of(
-            [&] { benchmark::DoNotOptimize(smooth<2>(arcs.front().epochs, EstimationModel{})); });
+            [&] { benchmark::DoNotOptimize(Chain<2>(arcs.front().epochs, EstimationModel{})); });
     }
     state.counters["uneven_times"] = uneven / even;
     state.counters["passes"] = even / pass;

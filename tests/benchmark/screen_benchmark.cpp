@@ -68,8 +68,8 @@ void screening_in_passes(benchmark::State& state, bool heights, std::int64_t out
     double passes_s = 0.0;
     for (auto _ : state) {
         passes_s += seconds_of([&] {
-            benchmark::DoNotOptimize(smooth<2>(plane.front().epochs, model));
-            if (heights) benchmark::DoNotOptimize(smooth<1>(height.front().epochs, model));
+            benchmark::DoNotOptimize(Chain<2>(plane.front().epochs, model));
+            if (heights) benchmark::DoNotOptimize(Chain<1>(height.front().epochs, model));
         });
         screening_s += seconds_of([&] { benchmark::DoNotOptimize(screen(table, figures)); });
     }

@@ -81,7 +81,7 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
             const ErrorBound bound =
                 error_bound<2>(screened, first, last, noise, nalsa.uncertainty);
             const WindowStretch stretch = cut_stretch(arc, window, 30.0);
-            const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+            const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
             const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                         .smoothed = smoothed,
                                         .model = model,

@@ -352,7 +352,6 @@ TEST(GoldenTrajectory, RobustEstimateAndNoise) {
     EXPECT_EQ(table.estimation.horizontal.health.largest_asymmetry, 1.25e-16);
     EXPECT_EQ(table.estimation.horizontal.health.spans_outside, 1);
     EXPECT_EQ(table.estimation.vertical->noise.status, NoiseBasis::constant_positions);
-    EXPECT_EQ(table.estimation.vertical->health.repaired, 3);
     EXPECT_FALSE(table.estimation.vertical->health.consistent);
 }
 

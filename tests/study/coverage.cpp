@@ -29,7 +29,7 @@ void count(Coverage& coverage, double error_m_s, double standard_uncertainty_m_s
 void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
                  double true_m_s) {
     const SpeedEstimate speed =
-        speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
+        speed_by_definition(Chain<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
                             {SpeedDefinition::displacement});
     count(coverage, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
@@ -64,7 +64,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     rule.error_floor_m = {{"fixed", options.floor_m}};
     const ErrorBound bound = error_bound<2>(recording.screened, first, last, noise, rule);
     const EstimationModel fitted_model = model_of(noise);
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, fitted_model);
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, fitted_model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                 .smoothed = smoothed,
                                 .model = fitted_model,

@@ -59,7 +59,7 @@ class StudiedRecording {
     /// Whether the error's own test rejects the model.
     bool own_test(const SupposedError& error) const {
         const std::vector<Arc<2>> arcs = arcs_of<2>(with_errors(recording_, {&error, 1}));
-        const ArcDiagnosis<2> diagnosis(arcs.front().epochs, model_);
+        const Chain<2> diagnosis(arcs.front().epochs, model_);
         const double factor = local_variance_factors(diagnosis)[error.first];
         const int unknowns = error.kind == Hypothesis::time_shift ? 1 : 2;
         return statistic(diagnosis, error) / factor > plan_.critical(unknowns);
@@ -89,7 +89,7 @@ class StudiedRecording {
         }
     }
 
-    static double statistic(const ArcDiagnosis<2>& diagnosis, const SupposedError& error) {
+    static double statistic(const Chain<2>& diagnosis, const SupposedError& error) {
         switch (error.kind) {
             case Hypothesis::outlier:
                 return diagnosis.outlier(error.first).statistic();
@@ -113,7 +113,7 @@ class StudiedRecording {
     EstimationModel model_;
     TestPlan plan_;
     std::vector<Arc<2>> arcs_;
-    ArcDiagnosis<2> diagnosis_;
+    Chain<2> diagnosis_;
 };
 
 using PowerLines = std::array<PowerLine, kinds.size()>;

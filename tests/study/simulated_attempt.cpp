@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "answered.h"
-#include "motion/sensitivity.h"
+#include "motion/chain.h"
 #include "schemas/windows/windows.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
@@ -173,7 +173,7 @@ SimulatedAttempt::Optimum SimulatedAttempt::optimum() const {
         return static_cast<std::size_t>(std::ranges::find(arc.rows, row_of(epoch)) -
                                         arc.rows.begin());
     };
-    const SmoothedArc<2> smoothed = smooth<2>(arc.epochs, known);
+    const Chain<2> smoothed = Chain<2>(arc.epochs, known);
     const EstimatedWindow<2> at{
         .epochs = arc.epochs,
         .smoothed = smoothed,

@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "reports/document/document_text.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
@@ -146,9 +146,9 @@ TEST(Compare, AFullFixedLagIsTheSmootherAndALongLagIsNearIt) {
     for (const ScreenedEpoch& row : one.screened.rows)
         arc.push_back({row.time.seconds(), PositionMeasurement<2>{measured_position<2>(row),
                                                                   stated_covariance<2>(row)}});
-    const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+    const Chain<2> smoothed = Chain<2>(arc, model);
     const double expected_m_s =
-        (smoothed.states[75].mean.head<2>() - smoothed.states[45].mean.head<2>()).norm() / 3.0;
+        (smoothed.mean(75).head<2>() - smoothed.mean(45).head<2>()).norm() / 3.0;
     const Comparison comparison = compared(one);
     EXPECT_NEAR(*method(comparison, "fixed lag, full").certified_m_s, expected_m_s, 1e-9);
     EXPECT_NEAR(*method(comparison, "fixed lag 2 s (20 epochs)").certified_m_s, expected_m_s, 1e-3);

@@ -2,8 +2,7 @@
 
 #include <functional>
 
-#include "motion/diagnosis.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -104,7 +103,7 @@ class DiagnosisAgainstDense : public testing::Test {
   public:
     static constexpr int axes = Axes::value;
     std::vector<ArcEpoch<axes>> arc = test::with_changing_motion(test::sample_arc<axes>(14));
-    ArcDiagnosis<axes> diagnosis{arc, test::singer_with_error};
+    Chain<axes> diagnosis{arc, test::singer_with_error};
     DenseTests<axes> dense{arc, test::singer_with_error};
 
     static Eigen::MatrixXd unit() { return Eigen::MatrixXd::Identity(axes, axes); }
@@ -220,13 +219,13 @@ TYPED_TEST(DiagnosisAgainstDense, ALateStampIsAJumpAlongTheMotion) {
 
 TYPED_TEST(DiagnosisAgainstDense, SmoothedStatesAreTheSmoothers) {
     constexpr int size = TestFixture::axes;
-    const SmoothedArc<size> smoothed = smooth<size>(this->arc, test::singer_with_error);
+    const Chain<size> smoothed = smooth<size>(this->arc, test::singer_with_error);
     for (std::size_t k = 0; k < this->arc.size(); ++k) {
-        const StateEstimate<size> state = this->diagnosis.smoothed(k);
-        EXPECT_LT((state.mean - smoothed.states[k].mean).norm(), 1e-7) << k;
+        const StateEstimate<size> state = this->diagnosis.state(k);
+        EXPECT_LT((state.mean - smoothed.mean(k)).norm(), 1e-7) << k;
         // A vague prior of 300 m/s leaves the first two epochs fewer digits.
-        EXPECT_LT((state.covariance - smoothed.states[k].covariance).norm(),
-                  (k < 2 ? 1e-3 : 1e-6) * smoothed.states[k].covariance.norm())
+        EXPECT_LT((state.covariance - smoothed.state(k).covariance).norm(),
+                  (k < 2 ? 1e-3 : 1e-6) * smoothed.state(k).covariance.norm())
             << k;
     }
 }
@@ -236,7 +235,7 @@ TYPED_TEST(DiagnosisAgainstDense, AMeasurementLeftOutIsTestedAsIfItWereIn) {
     auto without = this->arc;
     without[k].measurement.reset();
     const auto inside = this->diagnosis.outlier(k);
-    const auto outside = ArcDiagnosis<TestFixture::axes>(without, test::singer_with_error)
+    const auto outside = Chain<TestFixture::axes>(without, test::singer_with_error)
                              .left_out(k, *this->arc[k].measurement);
     EXPECT_NEAR(outside.statistic(), inside.statistic(), 1e-6 * inside.statistic());
     EXPECT_LT((outside.estimate() - inside.estimate()).norm(), 1e-6 * inside.estimate().norm());
@@ -247,8 +246,7 @@ TYPED_TEST(DiagnosisAgainstDense, AStepThatWasFoundIsTestedAsIfItWereNot) {
         auto known = this->arc;
         known[k].step_before = true;
         const auto unknown = this->diagnosis.step(k);
-        const auto found =
-            ArcDiagnosis<TestFixture::axes>(known, test::singer_with_error).bridged_step(k);
+        const auto found = Chain<TestFixture::axes>(known, test::singer_with_error).known_step(k);
         EXPECT_NEAR(found.statistic(), unknown.statistic(), 1e-4 * unknown.statistic()) << k;
         EXPECT_LT((found.estimate() - unknown.estimate()).norm(), 1e-4 * unknown.estimate().norm())
             << k;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -37,15 +37,15 @@ template <int Axes>
 void expect_filter_and_smoother_at_the_ends() {
     const auto arc = sample_arc<Axes>(30);
     const auto filter = filtered<Axes>(arc);
-    const auto smoother = smooth<Axes>(arc, singer_with_error).states;
-    const auto no_lag = smooth_fixed_lag<Axes>(arc, singer_with_error, 0);
+    const auto smoother = test::states_of(Chain<Axes>(arc, singer_with_error));
+    const auto no_lag = Chain<Axes>(arc, singer_with_error).fixed_lag(0);
     ASSERT_EQ(no_lag.size(), 30U);
     for (std::size_t k = 0; k < arc.size(); ++k) {
         EXPECT_EQ(no_lag[k].mean, filter[k].mean) << k;
         EXPECT_EQ(no_lag[k].covariance, filter[k].covariance) << k;
     }
     for (const std::size_t lag : {std::size_t{29}, std::size_t{30}, std::size_t{1000}, SIZE_MAX}) {
-        const auto states = smooth_fixed_lag<Axes>(arc, singer_with_error, lag);
+        const auto states = Chain<Axes>(arc, singer_with_error).fixed_lag(lag);
         ASSERT_EQ(states.size(), 30U);
         for (std::size_t k = 0; k < arc.size(); ++k)
             EXPECT_LT(largest_difference(states[k], smoother[k]), 1e-12) << k;
@@ -61,7 +61,7 @@ TEST(FixedLag, KnowsTheMeasurementsUpToTheLagAndNoOther) {
     // The state of epoch k with lag 5 is that of an arc that ends at k + 5: by the dense solution
     // of that arc; what comes later changes nothing.
     const auto arc = sample_arc<2>(16, 9);
-    const auto states = smooth_fixed_lag<2>(arc, singer_with_error, 5);
+    const auto states = Chain<2>(arc, singer_with_error).fixed_lag(5);
     for (std::size_t k = 0; k < arc.size(); ++k) {
         const std::span<const ArcEpoch<2>> known(arc.data(), std::min<std::size_t>(k + 6, 16));
         const auto dense = solve_dense<2>(known, singer_with_error);
@@ -73,16 +73,16 @@ TEST(FixedLag, KnowsTheMeasurementsUpToTheLagAndNoOther) {
         auto later = arc;
         for (std::size_t j = k + 6; j < arc.size(); ++j)
             if (later[j].measurement) later[j].measurement->position.array() += 1.0;
-        const auto same = smooth_fixed_lag<2>(later, singer_with_error, 5)[k];
+        const auto same = Chain<2>(later, singer_with_error).fixed_lag(5)[k];
         EXPECT_EQ(same.mean, states[k].mean) << k;
     }
 }
 
 TEST(FixedLag, VarianceFallsWithTheLag) {
     const auto arc = sample_arc<2>(60);
-    std::vector<StateEstimate<2>> before = smooth_fixed_lag<2>(arc, singer_with_error, 0);
+    std::vector<StateEstimate<2>> before = Chain<2>(arc, singer_with_error).fixed_lag(0);
     for (std::size_t lag = 1; lag < 60; ++lag) {
-        const auto states = smooth_fixed_lag<2>(arc, singer_with_error, lag);
+        const auto states = Chain<2>(arc, singer_with_error).fixed_lag(lag);
         for (std::size_t k = 0; k < arc.size(); ++k)
             for (int i = 0; i < 8; ++i)
                 EXPECT_LE(states[k].covariance(i, i), before[k].covariance(i, i) * (1.0 + 1e-9))
@@ -98,8 +98,8 @@ TEST(FixedLag, VarianceFallsWithTheLag) {
 TEST(FixedLag, OfFourSecondsIsAlmostTheSmoother) {
     RandomGenerator random(3);
     const auto arc = test::simulate_arc<2>(singer_with_error, 200, 0.1, 0.003, random).arc;
-    const auto smoother = smooth<2>(arc, singer_with_error).states;
-    const auto states = smooth_fixed_lag<2>(arc, singer_with_error, 40);
+    const auto smoother = test::states_of(Chain<2>(arc, singer_with_error));
+    const auto states = Chain<2>(arc, singer_with_error).fixed_lag(40);
     double largest = 0.0;
     for (std::size_t k = 0; k < arc.size(); ++k)
         largest = std::max(largest, largest_difference(states[k], smoother[k]));
@@ -107,10 +107,9 @@ TEST(FixedLag, OfFourSecondsIsAlmostTheSmoother) {
     EXPECT_LT(largest, 1e-3);
 }
 
-TEST(FixedLag, OfNoEpochIsNothingAndOfOneTheFilter) {
-    EXPECT_TRUE(smooth_fixed_lag<2>({}, singer_with_error, 3).empty());
+TEST(FixedLag, OfOneEpochIsTheFilter) {
     const auto arc = sample_arc<2>(1);
-    const auto states = smooth_fixed_lag<2>(arc, singer_with_error, 3);
+    const auto states = Chain<2>(arc, singer_with_error).fixed_lag(3);
     ASSERT_EQ(states.size(), 1U);
     EXPECT_EQ(states[0].mean, filtered<2>(arc)[0].mean);
 }

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "motion/linear_smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -22,14 +22,13 @@ std::vector<PositionVector<Axes>> positions_of(const std::vector<ArcEpoch<Axes>>
 
 template <int Axes>
 void expect_the_smoothers_positions(const std::vector<ArcEpoch<Axes>>& arc) {
-    const LinearSmoother<Axes> linear(arc, test::singer_with_error);
-    const auto positions = linear(positions_of(arc));
-    const SmoothedArc<Axes> smoothed = smooth<Axes>(arc, test::singer_with_error);
+    const Chain<Axes> linear(arc, test::singer_with_error);
+    const auto positions = linear.positions_of(positions_of(arc));
     for (std::size_t k = 0; k < arc.size(); ++k)
-        EXPECT_LT((positions[k] - smoothed.states[k].mean.template head<Axes>()).norm(), 1e-9) << k;
+        EXPECT_LT((positions[k] - linear.mean(k).template head<Axes>()).norm(), 1e-9) << k;
 }
 
-TEST(LinearSmoother, GivesThePositionsOfTheSmoother) {
+TEST(ChainPositions, GivesThePositionsOfTheSmoother) {
     expect_the_smoothers_positions(measured_arc<1>());
     expect_the_smoothers_positions(measured_arc<2>());
     expect_the_smoothers_positions(test::with_changing_motion(measured_arc<2>()));
@@ -40,7 +39,7 @@ TEST(LinearSmoother, GivesThePositionsOfTheSmoother) {
 /// Four recordings: the arc's own positions, with steps put in and without, and noise alone.
 template <int Axes>
 void expect_lanes_as_alone(std::vector<ArcEpoch<Axes>> arc) {
-    const LinearSmoother<Axes> linear(arc, test::singer_with_error);
+    const Chain<Axes> linear(arc, test::singer_with_error);
     RandomGenerator random(4);
     std::vector<LanePositions<Axes, 4>> together(arc.size());
     std::array<std::vector<PositionVector<Axes>>, 4> alone;
@@ -56,9 +55,9 @@ void expect_lanes_as_alone(std::vector<ArcEpoch<Axes>> arc) {
                 together[k][a][static_cast<Eigen::Index>(l)] =
                     position(static_cast<Eigen::Index>(a));
         }
-    const auto smoothed = linear.template smooth_lanes<4>(together);
+    const auto smoothed = linear.template positions_of<4>(together);
     for (std::size_t l = 0; l < 4; ++l) {
-        const auto one = linear(alone[l]);
+        const auto one = linear.positions_of(alone[l]);
         for (std::size_t k = 0; k < arc.size(); ++k)
             for (std::size_t a = 0; a < Axes; ++a)
                 ASSERT_EQ(smoothed[k][a][static_cast<Eigen::Index>(l)],
@@ -67,7 +66,7 @@ void expect_lanes_as_alone(std::vector<ArcEpoch<Axes>> arc) {
     }
 }
 
-TEST(LinearSmoother, RecordingsSideBySideAreEachAsByItself) {
+TEST(ChainPositions, RecordingsSideBySideAreEachAsByItself) {
     expect_lanes_as_alone<1>(measured_arc<1>());
     expect_lanes_as_alone<2>(measured_arc<2>());
 }

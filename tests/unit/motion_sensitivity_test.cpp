@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "motion/sensitivity.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -19,11 +19,11 @@ Gradients<2> uneven() {
 }
 
 double value(const std::vector<ArcEpoch<2>>& arc, const EstimationModel& model, std::size_t s) {
-    const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+    const Chain<2> smoothed = Chain<2>(arc, model);
     double sum = 0.0;
     const Gradients<2> gradients = uneven();
     for (std::size_t i = 0; i < gradients.size(); ++i)
-        sum += gradients[i].dot(smoothed.states[s + i].mean);
+        sum += gradients[i].dot(smoothed.mean(s + i));
     return sum;
 }
 
@@ -31,8 +31,7 @@ TEST(Sensitivity, IsWhatMovingOneMeasurementDoes) {
     // The smoother is linear: a difference of any size is the derivative.
     auto arc = test::sample_arc<2>(25);
     for (const std::size_t s : {std::size_t{0}, std::size_t{10}, std::size_t{22}}) {
-        const auto weights = sensitivities<2>(arc, test::singer_with_error,
-                                              smooth<2>(arc, test::singer_with_error), s, uneven());
+        const auto weights = Chain<2>(arc, test::singer_with_error).weights(s, uneven());
         ASSERT_EQ(weights.size(), arc.size());
         const double before = value(arc, test::singer_with_error, s);
         // The prior's mean is the first measurement itself; moving it moves that too.
@@ -57,8 +56,7 @@ TEST(Sensitivity, ADisplacementDoesNotFollowAShiftOfAllPositions) {
     Gradients<2> displacement(11, StateVector<2>::Zero());
     displacement.front()(0) = -1.0;
     displacement.back()(0) = 1.0;
-    const auto weights = sensitivities<2>(
-        arc, test::singer_with_error, smooth<2>(arc, test::singer_with_error), 15, displacement);
+    const auto weights = Chain<2>(arc, test::singer_with_error).weights(15, displacement);
     Eigen::Vector2d sum = Eigen::Vector2d::Zero();
     for (const Eigen::Vector2d& weight : weights)
         sum += weight;
@@ -145,11 +143,11 @@ TEST(WeightedVariance, OfEstimatesWeightsAndMotionIsThatOfTheSmoother) {
     EstimationModel model = test::singer_with_error;
     const auto parts = [&](double jerk_density) {
         model.motion.jerk_density = jerk_density;
-        const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+        const Chain<2> smoothed = Chain<2>(arc, model);
         Gradients<2> gradients(31, StateVector<2>::Zero());
         gradients.front()(0) = -1.0 / 3.0;
         gradients.back()(0) = 1.0 / 3.0;
-        const auto weights = sensitivities<2>(arc, model, smoothed, 15, gradients);
+        const auto weights = smoothed.weights(15, gradients);
         return std::pair(smoothed.variance(15, gradients),
                          weighted_variance<2>(arc, model.measurement_scale, weights) +
                              weighted_variance<2>(arc, model.error, weights));

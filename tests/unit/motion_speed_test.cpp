@@ -35,7 +35,7 @@ void expect_uncertainties_of_dense() {
     constexpr std::size_t s = 1;
     constexpr std::size_t e = 8;
     const auto arc = sample_arc<Axes>(10);
-    const SmoothedArc<Axes> smoothed = smooth<Axes>(arc, singer_with_error);
+    const Chain<Axes> smoothed = Chain<Axes>(arc, singer_with_error);
     const DenseSolution dense = solve_dense<Axes>(arc, singer_with_error);
     const double duration_s = arc[e].time_s - arc[s].time_s;
     const auto position = [](const Eigen::VectorXd& x, std::size_t k) {
@@ -68,13 +68,13 @@ TEST(Speed, UncertaintiesAreThoseOfTheDenseSolution) {
 
 TEST(Speed, DisplacementCovarianceNeedsTheCovarianceBetweenTheEnds) {
     const auto arc = sample_arc<2>(60);
-    const SmoothedArc<2> smoothed = smooth<2>(arc, singer_with_error);
+    const Chain<2> smoothed = Chain<2>(arc, singer_with_error);
     const SpeedEstimate speed =
         displacement_speed(smoothed, 20, 50, arc[50].time_s - arc[20].time_s);
     const Eigen::Vector2d direction =
-        (smoothed.states[50].mean - smoothed.states[20].mean).head<2>().normalized();
+        (smoothed.mean(50) - smoothed.mean(20)).head<2>().normalized();
     const double apart = std::sqrt(direction.dot(
-        (smoothed.states[20].covariance + smoothed.states[50].covariance).topLeftCorner<2, 2>() *
+        (smoothed.state(20).covariance + smoothed.state(50).covariance).topLeftCorner<2, 2>() *
         direction));
     EXPECT_GT(
         std::abs(apart / (arc[50].time_s - arc[20].time_s) / speed.standard_uncertainty_m_s - 1.0),
@@ -90,7 +90,7 @@ TEST(Speed, ThreeFiguresAgreeOnAStraightRun) {
             PositionMeasurement<2>{.position = arc[k].time_s * Eigen::Vector2d(30.0, 40.0),
                                    .covariance = 1e-4 * Eigen::Matrix2d::Identity()};
     }
-    const SmoothedArc<2> smoothed = smooth<2>(arc, singer_with_error);
+    const Chain<2> smoothed = Chain<2>(arc, singer_with_error);
     const SpeedEstimate path = path_speed(smoothed, 5, 35, 3.0);
     const SpeedEstimate displacement = displacement_speed(smoothed, 5, 35, 3.0);
     EXPECT_NEAR(path.speed_m_s, 50.0, 1e-6);
@@ -98,8 +98,8 @@ TEST(Speed, ThreeFiguresAgreeOnAStraightRun) {
     EXPECT_NEAR(path.standard_uncertainty_m_s / displacement.standard_uncertainty_m_s, 1.0, 1e-6);
     EXPECT_NEAR(mean_speed(smoothed, 5, 35).speed_m_s, 50.0, 1e-6);
     const SpeedEstimate one = mean_speed(smoothed, 20, 20);
-    const SpeedEstimate same = horizontal_speed(smoothed.states[20].mean.segment<2>(2),
-                                                smoothed.states[20].covariance.block<2, 2>(2, 2));
+    const SpeedEstimate same = horizontal_speed(smoothed.mean(20).segment<2>(2),
+                                                smoothed.state(20).covariance.block<2, 2>(2, 2));
     EXPECT_NEAR(one.speed_m_s, same.speed_m_s, 1e-12);
     EXPECT_NEAR(one.standard_uncertainty_m_s, same.standard_uncertainty_m_s, 1e-12);
 }
@@ -113,7 +113,7 @@ Eigen::Array3d mean_square_of_normalised_errors(const EstimationModel& model, in
     Eigen::Array3d sum = Eigen::Array3d::Zero();
     for (int run = 0; run < runs; ++run) {
         const auto [truth, arc] = test::simulate_arc<2>(model, 51, 0.1, 0.003, random);
-        const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+        const Chain<2> smoothed = Chain<2>(arc, model);
         double length_m = 0.0;
         double speeds_m_s = 0.0;
         for (std::size_t k = s; k <= e; ++k) {
@@ -154,7 +154,7 @@ TEST(Speed, IgnoringTheCorrelatedErrorWouldShow) {
     constexpr int runs = 300;
     for (int run = 0; run < runs; ++run) {
         const auto [truth, arc] = test::simulate_arc<2>(singer_with_error, 51, 0.1, 0.003, random);
-        const SpeedEstimate speed = displacement_speed(smooth<2>(arc, blind), 10, 40, 3.0);
+        const SpeedEstimate speed = displacement_speed(Chain<2>(arc, blind), 10, 40, 3.0);
         sum += std::pow((speed.speed_m_s - (truth[40] - truth[10]).head<2>().norm() / 3.0) /
                             speed.standard_uncertainty_m_s,
                         2);

@@ -128,14 +128,14 @@ Difference difference(const StateEstimate<2>& ours, const Eigen::VectorXd& mean,
                 .maxCoeff()};
 }
 
-void expect_same_states(const SmoothedArc<2>& ours, const Json& theirs) {
+void expect_same_states(const Chain<2>& ours, const Json& theirs) {
     const Eigen::MatrixXd states = matrix_of(theirs["states"]);
     ASSERT_EQ(states.rows(), static_cast<Eigen::Index>(epochs));
     for (std::size_t k = 0; k < epochs; ++k) {
         const Eigen::VectorXd mean = states.row(static_cast<Eigen::Index>(k)).transpose();
-        EXPECT_LT((ours.states[k].mean - mean).norm(), 1e-9 * mean.norm()) << k;
+        EXPECT_LT((ours.mean(k) - mean).norm(), 1e-9 * mean.norm()) << k;
         const Difference found =
-            difference(ours.states[k], mean, matrix_of(theirs["covariances"][k]));
+            difference(ours.state(k), mean, matrix_of(theirs["covariances"][k]));
         EXPECT_LT(found.mean, k < 10 ? 2e-8 : 1e-9) << k;
         // Its smoother subtracts P N P from P, and loses what a prior of 300 m/s squared takes of
         // sixteen digits: all in the first two epochs, where we agree with the dense solution.
@@ -145,7 +145,7 @@ void expect_same_states(const SmoothedArc<2>& ours, const Json& theirs) {
 }
 
 /// u' [P_s + P_e - C - C'] u / T^2, with u along the displacement.
-void expect_same_displacement(const SmoothedArc<2>& ours, const Json& theirs, double duration_s) {
+void expect_same_displacement(const Chain<2>& ours, const Json& theirs, double duration_s) {
     const Eigen::MatrixXd between = matrix_of(theirs["between"]);
     EXPECT_TRUE(ours.cross_covariance(start, end).isApprox(between, 1e-9));
     const Eigen::MatrixXd states = matrix_of(theirs["states"]);
@@ -168,7 +168,7 @@ void expect_agreement(const EstimationModel& model) {
     const auto arc = arc_with_gaps();
     const Json theirs = statsmodels(arc, model);
     ASSERT_TRUE(theirs.is_object());
-    const SmoothedArc<2> ours = smooth<2>(arc, model);
+    const Chain<2> ours = Chain<2>(arc, model);
     expect_same_states(ours, theirs);
     expect_same_displacement(ours, theirs, arc[end].time_s - arc[start].time_s);
     const InnovationSums sums = sums_of(arc, model);

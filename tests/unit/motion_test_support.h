@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "motion/kalman.h"
+#include "motion/chain.h"
 
 namespace runcert::test {
 
@@ -77,6 +77,15 @@ template <int Axes>
 AxisStep step_between(EstimationModel model, const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
     model.motion.jerk_density *= to.jerk_factor;
     return axis_step(model, step_s(from, to));
+}
+
+/// The smoothed states of all epochs.
+template <int Axes>
+std::vector<StateEstimate<Axes>> states_of(const Chain<Axes>& chain) {
+    std::vector<StateEstimate<Axes>> states;
+    for (std::size_t k = 0; k < chain.size(); ++k)
+        states.push_back(chain.state(k));
+    return states;
 }
 
 /// The estimation problem of an arc as one dense weighted least squares: an independent way to its

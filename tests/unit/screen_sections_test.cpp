@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "stages/screen/screen.h"
-#include "stages/screen/sections.h"
+#include "motion/sections.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

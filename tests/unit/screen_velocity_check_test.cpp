@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "core/statistics.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 #include "stages/screen/velocity_check.h"
@@ -76,9 +76,9 @@ void smooth_positions(Recording& recording) {
                                      .covariance = stated_covariance<2>(rows[end])};
         }
         if (!rows[first].arc) continue;
-        const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+        const Chain<2> smoothed = Chain<2>(arc, model);
         for (std::size_t k = first; k < end; ++k) {
-            const StateEstimate<2>& state = smoothed.states[k - first];
+            const StateEstimate<2>& state = smoothed.state(k - first);
             EpochMotion& motion = recording.motion[k].emplace();
             motion.velocity = state.mean.segment<2>(2);
             motion.acceleration = state.mean.segment<2>(4);

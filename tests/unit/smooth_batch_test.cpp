@@ -10,7 +10,7 @@
 
 #include "core/failure.h"
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion/speed.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
@@ -75,10 +75,10 @@ void remove_measurements(std::vector<ArcEpoch<Axes>>& arc, std::size_t from, std
 }
 
 template <int Axes>
-std::vector<StateVector<Axes>> means(const SmoothedArc<Axes>& smoothed) {
+std::vector<StateVector<Axes>> means(const Chain<Axes>& smoothed) {
     std::vector<StateVector<Axes>> states;
-    for (const StateEstimate<Axes>& state : smoothed.states)
-        states.push_back(state.mean);
+    for (std::size_t k = 0; k < smoothed.size(); ++k)
+        states.push_back(smoothed.mean(k));
     return states;
 }
 
@@ -104,7 +104,7 @@ void expect_agreement_with_smoother() {
             auto arc = simulate<Axes>(
                 {.rate_hz = rate_hz, .error_sigma_m = one.model.error.initial_sigma_m});
             remove_measurements<Axes>(arc, 300, 310);
-            const auto smoothed = means<Axes>(smooth<Axes>(arc, one.model));
+            const auto smoothed = means<Axes>(Chain<Axes>(arc, one.model));
             const BatchSolution<Axes> batch = solve_batch<Axes>(arc, one.model);
             const Eigen::Vector4d difference = largest_difference<Axes>(batch.states, smoothed);
             const std::string trace = fmt::format("{} Hz, {}", rate_hz, one.name);
@@ -129,7 +129,7 @@ TEST(Batch, AgreesWithTheSmootherAtIrregularSteps) {
     for (auto& epoch : arc)
         epoch.time_s = std::round((epoch.time_s + 0.08 * random.uniform()) * 1e9) * 1e-9;
     for (const NamedModel& one : models()) {
-        const auto smoothed = means<2>(smooth<2>(arc, one.model));
+        const auto smoothed = means<2>(Chain<2>(arc, one.model));
         const Eigen::Vector4d difference =
             largest_difference<2>(solve_batch<2>(arc, one.model).states, smoothed);
         EXPECT_LT(difference(0), 1e-7) << one.name;
@@ -142,7 +142,7 @@ TEST(Batch, AgreesWithTheSmootherWhereTheMotionChanges) {
     test::change_motion(arc);
     remove_measurements<2>(arc, 300, 310);
     for (const NamedModel& one : models()) {
-        const auto smoothed = means<2>(smooth<2>(arc, one.model));
+        const auto smoothed = means<2>(Chain<2>(arc, one.model));
         const Eigen::Vector4d difference =
             largest_difference<2>(solve_batch<2>(arc, one.model).states, smoothed);
         EXPECT_LT(difference(0), 1e-7) << one.name;
@@ -231,13 +231,13 @@ TEST(Batch, SaysWhereItDoesNotConverge) {
 
 /// Each epoch's difference between two positions in units of the smoother's standard deviation,
 /// the larger of both axes.
-std::vector<double> in_sigmas(const SmoothedArc<2>& smoothed,
+std::vector<double> in_sigmas(const Chain<2>& smoothed,
                               const std::vector<StateVector<2>>& states,
                               const std::vector<Eigen::Vector2d>& positions) {
     std::vector<double> result;
     for (std::size_t k = 0; k < states.size(); ++k) {
         const Eigen::Vector2d sigma =
-            smoothed.states[k].covariance.diagonal().head<2>().cwiseSqrt();
+            smoothed.state(k).covariance.diagonal().head<2>().cwiseSqrt();
         result.push_back(
             (states[k].head<2>() - positions[k]).cwiseAbs().cwiseQuotient(sigma).maxCoeff());
     }
@@ -292,7 +292,7 @@ EstimationModel white_model() {
 
 TEST(RobustBatch, WithoutOutliersDiffersLittleFromTheLinearSolution) {
     const auto arc = simulate<2>({.epochs = 1'000});
-    const SmoothedArc<2> smoothed = smooth<2>(arc, white_model());
+    const Chain<2> smoothed = Chain<2>(arc, white_model());
     const auto linear = means<2>(smoothed);
     const RobustSolution<2> robust = solve_robust<2>(arc, white_model(), cauchy_scale, linear);
     const auto difference = in_sigmas(smoothed, robust.states, positions_of(linear));
@@ -306,7 +306,7 @@ TEST(RobustBatch, WithoutOutliersDiffersLittleFromTheLinearSolution) {
 
 TEST(RobustBatch, HoldsAgainstOutliersThatSpoilTheLinearSolution) {
     const Contaminated data = contaminate(simulate<2>({.epochs = 1'000}));
-    const SmoothedArc<2> smoothed = smooth<2>(data.arc, white_model());
+    const Chain<2> smoothed = Chain<2>(data.arc, white_model());
     const auto linear = means<2>(smoothed);
     const RobustSolution<2> robust = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear);
     const auto within_three = [&](const std::vector<StateVector<2>>& states) {
@@ -340,11 +340,11 @@ TEST(RobustBatch, IsTheLinearSolutionOfTheWeightedMeasurements) {
     for (const NamedModel& one : models()) {
         Contaminated data =
             contaminate(simulate<2>({.error_sigma_m = 0.5 * one.model.error.initial_sigma_m}));
-        const auto start = means<2>(smooth<2>(data.arc, one.model));
+        const auto start = means<2>(Chain<2>(data.arc, one.model));
         const RobustSolution<2> robust = solve_robust<2>(data.arc, one.model, cauchy_scale, start);
         for (std::size_t k = 0; k < data.arc.size(); ++k)
             if (robust.weights[k]) data.arc[k].measurement->covariance /= *robust.weights[k];
-        const SmoothedArc<2> weighted = smooth<2>(data.arc, one.model);
+        const Chain<2> weighted = Chain<2>(data.arc, one.model);
         const auto difference =
             in_sigmas(weighted, robust.states, positions_of(means<2>(weighted)));
         EXPECT_LT(largest(difference), 1e-3) << one.name;
@@ -353,7 +353,7 @@ TEST(RobustBatch, IsTheLinearSolutionOfTheWeightedMeasurements) {
 
 TEST(RobustBatch, StaysAtItsSolutionAndDoesNotDependOnTheCuts) {
     const Contaminated data = contaminate(simulate<2>({.epochs = 2'000, .rate_hz = 20.0}));
-    const SmoothedArc<2> smoothed = smooth<2>(data.arc, white_model());
+    const Chain<2> smoothed = Chain<2>(data.arc, white_model());
     const auto linear = means<2>(smoothed);
     const RobustSolution<2> robust = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear);
     const auto again = solve_robust<2>(data.arc, white_model(), cauchy_scale, robust.states);
@@ -371,7 +371,7 @@ TEST(RobustBatch, StaysAtItsSolutionAndDoesNotDependOnTheCuts) {
 
 TEST(RobustBatch, SaysThatItDoesNotConverge) {
     const auto arc = simulate<2>({.epochs = 50});
-    auto start = means<2>(smooth<2>(arc, white_model()));
+    auto start = means<2>(Chain<2>(arc, white_model()));
     start[7](0) = std::numeric_limits<double>::quiet_NaN();
     const RobustSolution<2> robust = solve_robust<2>(arc, white_model(), cauchy_scale, start);
     EXPECT_FALSE(robust.converged);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "motion_test_support.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch_problem.h"
@@ -41,9 +41,10 @@ std::vector<ArcEpoch<Axes>> draw_arc(const EstimationModel& model, double rate_h
 template <int Axes>
 std::vector<StateVector<Axes>> smoothed_states(const std::vector<ArcEpoch<Axes>>& arc,
                                                const EstimationModel& model) {
+    const Chain<Axes> chain(arc, model);
     std::vector<StateVector<Axes>> states;
-    for (const StateEstimate<Axes>& state : smooth<Axes>(arc, model).states)
-        states.push_back(state.mean);
+    for (std::size_t k = 0; k < chain.size(); ++k)
+        states.push_back(chain.mean(k));
     return states;
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/random.h"
-#include "motion/smoother.h"
+#include "motion/chain.h"
 #include "stages/window/trajectory_part.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -53,13 +53,13 @@ TEST(ArcPart, OfAsMuchAsTheModelRemembersTellsOfTheWindowWhatTheWholeArcTells) {
                     const ArcPart<2> part = part_around(made.arc, made.times, made.window,
                                                         memory_s(made.arc, made.window, model));
                     ASSERT_LT(part.arc.epochs.size(), made.arc.epochs.size());
-                    const SmoothedArc<2> whole = smooth<2>(made.arc.epochs, model);
-                    const SmoothedArc<2> cut = smooth<2>(part.arc.epochs, model);
+                    const Chain<2> whole = Chain<2>(made.arc.epochs, model);
+                    const Chain<2> cut = Chain<2>(part.arc.epochs, model);
                     for (const auto& [k, in_part] :
                          {std::pair{made.window.first, part.window.first},
                           {made.window.last, part.window.last}}) {
-                        const auto& expected = whole.states[k];
-                        const auto& got = cut.states[in_part];
+                        const auto expected = whole.state(k);
+                        const auto got = cut.state(in_part);
                         EXPECT_LT((expected.mean - got.mean).norm(), 1e-9 * (1.0 + sigma_m))
                             << jerk_density << " " << sigma_m << " " << interval_s << " " << slow_m
                             << " " << tau_s;

@@ -38,13 +38,13 @@ TEST(ChangingMotion, AnInstantInAStepChangesNoState) {
     ASSERT_EQ(both.arc.epochs.size(), at.arc.epochs.size() + 2);
     EXPECT_EQ(both.arc.epochs[both.window.first].jerk_factor, 1.0);
     EXPECT_EQ(both.arc.epochs[both.window.last].jerk_factor, 20.0);
-    const SmoothedArc<2> expected = smooth<2>(at.arc.epochs, at.model);
-    const SmoothedArc<2> with = smooth<2>(both.arc.epochs, at.model);
+    const Chain<2> expected = Chain<2>(at.arc.epochs, at.model);
+    const Chain<2> with = Chain<2>(both.arc.epochs, at.model);
     for (std::size_t k = 1400, i = k; k < 1600; ++k, ++i) {
         if (i == both.window.first || i == both.window.last) ++i;
-        ASSERT_EQ(with.states[i].mean.size(), 8);
-        EXPECT_LT((with.states[i].mean - expected.states[k].mean).norm(), 1e-8) << k;
-        EXPECT_TRUE(with.states[i].covariance.isApprox(expected.states[k].covariance, 1e-8)) << k;
+        ASSERT_EQ(with.mean(i).size(), 8);
+        EXPECT_LT((with.mean(i) - expected.mean(k)).norm(), 1e-8) << k;
+        EXPECT_TRUE(with.state(i).covariance.isApprox(expected.state(k).covariance, 1e-8)) << k;
     }
 }
 
@@ -67,12 +67,12 @@ TEST(ChangingMotion, AWindowInHardMotionHasWhatTheQuietAroundItTells) {
     const ArcPart<2> part =
         part_around(at.arc, at.times, at.window, memory_s(at.arc, at.window, at.model));
     ASSERT_FALSE(part.whole);
-    const SmoothedArc<2> whole = smooth<2>(at.arc.epochs, at.model);
-    const SmoothedArc<2> cut = smooth<2>(part.arc.epochs, at.model);
+    const Chain<2> whole = Chain<2>(at.arc.epochs, at.model);
+    const Chain<2> cut = Chain<2>(part.arc.epochs, at.model);
     for (const auto& [k, in_part] :
          {std::pair{at.window.first, part.window.first}, {at.window.last, part.window.last}}) {
-        EXPECT_LT((whole.states[k].mean - cut.states[in_part].mean).norm(), 1e-9);
-        EXPECT_TRUE(cut.states[in_part].covariance.isApprox(whole.states[k].covariance, 1e-10));
+        EXPECT_LT((whole.mean(k) - cut.mean(in_part)).norm(), 1e-9);
+        EXPECT_TRUE(cut.state(in_part).covariance.isApprox(whole.state(k).covariance, 1e-10));
     }
 }
 

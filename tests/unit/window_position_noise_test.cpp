@@ -42,7 +42,7 @@ WindowStretch<2> irregular_stretch() {
 PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& model,
                        const GaussMarkovError& error, SpeedDefinition definition,
                        const ErrorBound& bound = bound_of()) {
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                 .smoothed = smoothed,
                                 .model = model,
@@ -52,9 +52,9 @@ PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& m
 }
 
 Eigen::Vector2d displacement(const WindowStretch<2>& stretch, const EstimationModel& model) {
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
-    return smoothed.states[stretch.window.last].mean.head<2>() -
-           smoothed.states[stretch.window.first].mean.head<2>();
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
+    return smoothed.mean(stretch.window.last).head<2>() -
+           smoothed.mean(stretch.window.first).head<2>();
 }
 
 /// What each measured coordinate weighs in the speed: the smoothed displacement, along its
@@ -127,7 +127,7 @@ TEST(PositionNoise, TheRestIsTheMotions) {
     const auto variance = [&](double factor) {
         EstimationModel model = fitted_model();
         model.motion.jerk_density *= std::sqrt(factor);
-        const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
+        const double u = displacement_speed(Chain<2>(stretch.epochs, model), stretch.window.first,
                                             stretch.window.last, stretch.duration_s)
                              .standard_uncertainty_m_s;
         return u * u;
@@ -150,7 +150,7 @@ TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
 TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                 .smoothed = smoothed,
                                 .model = model,
@@ -187,7 +187,7 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
     const auto estimates_of = [&](double jerk_density) {
         EstimationModel model = fitted_model();
         model.motion.jerk_density = jerk_density;
-        const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+        const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
         const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                     .smoothed = smoothed,
                                     .model = model,
@@ -252,7 +252,7 @@ TEST(PositionNoise, PartsAddUpWhereTheMotionChanges) {
     // bound.
     const PositionNoise fitted =
         noise_of(stretch, model, model.error, SpeedDefinition::displacement);
-    const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
+    const double u = displacement_speed(Chain<2>(stretch.epochs, model), stretch.window.first,
                                         stretch.window.last, stretch.duration_s)
                          .standard_uncertainty_m_s;
     EXPECT_NEAR(fitted.speed.standard_uncertainty_m_s, u, 1e-9 * u);
@@ -265,7 +265,7 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
     const EstimationModel model = fitted_model();
     const SpeedQuantity quantity{SpeedDefinition::displacement};
     const auto other_of = [&](const std::vector<ArcEpoch<2>>& epochs) {
-        const SmoothedArc<2> smoothed = smooth<2>(epochs, model);
+        const Chain<2> smoothed = Chain<2>(epochs, model);
         const EstimatedWindow<2> at{.epochs = epochs,
                                     .smoothed = smoothed,
                                     .model = model,
@@ -285,7 +285,7 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
 TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
     const WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                 .smoothed = smoothed,
                                 .model = model,
@@ -306,7 +306,7 @@ TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
     const auto has_chord = [&](SpeedDefinition definition) {
-        const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+        const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
         const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                     .smoothed = smoothed,
                                     .model = model,
@@ -377,7 +377,7 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
     for (std::size_t i = 0; i < draws; ++i) {
         const auto run = test::simulate_arc<2>(model, 51, 0.1, 0.005, random);
         const WindowStretch<2> stretch{.epochs = run.arc, .window = {10, 40}, .duration_s = 3.0};
-        const SmoothedArc<2> smoothed = smooth<2>(run.arc, model);
+        const Chain<2> smoothed = Chain<2>(run.arc, model);
         for (std::size_t d = 0; d < definitions.size(); ++d) {
             const SpeedEstimate speed =
                 speed_by_definition(smoothed, stretch.window, 3.0, {definitions[d]});
@@ -405,9 +405,9 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
     EXPECT_EQ(stretch.window.first, 600U);
     EXPECT_EQ(stretch.window.last, 630U);
     const SpeedEstimate cut =
-        speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
+        speed_by_definition(Chain<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
                             {SpeedDefinition::displacement});
-    const SpeedEstimate whole = speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0,
+    const SpeedEstimate whole = speed_by_definition(Chain<2>(arc.epochs, model), window, 3.0,
                                                     {SpeedDefinition::displacement});
     EXPECT_NEAR(cut.speed_m_s, whole.speed_m_s, 1e-7);
     EXPECT_NEAR(cut.standard_uncertainty_m_s, whole.standard_uncertainty_m_s,

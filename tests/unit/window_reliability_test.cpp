@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "motion/diagnosis.h"
+#include "motion/chain.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
@@ -42,7 +42,7 @@ std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<
                                        const WindowStretch<2>& stretch,
                                        SpeedDefinition definition) {
     const EstimationModel model = estimate_model();
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const Chain<2> smoothed = Chain<2>(stretch.epochs, model);
     const SpeedWeights<2> weights = speed_weights<2>({.epochs = stretch.epochs,
                                                       .smoothed = smoothed,
                                                       .model = model,
@@ -53,7 +53,7 @@ std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<
 }
 
 double speed_of(const WindowStretch<2>& stretch, SpeedDefinition definition) {
-    return speed_by_definition(smooth<2>(stretch.epochs, estimate_model()), stretch.window,
+    return speed_by_definition(Chain<2>(stretch.epochs, estimate_model()), stretch.window,
                                stretch.duration_s, {definition})
         .speed_m_s;
 }
@@ -75,7 +75,7 @@ class Reliability : public testing::TestWithParam<SpeedDefinition> {
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
     // By brute force: at every epoch around the window a step in each of 36 directions, of the size
     // that its test finds with the power, put into the recording.
-    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.basis.models.front()));
+    const Chain<2> diagnosis(arc.epochs, model_of(screened.basis.models.front()));
     const double lambda = noncentrality(1e-8, 0.8, 2);
     const double before = speed_of(stretch, GetParam());
     double largest = 0.0;

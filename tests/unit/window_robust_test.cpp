@@ -17,14 +17,14 @@ struct WitnessRecords {
     EstimationModel model;
     TrajectoryTable trajectory;
     ArcPart<2> part;
-    SmoothedArc<2> smoothed;
+    Chain<2> smoothed;
 
     explicit WitnessRecords(double further_m) {
         model.motion.jerk_density = 0.6;
         trajectory = test::smoothed_with(screened, test::summary_of(model));
         part.arc = arcs_of<2>(screened).front();
         part.window = {30, 60};
-        smoothed = smooth<2>(part.arc.epochs, model);
+        smoothed = Chain<2>(part.arc.epochs, model);
         for (TrajectoryEpoch& row : trajectory.rows) {
             row.robust_east_m = row.east_m;
             row.robust_north_m = row.north_m;

@@ -115,9 +115,9 @@ inline TrajectoryTable smoothed_with(const ScreenedTable& screened, const NoiseS
         epoch.usable = row.usable;
     }
     for (const Arc<2>& arc : arcs_of<2>(screened)) {
-        const SmoothedArc<2> smoothed = smooth<2>(arc.epochs, model_of(noise));
+        const Chain<2> smoothed = Chain<2>(arc.epochs, model_of(noise));
         for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-            const StateVector<2>& state = smoothed.states[k].mean;
+            const StateVector<2>& state = smoothed.mean(k);
             TrajectoryEpoch& epoch = table.rows[arc.rows[k]];
             epoch.east_m = state(0);
             epoch.north_m = state(1);

@@ -190,9 +190,9 @@ CertifiableWindow in_space(Witnessed run) {
     }
     run.trajectory.estimation.vertical = AxesEstimation{.noise = noise, .health = {}};
     for (const Arc<1>& arc : arcs_of<1>(run.screened)) {
-        const SmoothedArc<1> smoothed = smooth<1>(arc.epochs, model_of(noise));
+        const Chain<1> smoothed = Chain<1>(arc.epochs, model_of(noise));
         for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-            const StateVector<1>& state = smoothed.states[k].mean;
+            const StateVector<1>& state = smoothed.mean(k);
             TrajectoryEpoch& epoch = run.trajectory.rows[arc.rows[k]];
             epoch.up_m = state(0);
             epoch.velocity_up_m_s = state(1);

@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "comparison_data.h"
-#include "motion/motion_smoother.h"
+#include "motion/chain.h"
 
 // The project's own filter and smoother, on the data of the others.
 
@@ -13,52 +13,55 @@ namespace {
 constexpr GaussMarkovError next_to_none{
     .tau_s = 1.0, .process_density = 1e-9, .initial_sigma_m = 1e-9};
 
-std::vector<ArcEpoch<3>> arc_of(const std::vector<MeasuredPosition>& positions) {
-    std::vector<ArcEpoch<3>> arc(positions.size());
+/// The axes from `first` on: those of the plane, or height.
+template <int Axes>
+std::vector<ArcEpoch<Axes>> arc_of(const std::vector<MeasuredPosition>& positions, int first) {
+    std::vector<ArcEpoch<Axes>> arc(positions.size());
     for (std::size_t k = 0; k < arc.size(); ++k)
-        arc[k] = {.time_s = static_cast<double>(k) * step_s,
-                  .measurement = PositionMeasurement<3>{.position = positions[k].position,
-                                                        .covariance = positions[k].covariance}};
+        arc[k] = {
+            .time_s = static_cast<double>(k) * step_s,
+            .measurement = PositionMeasurement<Axes>{
+                .position = positions[k].position.template segment<Axes>(first),
+                .covariance = positions[k].covariance.template block<Axes, Axes>(first, first)}};
     return arc;
 }
 
-/// Of each epoch, all that the stage smooth writes into its table: the means, and the covariances
-/// of position, of velocity and of acceleration.
-struct Smoothed {
-    std::vector<SmoothedPoint> points;
-    std::vector<Eigen::Matrix3d> covariances;  // three for each epoch
-};
-
-Smoothed smoothed(std::span<const ArcEpoch<3>> arc, const EstimationModel& model) {
-    Smoothed result;
-    result.points.resize(arc.size());
-    result.covariances.resize(3 * arc.size());
-    using Smoother = MotionSmoother<3>;
-    for (Smoother at(arc, model); !at.done(); at.step_back()) {
-        for (const int kind : {Smoother::position, Smoother::velocity, Smoother::acceleration})
-            result.covariances[3 * at.epoch() + static_cast<std::size_t>(kind)] =
-                at.covariance(kind);
-        SmoothedPoint& point = result.points[at.epoch()];
-        point.mean = at.mean().template head<6>();
-        for (const int kind : {Smoother::position, Smoother::velocity})
-            point.sigma.segment<3>(3 * kind) =
-                result.covariances[3 * at.epoch() + static_cast<std::size_t>(kind)]
-                    .diagonal()
-                    .cwiseSqrt();
+/// Of each epoch all that the stage smooth writes into its table: the means, and the standard
+/// deviations of position, velocity and acceleration.
+template <int Axes>
+void smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model, int first,
+            std::vector<SmoothedPoint>& points, std::vector<Eigen::Vector3d>& accelerations) {
+    const Chain<Axes> chain(arc, model);
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        const StateVector<Axes> mean = chain.mean(k);
+        const auto sigma = [&](int kind) {
+            return PositionVector<Axes>(chain.covariance_of(kind, k).diagonal().cwiseSqrt());
+        };
+        for (const int kind : {0, 1}) {
+            points[k].mean.template segment<Axes>(3 * kind + first) =
+                mean.template segment<Axes>(kind * Axes);
+            points[k].sigma.template segment<Axes>(3 * kind + first) = sigma(kind);
+        }
+        accelerations[k].template segment<Axes>(first) = sigma(2);
     }
-    return result;
 }
 
 nlohmann::ordered_json program(const Arguments& arguments) {
-    const std::vector<ArcEpoch<3>> arc = arc_of(read_positions(arguments.data));
+    const std::vector<MeasuredPosition> positions = read_positions(arguments.data);
+    const std::vector<ArcEpoch<2>> plane = arc_of<2>(positions, 0);
+    const std::vector<ArcEpoch<1>> height = arc_of<1>(positions, 2);
     EstimationModel model;
     model.motion.jerk_density = jerk_density;
     model.error = next_to_none;
-    Smoothed result;
-    const double seconds = seconds_of([&] { result = smoothed(arc, model); });
-    write_points(arguments.result, arc.size(), arguments.every,
-                 [&](std::size_t k) { return result.points[k]; });
-    return {{"epochs", arc.size()}, {"seconds", seconds}};
+    std::vector<SmoothedPoint> points(positions.size());
+    std::vector<Eigen::Vector3d> accelerations(positions.size());
+    const double seconds = seconds_of([&] {
+        smooth<2>(plane, model, 0, points, accelerations);
+        smooth<1>(height, model, 2, points, accelerations);
+    });
+    write_points(arguments.result, points.size(), arguments.every,
+                 [&](std::size_t k) { return points[k]; });
+    return {{"epochs", points.size()}, {"seconds", seconds}};
 }
 
 }  // namespace

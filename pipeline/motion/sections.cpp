@@ -1,4 +1,4 @@
-#include "stages/screen/sections.h"
+#include "motion/sections.h"
 
 #include <algorithm>
 
@@ -6,7 +6,7 @@ namespace runcert {
 
 template <int Axes>
 std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
-                                 std::size_t section_epochs) {
+                                    std::size_t section_epochs) {
     constexpr std::size_t reach = 300;
     constexpr std::size_t every = 10;
     const std::size_t count = epochs.size();
@@ -14,9 +14,9 @@ std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, doub
     std::vector<ArcSection> sections;
     for (std::size_t first = 0; first < count; first += section_epochs) {
         ArcSection section{.first = first,
-                        .end = std::min(first + section_epochs, count),
-                        .taken_first = first - std::min(first, reach),
-                        .taken_end = 0};
+                           .end = std::min(first + section_epochs, count),
+                           .taken_first = first - std::min(first, reach),
+                           .taken_end = 0};
         section.taken_end = std::min(section.end + reach, count);
         const double from_s = epochs[first].time_s - memory_s;
         const double to_s = epochs[section.end - 1].time_s + memory_s;

@@ -27,6 +27,6 @@ inline constexpr std::size_t epochs_of_section = 200'000;
 /// begins at a multiple of ten, as the local medians do.
 template <int Axes>
 std::vector<ArcSection> sections_of(std::span<const ArcEpoch<Axes>> epochs, double memory_s,
-                                 std::size_t section_epochs);
+                                    std::size_t section_epochs);
 
 }  // namespace runcert

@@ -88,16 +88,18 @@ void require_known_defaults(const YamlValue& defaults) {
 /// attempt, or those of a receiver.
 void copy_keys(const YamlNode& entry, const YamlNode& defaults, bool of_attempt,
                YamlBuilder& builder) {
-    for (const YamlNode& from : {defaults, entry})
+    const auto copy_from = [&](const YamlNode& from, const auto& is_replaced) {
         for (std::size_t i = 0; i < from.size(); ++i) {
             const std::string_view key = from.key(i).scalar();
-            const bool replaced = from.is_same_as(defaults) && entry[key].is_defined();
-            if (key == "id" || replaced || from.value(i).is_null() ||
+            if (key == "id" || is_replaced(key) || from.value(i).is_null() ||
                 holds(own_names(), key) != of_attempt)
                 continue;
             builder.copy(from.key(i));
             builder.copy(from.value(i));
         }
+    };
+    copy_from(defaults, [&](std::string_view key) { return entry[key].is_defined(); });
+    copy_from(entry, [](std::string_view) { return false; });
 }
 
 /// The keys of an attempt that is written in the day file, but its id.

@@ -217,19 +217,6 @@ TYPED_TEST(DiagnosisAgainstDense, ALateStampIsAJumpAlongTheMotion) {
     EXPECT_FALSE(this->diagnosis.time_shift(1)) << "one epoch does not tell a speed";
 }
 
-TYPED_TEST(DiagnosisAgainstDense, SmoothedStatesAreTheSmoothers) {
-    constexpr int size = TestFixture::axes;
-    const Chain<size> smoothed = smooth<size>(this->arc, test::singer_with_error);
-    for (std::size_t k = 0; k < this->arc.size(); ++k) {
-        const StateEstimate<size> state = this->diagnosis.state(k);
-        EXPECT_LT((state.mean - smoothed.mean(k)).norm(), 1e-7) << k;
-        // A vague prior of 300 m/s leaves the first two epochs fewer digits.
-        EXPECT_LT((state.covariance - smoothed.state(k).covariance).norm(),
-                  (k < 2 ? 1e-3 : 1e-6) * smoothed.state(k).covariance.norm())
-            << k;
-    }
-}
-
 TYPED_TEST(DiagnosisAgainstDense, AMeasurementLeftOutIsTestedAsIfItWereIn) {
     const std::size_t k = 7;
     auto without = this->arc;

@@ -172,7 +172,7 @@ void expect_agreement(const EstimationModel& model) {
     expect_same_states(ours, theirs);
     expect_same_displacement(ours, theirs, arc[end].time_s - arc[start].time_s);
     const InnovationSums sums = sums_of(arc, model);
-    EXPECT_EQ(sums.values, 2 * (ours.measurements - measurements_of_the_prior));
+    EXPECT_EQ(sums.values, 2 * (ours.measurements() - measurements_of_the_prior));
     EXPECT_NEAR(sums.statistic / theirs["statistic"].get<double>(), 1.0, 1e-9);
     EXPECT_NEAR(sums.log_determinant / theirs["log_determinant"].get<double>(), 1.0, 1e-9);
     EXPECT_NEAR(sums.log_likelihood() / theirs["log_likelihood"].get<double>(), 1.0, 1e-9);

@@ -316,24 +316,39 @@ void reduce_covariance(const Whitening<Axes>& white, int j, const Compared<Axes,
     }
 }
 
-/// Takes in coordinate `j` of a measured position, of that whitened value and own variance.
+/// How coordinate `j` of a measured position of that own variance compares, but for its innovation.
 template <int Axes, class Number>
-Compared<Axes, Number> take_in(const Whitening<Axes>& white, int j, double measured,
-                               const Number& own_variance, Number* mean, Number* p) {
-    constexpr int size = state_size<Axes>;
+Compared<Axes, Number> compare(const Whitening<Axes>& white, int j, const Number& own_variance,
+                               const Number* p) {
     const auto at = [p](int row, int column) -> const Number& {
-        return row >= column ? p[row * size + column] : p[column * size + row];
+        return row >= column ? p[row * state_size<Axes> + column]
+                             : p[column * state_size<Axes> + row];
     };
     Compared<Axes, Number> seen;
-    for (int row = 0; row < size; ++row)
+    for (int row = 0; row < state_size<Axes>; ++row)
         seen.cross[row] = whitened<Axes>(
             white, j, [&](int axis) { return at(row, axis) + at(row, 3 * Axes + axis); });
     seen.own_variance = own_variance;
     seen.variance = observed<Axes>(white, j, seen.cross.data()) + own_variance;
+    return seen;
+}
+
+/// Updates a mean with a measured value, and sets the innovation.
+template <int Axes, class Number>
+void take_in_mean(const Whitening<Axes>& white, int j, double measured,
+                  Compared<Axes, Number>& seen, Number* mean) {
     seen.innovation = measured - observed<Axes>(white, j, mean);
     const Number weight = seen.innovation / seen.variance;
-    for (int row = 0; row < size; ++row)
+    for (int row = 0; row < state_size<Axes>; ++row)
         mean[row] += seen.cross[row] * weight;
+}
+
+/// Takes in coordinate `j` of a measured position, of that whitened value and own variance.
+template <int Axes, class Number>
+Compared<Axes, Number> take_in(const Whitening<Axes>& white, int j, double measured,
+                               const Number& own_variance, Number* mean, Number* p) {
+    Compared<Axes, Number> seen = compare<Axes>(white, j, own_variance, p);
+    take_in_mean<Axes>(white, j, measured, seen, mean);
     reduce_covariance<Axes>(white, j, seen, p);
     return seen;
 }

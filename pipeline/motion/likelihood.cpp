@@ -46,52 +46,26 @@ class LogOfProduct {
 constexpr std::size_t models_side_by_side = 2;
 using SideBySide = double __attribute__((vector_size(models_side_by_side * sizeof(double))));
 
-/// The forward filters of several models side by side, as far as their likelihood needs them.
-/// KalmanFilter is the same filter for one model.
-template <int Axes>
-class Likelihood {
+/// Forward filters of several models side by side, as far as their likelihood needs them.
+/// KalmanFilter is the same filter for one model. Axes are `Joint` to a state. The states of all
+/// have the same covariance: one for both axes is enough where each position has the same accuracy
+/// east and north.
+template <int Axes, int Joint>
+class ForwardPass {
   public:
-    explicit Likelihood(std::span<const EstimationModel> models) : models_(models) {
+    ForwardPass(std::span<const EstimationModel> models, const PositionVector<Axes>& position)
+        : models_(models) {
         for (std::size_t i = 0; i < models_side_by_side; ++i) {
-            const double scale = models[i].measurement_scale;
-            scale_[i] = scale * scale;
-        }
-    }
-
-    void add(std::span<const ArcEpoch<Axes>> arc) {
-        add(arc, [](std::size_t) {});
-    }
-
-    /// Calls `visited(k)` after each epoch.
-    template <class Visited>
-    void add(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
-        if (arc.empty()) return;
-        begin(arc[0].measurement.value().position);
-        UnknownsToTell unknowns;
-        for (std::size_t k = 0; k < arc.size(); ++k) {
-            if (k > 0) carry(step_kind(arc[k - 1], arc[k]));
-            if (arc[k].measurement) {
-                take_in(arc[k], !unknowns.determined_by_measurement());
-            }
-            visited(k);
-        }
-    }
-
-    InnovationSums sums(std::size_t i) const {
-        return {.statistic = statistic_[i],
-                .log_determinant = determinants_[i].value(),
-                .values = values_};
-    }
-
-  private:
-    static constexpr int size = state_size<Axes>;
-    void begin(const PositionVector<Axes>& position) {
-        for (std::size_t i = 0; i < models_side_by_side; ++i) {
-            const StateEstimate<Axes> prior = KalmanFilter<Axes>(models_[i]).prior(position);
-            for (int row = 0; row < size; ++row) {
-                mean_[row][i] = prior.mean(row);
-                for (int column = 0; column <= row; ++column)
-                    covariance_[row * size + column][i] = prior.covariance(row, column);
+            scale_[i] = models[i].measurement_scale * models[i].measurement_scale;
+            for (int m = 0; m < Axes / Joint; ++m) {
+                const StateEstimate<Joint> prior =
+                    KalmanFilter<Joint>(models_[i])
+                        .prior(position.template segment<Joint>(m * Joint));
+                for (int row = 0; row < size; ++row) {
+                    mean(m)[row][i] = prior.mean(row);
+                    for (int column = 0; column <= row; ++column)
+                        covariance_[row * size + column][i] = prior.covariance(row, column);
+                }
             }
         }
     }
@@ -108,35 +82,106 @@ class Likelihood {
                                     [i](SideBySide& number, double value) { number[i] = value; });
             }
         }
-        kernel::carry<Axes>(step_, mean_.data());
-        kernel::carry_covariance<Axes>(step_, covariance_.data());
+        for (int m = 0; m < Axes / Joint; ++m)
+            kernel::carry<Joint>(step_, mean(m).data());
+        kernel::carry_covariance<Joint>(step_, covariance_.data());
     }
 
-    void take_in(const ArcEpoch<Axes>& epoch, bool counts) {
+    /// Calls `count` with the innovation of each coordinate and its variance.
+    template <class Count>
+    void take_in(const ArcEpoch<Axes>& epoch, const Count& count) {
         const PositionMeasurement<Axes>& measurement = *epoch.measurement;
-        const auto white = kernel::whitening_of<Axes>(measurement.covariance);
+        const auto white = kernel::whitening_of<Joint>(
+            measurement.covariance.template topLeftCorner<Joint, Joint>());
         if (!white.is_positive_definite())
             require_positive_definite<Axes>(measurement.covariance, epoch.time_s);
-        for (int j = 0; j < Axes; ++j) {
-            const double measured = kernel::whitened<Axes>(
-                white, j, [&](int axis) { return measurement.position(axis); });
-            const auto seen = kernel::take_in<Axes, SideBySide>(
-                white, j, measured, scale_ * white.variance[j], mean_.data(), covariance_.data());
-            if (!counts) continue;
-            statistic_ += seen.innovation * seen.innovation / seen.variance;
-            for (std::size_t i = 0; i < models_side_by_side; ++i)
-                determinants_[i].multiply(seen.variance[i]);
-            ++values_;
+        for (int j = 0; j < Joint; ++j) {
+            auto seen = kernel::compare<Joint, SideBySide>(white, j, scale_ * white.variance[j],
+                                                           covariance_.data());
+            for (int m = 0; m < Axes / Joint; ++m) {
+                const double measured = kernel::whitened<Joint>(
+                    white, j, [&](int axis) { return measurement.position(m * Joint + axis); });
+                kernel::take_in_mean<Joint>(white, j, measured, seen, mean(m).data());
+                count(seen.innovation, seen.variance);
+            }
+            kernel::reduce_covariance<Joint>(white, j, seen, covariance_.data());
         }
     }
+
+  private:
+    static constexpr int size = state_size<Joint>;
+    using Mean = kernel::Numbers<SideBySide, size>;
+
+    Mean& mean(int m) { return means_[static_cast<std::size_t>(m)]; }
 
     std::span<const EstimationModel> models_;
     SideBySide scale_{};
     StepKind kind_;
     std::array<AxisStep, models_side_by_side> of_length_;
     kernel::StepNumbers<SideBySide> step_;
-    kernel::Numbers<SideBySide, size> mean_{};
+    std::array<Mean, static_cast<std::size_t>(Axes / Joint)> means_{};
     kernel::Numbers<SideBySide, size * size> covariance_{};
+};
+
+/// Whether every position of an arc is as accurate along one axis as along the other, and
+/// independently.
+template <int Axes>
+bool axes_are_alike(std::span<const ArcEpoch<Axes>> arc) {
+    return std::ranges::all_of(arc, [](const ArcEpoch<Axes>& epoch) {
+        return !epoch.measurement ||
+               epoch.measurement->covariance ==
+                   epoch.measurement->covariance(0, 0) * PositionMatrix<Axes>::Identity();
+    });
+}
+
+/// The likelihoods of several models side by side.
+template <int Axes>
+class Likelihood {
+  public:
+    explicit Likelihood(std::span<const EstimationModel> models) : models_(models) {}
+
+    void add(std::span<const ArcEpoch<Axes>> arc) {
+        add(arc, [](std::size_t) {});
+    }
+
+    /// Calls `visited(k)` after each epoch.
+    template <class Visited>
+    void add(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
+        if (axes_are_alike(arc))
+            add_joint<1>(arc, visited);
+        else
+            add_joint<Axes>(arc, visited);
+    }
+
+    InnovationSums sums(std::size_t i) const {
+        return {.statistic = statistic_[i],
+                .log_determinant = determinants_[i].value(),
+                .values = values_};
+    }
+
+  private:
+    template <int Joint, class Visited>
+    void add_joint(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
+        if (arc.empty()) return;
+        ForwardPass<Axes, Joint> pass(models_, arc[0].measurement.value().position);
+        UnknownsToTell unknowns;
+        for (std::size_t k = 0; k < arc.size(); ++k) {
+            if (k > 0) pass.carry(step_kind(arc[k - 1], arc[k]));
+            if (arc[k].measurement) {
+                const bool counts = !unknowns.determined_by_measurement();
+                pass.take_in(arc[k], [&](const SideBySide& innovation, const SideBySide& variance) {
+                    if (!counts) return;
+                    statistic_ += innovation * innovation / variance;
+                    for (std::size_t i = 0; i < models_side_by_side; ++i)
+                        determinants_[i].multiply(variance[i]);
+                    ++values_;
+                });
+            }
+            visited(k);
+        }
+    }
+
+    std::span<const EstimationModel> models_;
     SideBySide statistic_{};
     std::array<LogOfProduct, models_side_by_side> determinants_;
     std::int64_t values_ = 0;

@@ -140,8 +140,6 @@ TEST(Statements, HowTheFilterFared) {
     EXPECT_EQ(scene.count({"size of the horizontal innovations changes", "12 of 40 spans",
                            "chance allows 4"}),
               1);
-    scene.health().repaired = 3;
-    EXPECT_EQ(scene.count({"3 covariances of the horizontal estimate", "were repaired"}), 1);
 }
 
 TEST(Statements, OfBothAxesEachForItself) {

@@ -194,8 +194,7 @@ inline AxesEstimation axes(bool vertical) {
                    .autocorrelation = -0.0294,
                    .white = true,
                    .largest_condition = 25.3,
-                   .largest_asymmetry = 9.750097e-12,
-                   .repaired = 0};
+                   .largest_asymmetry = 9.750097e-12};
     return axes;
 }
 

@@ -124,13 +124,16 @@ class ForwardPass {
 };
 
 /// Whether every position of an arc is as accurate along one axis as along the other, and
-/// independently.
+/// independently: but for the rounding of what turned it.
 template <int Axes>
 bool axes_are_alike(std::span<const ArcEpoch<Axes>> arc) {
+    constexpr double rounding = 1e-5;
     return std::ranges::all_of(arc, [](const ArcEpoch<Axes>& epoch) {
-        return !epoch.measurement ||
-               epoch.measurement->covariance ==
-                   epoch.measurement->covariance(0, 0) * PositionMatrix<Axes>::Identity();
+        if (!epoch.measurement) return true;
+        const PositionMatrix<Axes>& stated = epoch.measurement->covariance;
+        const double variance = stated(0, 0);
+        return (stated - variance * PositionMatrix<Axes>::Identity()).cwiseAbs().maxCoeff() <=
+               rounding * variance;
     });
 }
 

@@ -143,7 +143,7 @@ class Fit {
         maxima.white = search.fit_white();
         grid_ = search.evaluate_grid(maxima.white, infinity);
         const Best start = best_of(grid_);
-        maxima.error = search.maximise(start.x, 0.3);
+        maxima.error = search.maximise(start.x);
         if (!(maxima.error.log_likelihood > start.log_likelihood)) maxima.error = start;
         maxima.tell();
         if (with_singer()) maxima.singer = find_singer(search, maxima.of_persistent());
@@ -160,7 +160,7 @@ class Fit {
             x.push_back(std::log(options_.tau_min_s));
         }
         x.push_back(std::log(3.0));
-        return search.maximise(x, 0.5, free_of_singer(persistent.x.size() > 1));
+        return search.maximise(x, free_of_singer(persistent.x.size() > 1));
     }
     static std::vector<bool> free_of_singer(bool correlated_error_detected) {
         return {true, correlated_error_detected, correlated_error_detected, true};
@@ -216,17 +216,16 @@ class Fit {
 
     /// The maxima of the whole recording, searched near those of its part.
     Maxima near(const Maxima& part) {
-        constexpr double step = 0.1;
         Maxima maxima;
         std::array<NoiseSearch<Axes>, 3> searches{whole_, whole_, whole_};
         do_together(
             [&] {
                 if (part.singer)
                     maxima.singer = searches[0].maximise(
-                        part.singer->x, step, free_of_singer(part.correlated_error_detected));
+                        part.singer->x, free_of_singer(part.correlated_error_detected));
             },
-            [&] { maxima.error = searches[1].maximise(part.error.x, step); },
-            [&] { maxima.white = searches[2].maximise(part.white.x, step); });
+            [&] { maxima.error = searches[1].maximise(part.error.x); },
+            [&] { maxima.white = searches[2].maximise(part.white.x); });
         maxima.converged = searches[part.singer ? 0 : 1].converged();
         for (const NoiseSearch<Axes>& search : searches)
             whole_.add_evaluations(search);

@@ -1,9 +1,8 @@
 #include "motion/noise_search.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <nlopt.hpp>
 
 namespace runcert {
 namespace {
@@ -15,7 +14,6 @@ constexpr double sigma_min_m = error_sigma_min_m;
 constexpr double sigma_max_of_stated = 100.0;  // in units of the stated standard deviation
 constexpr double acceleration_time_min_s = 0.2;
 constexpr double acceleration_time_max_s = 1e3;
-constexpr int evaluations_allowed = 200;
 
 // Prior standard deviation of the logarithm of the scale. Stated standard deviations are usually
 // within a factor of seven of the actual noise.
@@ -64,12 +62,6 @@ const Best& best_of(const std::vector<GridPoint>& grid) {
 }
 
 template <int Axes>
-Best NoiseSearch<Axes>::evaluate(const Point& x) {
-    ++evaluations_;
-    return best_scale_at(x, innovation_sums<Axes>(arcs_, model_at(x)));
-}
-
-template <int Axes>
 std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& points) {
     evaluations_ += std::ssize(points);
     std::vector<EstimationModel> models;
@@ -82,49 +74,115 @@ std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& poin
     return results;
 }
 
-template <int Axes>
-Best NoiseSearch<Axes>::maximise(const Point& start, double step, const std::vector<bool>& free) {
-    Point from;
-    Point lower;
-    Point upper;
-    for (std::size_t i = 0; i < start.size(); ++i) {
-        if (!free[i]) continue;
-        from.push_back(std::clamp(start[i], lower_bound(i), upper_bound(i)));
-        lower.push_back(lower_bound(i));
-        upper.push_back(upper_bound(i));
+namespace {
+
+/// A quadratic through the log-likelihoods about a point, over its free parameters.
+struct Quadratic {
+    Eigen::VectorXd slope;
+    Eigen::MatrixXd curvature;
+};
+
+/// The points about `x` that a quadratic needs, `x` itself the first.
+std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h) {
+    std::vector<Point> points{x};
+    const auto add = [&](std::size_t i, std::size_t j, double move) {
+        Point& moved = points.emplace_back(x);
+        moved[i] += move;
+        if (j != i) moved[j] += move;
+    };
+    for (std::size_t a = 0; a < free.size(); ++a) {
+        add(free[a], free[a], h);
+        add(free[a], free[a], -h);
+        for (std::size_t b = 0; b < a; ++b)
+            add(free[a], free[b], h);
     }
-    const auto whole = [&](const Point& part) {
-        Point x = start;
-        std::size_t next = 0;
+    return points;
+}
+
+Quadratic quadratic_through(const std::vector<Best>& seen, std::size_t free, double h) {
+    const auto n = static_cast<Eigen::Index>(free);
+    Quadratic found{Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
+    Eigen::VectorXd above(n);
+    const double here = seen.front().log_likelihood;
+    auto next = seen.begin() + 1;
+    for (Eigen::Index a = 0; a < n; ++a) {
+        above(a) = next[0].log_likelihood;
+        const double below = next[1].log_likelihood;
+        next += 2;
+        found.slope(a) = (above(a) - below) / (2.0 * h);
+        found.curvature(a, a) = (above(a) - 2.0 * here + below) / (h * h);
+        for (Eigen::Index b = 0; b < a; ++b)
+            found.curvature(a, b) = found.curvature(b, a) =
+                ((next++)->log_likelihood - above(a) - above(b) + here) / (h * h);
+    }
+    return found;
+}
+
+/// Newton's step to the top of a quadratic, no longer than `reach`. Along a direction that curves
+/// upwards, or hardly at all, it goes uphill.
+Eigen::VectorXd step_uphill(const Quadratic& about, double reach) {
+    constexpr double least_curvature = 1e-2;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(-about.curvature);
+    const Eigen::VectorXd along = axes.eigenvectors().transpose() * about.slope;
+    const Eigen::VectorXd curvature = axes.eigenvalues().cwiseAbs().cwiseMax(least_curvature);
+    const Eigen::VectorXd step = axes.eigenvectors() * along.cwiseQuotient(curvature);
+    return step * std::min(1.0, reach / std::max(step.norm(), 1e-300));
+}
+
+}  // namespace
+
+template <int Axes>
+Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is_free) {
+    // Differences are taken over `widest` and, where the top is near, over less.
+    constexpr double widest = 0.05, narrowest = 0.005;
+    constexpr double gain_of_a_last_step = 1e-3;
+    constexpr int rounds = 20;
+    const auto clamped = [&](Point x) {
         for (std::size_t i = 0; i < x.size(); ++i)
-            if (free[i]) x[i] = part[next++];
+            if (is_free[i]) x[i] = std::clamp(x[i], lower_bound(i), upper_bound(i));
         return x;
     };
+    std::vector<std::size_t> free;
+    for (std::size_t i = 0; i < start.size(); ++i)
+        if (is_free[i]) free.push_back(i);
+    Point x = clamped(start);
     Best best;
-    std::function<double(const Point&)> objective = [&](const Point& part) {
-        const Best one = evaluate(whole(part));
-        if (one.log_likelihood > best.log_likelihood) best = one;
-        return -one.log_likelihood;
-    };
-    // BOBYQA needs at least two variables.
-    nlopt::opt search(from.size() == 1 ? nlopt::LN_COBYLA : nlopt::LN_BOBYQA,
-                      static_cast<unsigned>(from.size()));
-    search.set_min_objective(
-        [](const Point& x, Point&, void* function) {
-            return (*static_cast<std::function<double(const Point&)>*>(function))(x);
-        },
-        &objective);
-    search.set_lower_bounds(lower);
-    search.set_upper_bounds(upper);
-    search.set_initial_step(step);
-    search.set_ftol_abs(1e-3);
-    search.set_xtol_abs(1e-3);
-    search.set_maxeval(evaluations_allowed);
-    double value = 0.0;
-    try {
-        converged_ = search.optimize(from, value) != nlopt::MAXEVAL_REACHED;
-    } catch (const nlopt::roundoff_limited&) {
-        converged_ = true;  // no better point can be distinguished from this one
+    double reach = 2.0;
+    double h = widest;
+    converged_ = false;
+    for (int round = 0; round < rounds && !converged_; ++round) {
+        const std::vector<Best> seen = evaluate_all(points_about(x, free, h));
+        if (round == 0) best = seen.front();
+        Quadratic about = quadratic_through(seen, free.size(), h);
+        // A parameter stays at its limit where the slope leads beyond it.
+        for (std::size_t a = 0; a < free.size(); ++a) {
+            const auto i = static_cast<Eigen::Index>(a);
+            const bool held = (x[free[a]] <= lower_bound(free[a]) && about.slope(i) <= 0.0) ||
+                              (x[free[a]] >= upper_bound(free[a]) && about.slope(i) >= 0.0);
+            if (!held) continue;
+            about.slope(i) = 0.0;
+            about.curvature.row(i).setZero();
+            about.curvature.col(i).setZero();
+        }
+        const Eigen::VectorXd step = step_uphill(about, reach);
+        std::vector<Point> ahead;
+        for (const double length : {1.0, 0.5, 0.25, 0.0625}) {
+            Point& to = ahead.emplace_back(x);
+            for (std::size_t a = 0; a < free.size(); ++a)
+                to[free[a]] += length * step(static_cast<Eigen::Index>(a));
+            to = clamped(to);
+        }
+        const std::vector<Best> reached = evaluate_all(ahead);
+        const auto top = std::ranges::max_element(reached, {}, &Best::log_likelihood);
+        const double gain = top->log_likelihood - best.log_likelihood;
+        const double expected = about.slope.dot(step) + 0.5 * step.dot(about.curvature * step);
+        converged_ =
+            std::max(gain, expected) < gain_of_a_last_step || (gain <= 0.0 && h == narrowest);
+        if (gain > 0.0) best = *top;
+        x = best.x;
+        const double length = step.norm() * (gain > 0.0 ? 1.0 : 0.0625);
+        reach = top == reached.begin() ? 2.0 * reach : length;
+        h = gain > 0.0 ? std::clamp(0.5 * length, narrowest, widest) : narrowest;
     }
     return best;
 }
@@ -150,7 +208,7 @@ Best NoiseSearch<Axes>::fit_white() {
     Best best;
     for (const Best& one : evaluate_all(points))
         if (one.log_likelihood > best.log_likelihood) best = one;
-    return maximise(best.x, 0.5);
+    return maximise(best.x);
 }
 
 /// The likelihood's maximum over the jerk density alone, from a parabola through three points

@@ -69,11 +69,11 @@ class NoiseSearch {
     /// The maximum for white noise alone. Scans the whole range of the jerk density, then refines.
     Best fit_white();
 
-    /// The maximum near a point over the free parameters, by BOBYQA [Powell09] within bounds.
-    /// `step` is the initial size of the search.
-    Best maximise(const Point& start, double step, const std::vector<bool>& free);
-    Best maximise(const Point& start, double step) {
-        return maximise(start, step, std::vector<bool>(start.size(), true));
+    /// The maximum near a point over the free parameters, within bounds: Newton's steps on
+    /// quadratics through the likelihoods about each point reached.
+    Best maximise(const Point& start, const std::vector<bool>& is_free);
+    Best maximise(const Point& start) {
+        return maximise(start, std::vector<bool>(start.size(), true));
     }
 
     /// The grid around a point. For each size and correlation time of the error that is not
@@ -96,7 +96,6 @@ class NoiseSearch {
     bool converged() const { return converged_; }  ///< of the last `maximise`
 
   private:
-    Best evaluate(const Point& x);
     std::vector<Best> evaluate_all(const std::vector<Point>& points);
     std::vector<Best> with_best_jerk(const std::vector<Point>& starts);
 

@@ -22,8 +22,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double gain_of_one_parameter = 1.9207;
 constexpr double gain_of_two_parameters = 2.9957;
 
-/// A long recording is first searched in part: this many stretches of this many epochs.
-constexpr std::size_t stretches_of_part = 4;
+/// A long recording is first searched in part: few stretches of so many epochs, then more of them
+/// where there are.
+constexpr std::size_t few_stretches = 4, more_stretches = 16;
 constexpr std::size_t epochs_of_stretch = 512;
 /// Recordings no longer than this many parts are searched whole.
 constexpr std::size_t parts_of_long_recording = 4;
@@ -51,17 +52,16 @@ void append_from(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::siz
     }
 }
 
-/// Stretches spread evenly over a long recording. Empty for a short one.
+/// Stretches spread evenly over a recording that is long beside them. Empty for a short one.
 template <int Axes>
-Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
+Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::size_t stretches) {
     std::size_t epochs = 0;
     for (const auto arc : arcs)
         epochs += arc.size();
     Spans<Axes> part;
-    if (epochs <= parts_of_long_recording * stretches_of_part * epochs_of_stretch) return part;
-    for (std::size_t i = 0; i < stretches_of_part; ++i)
-        append_from<Axes>(arcs,
-                          epochs * (2 * i + 1) / (2 * stretches_of_part) - epochs_of_stretch / 2,
+    if (epochs <= parts_of_long_recording * stretches * epochs_of_stretch) return part;
+    for (std::size_t i = 0; i < stretches; ++i)
+        append_from<Axes>(arcs, epochs * (2 * i + 1) / (2 * stretches) - epochs_of_stretch / 2,
                           epochs_of_stretch, part);
     return part;
 }
@@ -86,9 +86,11 @@ class Fit {
     Fit(std::span<const std::span<const ArcEpoch<Axes>>> arcs, const NoiseFitOptions& options)
         : arcs_(arcs),
           options_(options),
-          part_arcs_(part_of<Axes>(arcs)),
+          part_arcs_(part_of<Axes>(arcs, few_stretches)),
+          more_arcs_(part_of<Axes>(arcs, more_stretches)),
           whole_(arcs, options, stated_sigma()),
-          part_(part_arcs_, options, stated_sigma()) {}
+          part_(part_arcs_, options, stated_sigma()),
+          more_(more_arcs_, options, stated_sigma()) {}
 
     NoiseFit run() {
         NoiseFit fit;
@@ -106,9 +108,8 @@ class Fit {
             fit.status = NoiseFit::Status::constant_positions;
             return fit;
         }
-        const auto near_part = maxima_near_those_of_part();
-        const bool by_part = near_part.has_value();
-        const Maxima maxima = by_part ? *near_part : find(whole_);
+        bool by_part = true;
+        const Maxima maxima = find_in_steps(by_part);
         fit.white_scale = maxima.white.scale;
         fit.error_gain = maxima.error.gain_over(maxima.white);
         fit.correlated_error_detected = maxima.correlated_error_detected;
@@ -128,7 +129,7 @@ class Fit {
                                  std::isfinite(acceleration_time_s) ? best.x : maxima.error.x),
                       fit);
         fit.converged = maxima.converged;
-        fit.evaluations = whole_.evaluations() + part_.evaluations();
+        fit.evaluations = whole_.evaluations() + part_.evaluations() + more_.evaluations();
         return fit;
     }
 
@@ -166,18 +167,29 @@ class Fit {
         return {true, correlated_error_detected, correlated_error_detected, true};
     }
 
-    /// Empty for a short recording, and where the part is not representative. A craft that stands
-    /// still in all of the stretches says nothing about how it sails.
-    std::optional<Maxima> maxima_near_those_of_part() {
-        if (count_tested(part_arcs_) <
-            std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch))
-            return std::nullopt;
-        const Maxima part = find(part_);
-        Maxima whole = near(part);
-        const bool alike = are_alike(part.white, whole.white) &&
-                           are_alike(part.of_persistent(), whole.of_persistent()) &&
-                           (!part.singer || are_alike(*part.singer, *whole.singer));
-        if (!alike) return std::nullopt;
+    /// A long recording is searched near the maxima of its parts. Where those are not
+    /// representative, the grid over the whole shows whether there is a higher maximum: a craft
+    /// that stands still in all of the stretches says nothing about how it sails.
+    Maxima find_in_steps(bool& by_part) {
+        by_part = count_tested(part_arcs_) >=
+                  std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch);
+        if (!by_part) return find(whole_);
+        const bool in_two = !more_arcs_.empty();
+        Maxima part = find(part_);
+        if (in_two) part = near(part, more_);
+        Maxima whole = near(part, whole_);
+        by_part = are_alike(part, whole, in_two ? more_ : part_);
+        if (by_part) return whole;
+        grid_ = whole_.evaluate_grid(whole.white, infinity);
+        if (const Best start = best_of(grid_); start.log_likelihood > whole.error.log_likelihood) {
+            whole.error = whole_.maximise(start.x);
+            whole.tell();
+            if (with_singer())
+                if (const Best other = find_singer(whole_, whole.of_persistent());
+                    other.log_likelihood > whole.singer->log_likelihood)
+                    whole.singer = other;
+            whole.converged = whole_.converged();
+        }
         return whole;
     }
 
@@ -194,12 +206,17 @@ class Fit {
                (one.x.size() < 3 || alike(log_diffusion(one.x) - log_diffusion(other.x) + scale));
     }
 
-    /// Whether the part's maximum is close to that of the whole, or the part cannot distinguish the
-    /// two.
-    bool are_alike(const Best& of_part, const Best& of_whole) {
-        if (are_close(of_part, of_whole)) return true;
-        const auto seen = part_.absolute_log_likelihoods({absolute(of_part), absolute(of_whole)});
-        return seen[1] >= seen[0] - hopeless_below;
+    /// Whether the maxima of a part are close to those of the whole, or the part cannot distinguish
+    /// them.
+    bool are_alike(const Maxima& part, const Maxima& whole, NoiseSearch<Axes>& in_part) {
+        const auto alike = [&](const Best& one, const Best& other) {
+            if (are_close(one, other)) return true;
+            const auto seen = in_part.absolute_log_likelihoods({absolute(one), absolute(other)});
+            return seen[1] >= seen[0] - hopeless_below;
+        };
+        return alike(part.white, whole.white) &&
+               alike(part.of_persistent(), whole.of_persistent()) &&
+               (!part.singer || alike(*part.singer, *whole.singer));
     }
 
     /// Natural logarithms of the absolute parameters, the scale last.
@@ -214,10 +231,10 @@ class Fit {
     /// Logarithm of an error's diffusion in units of the measurement scale, up to a constant.
     static double log_diffusion(const Point& x) { return x[1] - 0.5 * x[2]; }
 
-    /// The maxima of the whole recording, searched near those of its part.
-    Maxima near(const Maxima& part) {
+    /// The maxima near those of a part.
+    Maxima near(const Maxima& part, NoiseSearch<Axes>& search) {
         Maxima maxima;
-        std::array<NoiseSearch<Axes>, 3> searches{whole_, whole_, whole_};
+        std::array<NoiseSearch<Axes>, 3> searches{search, search, search};
         do_together(
             [&] {
                 if (part.singer)
@@ -227,8 +244,9 @@ class Fit {
             [&] { maxima.error = searches[1].maximise(part.error.x); },
             [&] { maxima.white = searches[2].maximise(part.white.x); });
         maxima.converged = searches[part.singer ? 0 : 1].converged();
-        for (const NoiseSearch<Axes>& search : searches)
-            whole_.add_evaluations(search);
+        const std::int64_t before = search.evaluations();
+        for (const NoiseSearch<Axes>& one : searches)
+            search.add_evaluations(one.evaluations() - before);
         maxima.tell();
         return maxima;
     }
@@ -426,8 +444,10 @@ class Fit {
     std::span<const std::span<const ArcEpoch<Axes>>> arcs_;
     NoiseFitOptions options_;
     Spans<Axes> part_arcs_;
+    Spans<Axes> more_arcs_;
     NoiseSearch<Axes> whole_;
     NoiseSearch<Axes> part_;
+    NoiseSearch<Axes> more_;
     std::vector<GridPoint> grid_;
 };
 

@@ -165,24 +165,31 @@ Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is
             about.curvature.col(i).setZero();
         }
         const Eigen::VectorXd step = step_uphill(about, reach);
-        std::vector<Point> ahead;
-        for (const double length : {1.0, 0.5, 0.25, 0.0625}) {
-            Point& to = ahead.emplace_back(x);
+        const auto reached_by = [&](double length) {
+            Point to = x;
             for (std::size_t a = 0; a < free.size(); ++a)
                 to[free[a]] += length * step(static_cast<Eigen::Index>(a));
-            to = clamped(to);
-        }
-        const std::vector<Best> reached = evaluate_all(ahead);
+            return clamped(to);
+        };
+        std::vector<Best> reached = evaluate_all({reached_by(1.0), reached_by(2.0)});
+        if (std::ranges::max(reached, {}, &Best::log_likelihood).log_likelihood <=
+            best.log_likelihood)
+            reached = evaluate_all({reached_by(0.25), reached_by(0.05)});
         const auto top = std::ranges::max_element(reached, {}, &Best::log_likelihood);
         const double gain = top->log_likelihood - best.log_likelihood;
         const double expected = about.slope.dot(step) + 0.5 * step.dot(about.curvature * step);
-        converged_ =
-            std::max(gain, expected) < gain_of_a_last_step || (gain <= 0.0 && h == narrowest);
+        // Where the quadratic holds to so little, what is left is less.
+        converged_ = std::max(gain, expected) < gain_of_a_last_step ||
+                     std::abs(gain - expected) < gain_of_a_last_step ||
+                     (gain <= 0.0 && h == narrowest);
+        const Point from = x;
         if (gain > 0.0) best = *top;
         x = best.x;
-        const double length = step.norm() * (gain > 0.0 ? 1.0 : 0.0625);
-        reach = top == reached.begin() ? 2.0 * reach : length;
-        h = gain > 0.0 ? std::clamp(0.5 * length, narrowest, widest) : narrowest;
+        double moved = 0.0;
+        for (const std::size_t i : free)
+            moved = std::max(moved, std::abs(x[i] - from[i]));
+        reach = moved > 0.0 ? 2.0 * moved : 0.01 * step.norm();
+        h = std::clamp(0.5 * moved, narrowest, widest);
     }
     return best;
 }

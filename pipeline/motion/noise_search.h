@@ -92,7 +92,7 @@ class NoiseSearch {
     double upper_bound(std::size_t i) const;
 
     std::int64_t evaluations() const { return evaluations_; }
-    void add_evaluations(const NoiseSearch& of_another) { evaluations_ += of_another.evaluations_; }
+    void add_evaluations(std::int64_t of_another) { evaluations_ += of_another; }
     bool converged() const { return converged_; }  ///< of the last `maximise`
 
   private:

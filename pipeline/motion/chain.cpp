@@ -260,6 +260,7 @@ std::vector<StateEstimate<Axes>> Chain<Axes>::fixed_lag(std::size_t lag) const {
         filtered[k] = epochs_[k].filtered();
         if (k < end && lag > 0) gains[k] = smoother_gain(k, filtered[k]);
     }
+    if (lag == 0) return filtered;
     for (std::size_t k = 0; k <= end; ++k) {
         if (lag >= end - k) {
             states[k] = state(k);

@@ -11,7 +11,7 @@
 #include "motion/kalman.h"
 
 // One forward pass of the Kalman filter over an arc and one backward pass of the scores of its
-// measurements [JP98]: the chain from which every figure of a track follows [DK12, 4.4 to 4.7].
+// measurements [JP98]: the chain from which every figure of a track follows [DK12] (4.4 to 4.7).
 //
 // Forward, a and P are the predicted mean and covariance of an epoch. Each coordinate of a measured
 // position has an innovation v of variance f, and the gain k = P z' / f. Backward, r and N are

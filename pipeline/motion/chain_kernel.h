@@ -193,7 +193,7 @@ void carry_information_back(const StepNumbers<double>& f, double* m) {
 
 /// A covariance of measured positions as L D L', with ones on the diagonal of the lower triangular
 /// L. The errors of the coordinates of inverse(L) times a position are independent, of variances D,
-/// so that each can be taken in on its own [DK12, 6.4].
+/// so that each can be taken in on its own [DK12] (6.4).
 template <int Axes>
 struct Whitening {
     double row[static_cast<std::size_t>(Axes)][static_cast<std::size_t>(Axes)];  ///< of inverse(L)

@@ -23,7 +23,7 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
-    EXPECT_EQ(attempt.overrides.size(), 43U);
+    EXPECT_EQ(attempt.overrides.size(), 42U);
 }
 
 TEST(GoldenAttempt, AgreementAndCalibration) {
@@ -89,7 +89,6 @@ TEST(GoldenAttempt, Screening) {
     EXPECT_EQ(screen.at("power"), 0.95);
     EXPECT_EQ(screen.at("burst_epochs_max"), 12);
     EXPECT_EQ(screen.at("noise"), "stated");
-    EXPECT_EQ(screen.at("steps"), "bridge");
     EXPECT_EQ(screen.at("acceleration_max_m_s2"), 12.5);
     EXPECT_EQ(screen.at("jerk_max_m_s3"), 125);
     EXPECT_EQ(screen.at("vertical_rate_max_m_s"), 2.5);

@@ -234,7 +234,8 @@ TYPED_TEST(DiagnosisAgainstDense, AStepThatWasFoundIsTestedAsIfItWereNot) {
         known[k].step_before = true;
         const auto unknown = this->diagnosis.step(k);
         const auto found = Chain<TestFixture::axes>(known, test::singer_with_error).known_step(k);
-        EXPECT_NEAR(found.statistic(), unknown.statistic(), 1e-4 * unknown.statistic()) << k;
+        // The vague prior of the offset takes half the digits.
+        EXPECT_NEAR(found.statistic(), unknown.statistic(), 0.02) << k;
         EXPECT_LT((found.estimate() - unknown.estimate()).norm(), 1e-4 * unknown.estimate().norm())
             << k;
     }

@@ -123,7 +123,6 @@ TEST(AttemptScreening, HasItsDefaults) {
     EXPECT_EQ(screen.at("power"), 0.8);
     EXPECT_EQ(screen.at("burst_epochs_max"), 20);
     EXPECT_EQ(screen.at("noise"), "fitted");
-    EXPECT_EQ(screen.at("steps"), "end_arc");
     EXPECT_EQ(screen.at("velocity_delay_max_s"), 1.0);
     EXPECT_EQ(screen.at("velocity_share_max"), 0.05);
     EXPECT_EQ(screen.at("satellites_min"), 5);

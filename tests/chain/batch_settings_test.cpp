@@ -256,6 +256,8 @@ TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {
         schema, changes,
         {{"schema", "as of an attempt"},
          {"id", "it is the file's name, and another profile is claimed by another"},
+         {"extends", "the rule is written out before any step sees it"},
+         {"leaves_out[]", "as extends"},
          {"superseded_by", "what replaces a rule is named, and nothing of it is read"}});
 }
 

@@ -104,6 +104,26 @@ TEST(Likelihood, IsTheDensityOfTheMeasurementsGivenTheFirstThree) {
         }
 }
 
+/// An arc whose positions are as accurate east as north, but for rounding.
+std::vector<ArcEpoch<2>> with_axes_alike(std::vector<ArcEpoch<2>> arc, double rounding) {
+    for (ArcEpoch<2>& epoch : arc)
+        if (epoch.measurement) {
+            Eigen::Matrix2d& covariance = epoch.measurement->covariance;
+            covariance = covariance(0, 0) * Eigen::Matrix2d::Identity();
+            covariance(1, 1) *= 1.0 + rounding;
+        }
+    return arc;
+}
+
+TEST(Likelihood, OfAxesThatAreAlikeIsThatOfBoth) {
+    expect_conditional_density(singer_with_error, with_axes_alike(sample_arc<2>(14, 7), 0.0));
+    expect_conditional_density(singer_with_error, with_axes_alike(sample_arc<2>(14, 7), 1e-3));
+    const InnovationSums same = sums_of(with_axes_alike(sample_arc<2>(60), 0.0), singer_with_error);
+    const InnovationSums rounded =
+        sums_of(with_axes_alike(sample_arc<2>(60), 1e-7), singer_with_error);
+    EXPECT_NEAR(rounded.log_likelihood(), same.log_likelihood(), 1e-5);
+}
+
 /// The same sums from the filter in plain form.
 template <int Axes>
 InnovationSums plain_sums(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model) {

@@ -50,7 +50,7 @@ TEST_F(Signing, RefusesAReportOfAnotherVersion) {
         nlohmann::json::parse(report)["predicate"]["schema"]["version"];  // as of this program
     const std::string field = "\"version\": \"" + version + "\"";
     for (const char* other : {"9.0", "1.1", "0.9"}) {
-        const std::string said = fmt::format("the report is of version \"{}\"", other);
+        const std::string said = fmt::format("The report is of version \"{}\"", other);
         change("report.json", field, fmt::format("\"version\": \"{}\"", other));
         expect_refused(sign("measurer", "measurer"), {said, "Certify the recording again"});
         const ProcessResult result = verify({"--roster", roster()});
@@ -59,7 +59,7 @@ TEST_F(Signing, RefusesAReportOfAnotherVersion) {
         write_file_atomically(run() / "report.json", report);
     }
     change("report.json", "measurement-report:1.0", "measurement-report:2.0");
-    expect_refused(sign("measurer", "measurer"), {"the report is of version \"2.0\""});
+    expect_refused(sign("measurer", "measurer"), {"The report is of version \"2.0\""});
 }
 
 TEST_F(Signing, RefusesAFolderWithoutAReport) {

@@ -72,7 +72,7 @@ TEST_F(TamperedRun, AFileOfAnotherVersionIsCalledThat) {
     change("3-screened.ecsv", "version: \"1.0\"", "version: \"1.7\"");
     fix_hash("3-screened.ecsv");
     EXPECT_TRUE(says(layer(found(), "schemas"),
-                     "3-screened.ecsv: version \"1.7\" of the schema screened is not known"));
+                     R"(3-screened.ecsv: version \"1.7\" of the schema screened is not known)"));
 }
 
 TEST_F(TamperedRun, ExtraFilesAndLinksAreNamed) {

@@ -311,39 +311,6 @@ class Fit {
         return std::sqrt(sum / static_cast<double>(count));
     }
 
-    /// The negative curvature of the log-likelihood over the logarithms of the free parameters
-    /// (indices into y), by central differences. Mixed ones are taken along the diagonal only,
-    /// which needs two points instead of four.
-    Eigen::MatrixXd information_at(const Point& y, const std::vector<std::size_t>& free) {
-        constexpr double h = 0.05;
-        std::vector<Point> points{y};
-        const auto add = [&](std::size_t i, std::size_t j, double move) {
-            Point& moved = points.emplace_back(y);
-            moved[i] += move;
-            if (j != i) moved[j] += move;
-        };
-        const auto n = static_cast<Eigen::Index>(free.size());
-        for (std::size_t a = 0; a < free.size(); ++a) {
-            for (std::size_t b = 0; b <= a; ++b) {
-                add(free[a], free[b], h);
-                add(free[a], free[b], -h);
-            }
-        }
-        const std::vector<double> seen = whole_.absolute_log_likelihoods(points);
-        auto next = seen.begin();
-        const double middle = *next++;
-        // First from moves of one parameter, or of two together.
-        Eigen::MatrixXd information(n, n);
-        for (Eigen::Index a = 0; a < n; ++a)
-            for (Eigen::Index b = 0; b <= a; ++b, next += 2)
-                information(a, b) = -(next[0] - 2.0 * middle + next[1]) / (h * h);
-        for (Eigen::Index a = 0; a < n; ++a)
-            for (Eigen::Index b = 0; b < a; ++b)
-                information(a, b) = information(b, a) =
-                    0.5 * (information(a, b) - information(a, a) - information(b, b));
-        return information;
-    }
-
     /// Covariance of the parameters in `among`, all others being known, from their joint
     /// information. Empty if that information is not positive definite.
     static std::optional<Eigen::MatrixXd> covariance_among(const Eigen::MatrixXd& information,
@@ -380,7 +347,12 @@ class Fit {
             if (!parameter.at_bound && (!of_error || fit.correlated_error_detected))
                 free.push_back(i);
         }
-        const Eigen::MatrixXd information = information_at(y, free);
+        // The negative curvature of the log-likelihood over the logarithms of the parameters.
+        constexpr double h = 0.05;
+        const Eigen::MatrixXd information =
+            -quadratic_through(whole_.absolute_log_likelihoods(points_about(y, free, h)),
+                               free.size(), h)
+                 .curvature;
         std::vector<Eigen::Index> among(free.size());
         std::iota(among.begin(), among.end(), 0);
         auto covariance = covariance_among(information, among);

@@ -61,6 +61,35 @@ const Best& best_of(const std::vector<GridPoint>& grid) {
         ->best;
 }
 
+std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h) {
+    std::vector<Point> points{x};
+    for (std::size_t a = 0; a < free.size(); ++a)
+        for (std::size_t b = 0; b <= a; ++b)
+            for (const double move : {h, -h}) {
+                Point& moved = points.emplace_back(x);
+                moved[free[a]] += move;
+                if (b != a) moved[free[b]] += move;
+            }
+    return points;
+}
+
+Quadratic quadratic_through(const std::vector<double>& values, std::size_t free, double h) {
+    const auto n = static_cast<Eigen::Index>(free);
+    Quadratic found{Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
+    auto next = values.begin() + 1;
+    // First the curvature along moves of one parameter, or of two together.
+    for (Eigen::Index a = 0; a < n; ++a)
+        for (Eigen::Index b = 0; b <= a; ++b, next += 2) {
+            found.curvature(a, b) = (next[0] - 2.0 * values.front() + next[1]) / (h * h);
+            if (a == b) found.slope(a) = (next[0] - next[1]) / (2.0 * h);
+        }
+    for (Eigen::Index a = 0; a < n; ++a)
+        for (Eigen::Index b = 0; b < a; ++b)
+            found.curvature(a, b) = found.curvature(b, a) =
+                0.5 * (found.curvature(a, b) - found.curvature(a, a) - found.curvature(b, b));
+    return found;
+}
+
 template <int Axes>
 std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& points) {
     evaluations_ += std::ssize(points);
@@ -75,48 +104,6 @@ std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& poin
 }
 
 namespace {
-
-/// A quadratic through the log-likelihoods about a point, over its free parameters.
-struct Quadratic {
-    Eigen::VectorXd slope;
-    Eigen::MatrixXd curvature;
-};
-
-/// The points about `x` that a quadratic needs, `x` itself the first.
-std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h) {
-    std::vector<Point> points{x};
-    const auto add = [&](std::size_t i, std::size_t j, double move) {
-        Point& moved = points.emplace_back(x);
-        moved[i] += move;
-        if (j != i) moved[j] += move;
-    };
-    for (std::size_t a = 0; a < free.size(); ++a) {
-        add(free[a], free[a], h);
-        add(free[a], free[a], -h);
-        for (std::size_t b = 0; b < a; ++b)
-            add(free[a], free[b], h);
-    }
-    return points;
-}
-
-Quadratic quadratic_through(const std::vector<Best>& seen, std::size_t free, double h) {
-    const auto n = static_cast<Eigen::Index>(free);
-    Quadratic found{Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
-    Eigen::VectorXd above(n);
-    const double here = seen.front().log_likelihood;
-    auto next = seen.begin() + 1;
-    for (Eigen::Index a = 0; a < n; ++a) {
-        above(a) = next[0].log_likelihood;
-        const double below = next[1].log_likelihood;
-        next += 2;
-        found.slope(a) = (above(a) - below) / (2.0 * h);
-        found.curvature(a, a) = (above(a) - 2.0 * here + below) / (h * h);
-        for (Eigen::Index b = 0; b < a; ++b)
-            found.curvature(a, b) = found.curvature(b, a) =
-                ((next++)->log_likelihood - above(a) - above(b) + here) / (h * h);
-    }
-    return found;
-}
 
 /// Newton's step to the top of a quadratic, no longer than `reach`. Along a direction that curves
 /// upwards, or hardly at all, it goes uphill.
@@ -153,7 +140,10 @@ Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is
     for (int round = 0; round < rounds && !converged_; ++round) {
         const std::vector<Best> seen = evaluate_all(points_about(x, free, h));
         if (round == 0) best = seen.front();
-        Quadratic about = quadratic_through(seen, free.size(), h);
+        std::vector<double> values;
+        for (const Best& one : seen)
+            values.push_back(one.log_likelihood);
+        Quadratic about = quadratic_through(values, free.size(), h);
         // A parameter stays at its limit where the slope leads beyond it.
         for (std::size_t a = 0; a < free.size(); ++a) {
             const auto i = static_cast<Eigen::Index>(a);

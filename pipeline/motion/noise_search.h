@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <limits>
 #include <vector>
 
@@ -54,6 +55,19 @@ struct GridPoint {
 
 /// The grid point of the largest likelihood.
 const Best& best_of(const std::vector<GridPoint>& grid);
+
+/// A quadratic through log-likelihoods about a point, over its free parameters.
+struct Quadratic {
+    Eigen::VectorXd slope;
+    Eigen::MatrixXd curvature;
+};
+
+/// The points about `x` that a quadratic over the parameters `free` (indices) needs, `x` the first.
+std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h);
+
+/// The quadratic through the values at `points_about`, by central differences. Mixed ones are taken
+/// along the diagonal only, which needs two points instead of four.
+Quadratic quadratic_through(const std::vector<double>& values, std::size_t free, double h);
 
 /// Searches for the maximum likelihood of a set of arcs.
 template <int Axes>

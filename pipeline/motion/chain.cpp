@@ -63,7 +63,7 @@ StateEstimate<Axes> Chain<Axes>::Epoch::filtered() const {
     StateEstimate<Axes> estimate = predicted;
     if (!measured) return estimate;
     for (int j = 0; j < Axes; ++j) {
-        const auto& one = seen.coordinates[static_cast<std::size_t>(j)];
+        const auto& one = seen.coordinates[j];
         const double weight = one.innovation / one.variance;
         for (int i = 0; i < state_size<Axes>; ++i)
             estimate.mean(i) += one.cross[i] * weight;
@@ -86,7 +86,7 @@ template <int Axes>
 typename Chain<Axes>::Positions Chain<Axes>::Epoch::gain() const {
     Positions gain;
     for (int j = Axes; j-- > 0;) {
-        const auto& one = seen.coordinates[static_cast<std::size_t>(j)];
+        const auto& one = seen.coordinates[j];
         for (int i = 0; i < state_size<Axes>; ++i)
             gain(i, j) = one.cross[i] / one.variance;
         // What the later coordinates take back of this one's change.
@@ -147,7 +147,7 @@ void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
     PositionVector<Axes> scores;
     PositionMatrix<Axes> precisions;
     for (int j = Axes; j-- > 0;) {
-        const auto& one = epoch.seen.coordinates[static_cast<std::size_t>(j)];
+        const auto& one = epoch.seen.coordinates[j];
         const StateVector<Axes> gain =
             Eigen::Map<const StateVector<Axes>>(one.cross.data()) / one.variance;
         scores(j) = one.innovation / one.variance - gain.dot(epoch.score);
@@ -155,7 +155,7 @@ void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
         const double precision = 1.0 / one.variance + gain.dot(informed);
         precisions(j, j) = precision;
         for (int i = 0; i < j; ++i) {
-            const auto& earlier = epoch.seen.coordinates[static_cast<std::size_t>(i)];
+            const auto& earlier = epoch.seen.coordinates[i];
             const StateVector<Axes> its_gain =
                 Eigen::Map<const StateVector<Axes>>(earlier.cross.data()) / earlier.variance;
             precisions(i, j) = precisions(j, i) =
@@ -333,7 +333,7 @@ std::vector<PositionVector<Axes>> Chain<Axes>::weights(std::size_t s,
         const Epoch& epoch = epochs_[k];
         if (is_given(k)) carried += epoch.predicted.covariance * gradients[k - s];
         for (int j = 0; epoch.measured && j < Axes; ++j) {
-            const auto& one = epoch.seen.coordinates[static_cast<std::size_t>(j)];
+            const auto& one = epoch.seen.coordinates[j];
             weights[k](j) =
                 kernel::observed<Axes>(epoch.seen.white, j, carried.data()) / one.variance;
             carried -= weights[k](j) * Eigen::Map<const StateVector<Axes>>(one.cross.data());
@@ -345,7 +345,7 @@ std::vector<PositionVector<Axes>> Chain<Axes>::weights(std::size_t s,
         const Epoch& epoch = epochs_[k];
         if (k + 1 < size()) kernel::carry_back<Axes>(step_after(k), back.data());
         for (int j = Axes; epoch.measured && j-- > 0;) {
-            const auto& one = epoch.seen.coordinates[static_cast<std::size_t>(j)];
+            const auto& one = epoch.seen.coordinates[j];
             weights[k](j) +=
                 back.dot(Eigen::Map<const StateVector<Axes>>(one.cross.data())) / one.variance;
             kernel::add_observed<Axes>(epoch.seen.white, j, -weights[k](j), back.data());
@@ -377,7 +377,7 @@ std::vector<LanePositions<Axes, Lanes>> Chain<Axes>::positions_of(
         for (std::size_t a = 0; a < Axes; ++a)
             positions[k][a] = state[a];
         for (int j = 0; j < Axes; ++j) {
-            const auto& one = seen.coordinates[static_cast<std::size_t>(j)];
+            const auto& one = seen.coordinates[j];
             const One missed = kernel::whitened<Axes>(seen.white, j, [&](int axis) -> One {
                 const auto a = static_cast<std::size_t>(axis);
                 return measured[k][a] - state[a] - state[3 * Axes + a];
@@ -394,7 +394,7 @@ std::vector<LanePositions<Axes, Lanes>> Chain<Axes>::positions_of(
         const Epoch& epoch = epochs_[k];
         if (k + 1 < size()) kernel::carry_back<Axes>(step_after(k), state.data());
         for (int j = Axes; j-- > 0;) {
-            const auto& one = epoch.seen.coordinates[static_cast<std::size_t>(j)];
+            const auto& one = epoch.seen.coordinates[j];
             One own = state[0] * one.cross[0];
             for (std::size_t i = 1; i < state.size(); ++i)
                 own += state[i] * one.cross[static_cast<int>(i)];

@@ -239,7 +239,7 @@ void Chain<Axes>::carry_back(std::size_t k, Matrix& matrix) const {
     if (!epochs_[k].measured) return;
     const Innovation<Axes>& seen = epochs_[k].seen;
     for (int j = Axes; j-- > 0;) {
-        const auto& one = seen.coordinates[static_cast<std::size_t>(j)];
+        const auto& one = seen.coordinates[j];
         for (Eigen::Index column = 0; column < matrix.cols(); ++column) {
             double* const at = matrix.col(column).data();
             double along = 0.0;

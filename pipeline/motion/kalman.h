@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -53,7 +52,7 @@ inline constexpr double vague_position_sigma_m = 100.0;
 template <int Axes>
 struct Innovation {
     kernel::Whitening<Axes> white;
-    std::array<kernel::Compared<Axes, double>, static_cast<std::size_t>(Axes)> coordinates;
+    kernel::Numbers<kernel::Compared<Axes, double>, Axes> coordinates;
     /// Whether it tests the model. It does not where the measurement only determines the motion at
     /// the beginning of the arc, or the offset after a step.
     bool tests_model = true;

@@ -134,7 +134,7 @@ InnovationSums plain_sums(const std::vector<ArcEpoch<Axes>>& arc, const Estimati
                            const StateEstimate<Axes>&) {
                            if (!seen || !seen->tests_model) return;
                            sums.statistic += seen->statistic();
-                           for (const auto& one : seen->coordinates)
+                           for (const auto& one : seen->coordinates.values)
                                sums.log_determinant += std::log(one.variance);
                            sums.values += Axes;
                        });

@@ -45,11 +45,6 @@ std::span<const LeapSecondStep> leap_second_table() {
     return table;
 }
 
-std::string_view leap_second_source() {
-    return "IERS Bulletin C, as in leap-seconds.list of the Paris Observatory, which expires on "
-           "28 June 2027";
-}
-
 CalendarTime leap_seconds_known_until() {
     return {.year = 2027, .month = 6, .day = 28};
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include "core/gps_time.h"
 
@@ -16,11 +15,8 @@ struct LeapSecondStep {
 };
 
 /// Every step of GPS - UTC from the GPS epoch (0 s) to the latest (18 s since 2017-01-01), in
-/// order.
+/// order: IERS Bulletin C, as in leap-seconds.list of the Paris Observatory.
 std::span<const LeapSecondStep> leap_second_table();
-
-/// The source of the table, for a report.
-std::string_view leap_second_source();
 
 /// The UTC day up to which no further leap second can occur: the expiry of the source, 2027-06-28.
 CalendarTime leap_seconds_known_until();

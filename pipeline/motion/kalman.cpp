@@ -29,21 +29,13 @@ template <int Axes>
 void KalmanFilter<Axes>::prepare(const StepKind& kind) {
     if (kind == kind_) return;
     kind_ = kind;
-    const AxisStep step = axis_step(model_, kind);
-    numbers_ = kernel::numbers_of(step);
-    transition_ = runcert::transition<Axes>(step);
+    numbers_ = kernel::numbers_of(axis_step(model_, kind));
 }
 
 template <int Axes>
 const kernel::StepNumbers<double>& KalmanFilter<Axes>::numbers_of(const StepKind& kind) {
     prepare(kind);
     return numbers_;
-}
-
-template <int Axes>
-const StateMatrix<Axes>& KalmanFilter<Axes>::transition_of(const StepKind& kind) {
-    prepare(kind);
-    return transition_;
 }
 
 template <int Axes>

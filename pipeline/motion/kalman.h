@@ -85,8 +85,8 @@ class KalmanFilter {
     /// Propagates the estimate by `dt_s` seconds at the model's own jerk density.
     StateEstimate<Axes> predict(StateEstimate<Axes> estimate, double dt_s);
 
-    /// Propagates the estimate from epoch `from` to the arc's next epoch `to`. Across a bridged
-    /// step the position becomes as vague as in the prior, in the frame of the offset positions.
+    /// Propagates the estimate from epoch `from` to the arc's next epoch `to`. Across a step of
+    /// the positions they become as vague as in the prior.
     void carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                   const ArcEpoch<Axes>& to);
 
@@ -94,9 +94,8 @@ class KalmanFilter {
     Innovation<Axes> take_in(StateEstimate<Axes>& estimate,
                              const PositionMeasurement<Axes>& measurement) const;
 
-    /// For a kind of step: the five numbers of its transition, and its transition for all axes.
+    /// For a kind of step: the five numbers of its transition.
     const kernel::StepNumbers<double>& numbers_of(const StepKind& kind);
-    const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
   private:
     void prepare(const StepKind& kind);
@@ -105,7 +104,6 @@ class KalmanFilter {
     EstimationModel model_;
     StepKind kind_;
     kernel::StepNumbers<double> numbers_;
-    StateMatrix<Axes> transition_;
 };
 
 /// Number of measurements at the beginning of an arc that cannot test the model, because the prior
@@ -113,7 +111,7 @@ class KalmanFilter {
 inline constexpr int measurements_of_the_prior = 3;
 
 /// Counts the unknowns that measurements must determine before they test the model: the motion at
-/// the beginning of an arc, and the offset after a bridged step.
+/// the beginning of an arc, and the offset after a step.
 class UnknownsToTell {
   public:
     /// Of consecutive steps without a measurement between them, only the sum of the offsets can be

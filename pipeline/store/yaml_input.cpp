@@ -98,8 +98,5 @@ std::optional<double> YamlValue::optional_real() const {
 std::optional<std::int64_t> YamlValue::optional_integer() const {
     return exists() ? std::optional(integer()) : std::nullopt;
 }
-std::optional<std::string> YamlValue::optional_text() const {
-    return exists() ? std::optional(text()) : std::nullopt;
-}
 
 }  // namespace runcert

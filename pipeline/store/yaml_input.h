@@ -43,7 +43,6 @@ class YamlValue {
     std::string text_or(std::string fallback) const { return exists() ? text() : fallback; }
     std::optional<double> optional_real() const;
     std::optional<std::int64_t> optional_integer() const;
-    std::optional<std::string> optional_text() const;
 
     const std::string& path() const { return path_; }
     const YamlNode& node() const { return node_; }

@@ -23,6 +23,7 @@
 #include "trust/roster.h"
 #include "trust/signing.h"
 #include "trust/ssh_signature.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {
@@ -236,6 +237,7 @@ int sign_answers(const AttestOptions& options) {
 }
 
 int attest(const AttestOptions& options) {
+    require_known_versions(options.run_dir);
     require_own_roster(
         options.roster, options.run_dir,
         options.signs() ? !options.no_render : options.render && options.roster.empty());

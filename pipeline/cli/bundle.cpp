@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "run/run_lock.h"
 #include "store/atomic_file.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {
@@ -25,6 +26,7 @@ struct BundleOptions {
 };
 
 int bundle(const BundleOptions& options) {
+    require_known_versions(options.run_dir);
     require_own_roster(options.roster, options.run_dir, true);
     BundleInput input{.run_dir = options.run_dir};
     input.public_keys.assign(options.public_keys.begin(), options.public_keys.end());

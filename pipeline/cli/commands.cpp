@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 int run_companion(const std::string& name, const std::vector<std::string>& arguments,
                   const PassedOptions& options) {
+    if (!arguments.empty()) require_known_versions(arguments.front());
     std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
     for (const auto& [option, value] : options)

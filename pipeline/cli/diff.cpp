@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "reports/diff/run_difference.h"
 #include "reports/document/document_text.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {
@@ -18,6 +19,8 @@ struct DiffOptions {
 };
 
 int diff(const DiffOptions& options) {
+    require_known_versions(options.run_a);
+    require_known_versions(options.run_b);
     const RunDifference difference = difference_of_runs(options.run_a, options.run_b);
     if (options.json)
         fmt::print("{}\n",

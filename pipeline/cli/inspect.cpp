@@ -114,8 +114,9 @@ void add_inspect(CLI::App& app, Command& chosen) {
                         "same name beside them");
     command->add_flag("--json", options->json,
                       "one JSON document instead of text; of several recordings a list");
-    command->add_option("--plot", options->plot,
-                        "draw speed, track, height, stated uncertainty and gaps as one page (HTML)");
+    command->add_option(
+        "--plot", options->plot,
+        "draw speed, track, height, stated uncertainty and gaps as one page (HTML)");
     command->callback([&chosen, options] { chosen = [options] { return inspect(*options); }; });
 }
 

@@ -71,10 +71,10 @@ std::optional<std::string> missing_part(const TableComparison& table) {
     const auto comes_first = [&](const std::optional<std::size_t>& line, std::size_t of_cell) {
         return line && (!cell || *line < of_cell);
     };
-    if (comes_first(table.only_b_line, cell ? cell->row.line_b : 0))
+    if (comes_first(table.only_b_line, cell ? static_cast<std::size_t>(cell->row.line_b) : 0))
         return fmt::format("line {}, column time: no row of that time when recomputed",
                            *table.only_b_line);
-    if (comes_first(table.only_a_line, cell ? cell->row.line_a : 0))
+    if (comes_first(table.only_a_line, cell ? static_cast<std::size_t>(cell->row.line_a) : 0))
         return fmt::format("column time: no row in the folder like line {} recomputed",
                            *table.only_a_line);
     return std::nullopt;

@@ -153,15 +153,34 @@ class Fit {
     }
 
     /// Adds the acceleration's correlation time. The Gauss-Markov error stays out unless one is
-    /// detected.
+    /// detected. Where it is, the two times trade off against each other, and the likelihood may
+    /// have several maxima: each of three correlation times of the error, of the same diffusion,
+    /// leads to one.
     Best find_singer(NoiseSearch<Axes>& search, const Best& persistent) {
+        const bool with_error = persistent.x.size() > 1;
         Point x = persistent.x;
-        if (x.size() == 1) {
+        if (!with_error) {
             x.push_back(std::log(error_sigma_min_m));
             x.push_back(std::log(options_.tau_min_s));
         }
-        x.push_back(std::log(3.0));
-        return search.maximise(x, free_of_singer(persistent.x.size() > 1));
+        std::vector<double> error_times{x[2]};
+        if (with_error)
+            error_times.insert(error_times.end(),
+                               {std::log(options_.tau_min_s), std::log(options_.tau_max_s)});
+        Best best;
+        for (const double log_tau : error_times) {
+            std::vector<Point> starts;
+            for (const double acceleration_time_s : {0.7, 3.0, 12.0}) {
+                Point& start = starts.emplace_back(x);
+                start[1] += 0.5 * (log_tau - x[2]);
+                start[2] = log_tau;
+                start.push_back(std::log(acceleration_time_s));
+            }
+            const Best found =
+                search.maximise(search.best_of(starts).x, free_of_singer(with_error));
+            if (found.log_likelihood > best.log_likelihood) best = found;
+        }
+        return best;
     }
     static std::vector<bool> free_of_singer(bool correlated_error_detected) {
         return {true, correlated_error_detected, correlated_error_detected, true};

@@ -198,14 +198,16 @@ double NoiseSearch<Axes>::upper_bound(std::size_t i) const {
 }
 
 template <int Axes>
+Best NoiseSearch<Axes>::best_of(const std::vector<Point>& points) {
+    return std::ranges::max(evaluate_all(points), {}, &Best::log_likelihood);
+}
+
+template <int Axes>
 Best NoiseSearch<Axes>::fit_white() {
     std::vector<Point> points;
     for (double x = lower_bound(0); x <= upper_bound(0); x += 1.0)
         points.push_back({x});
-    Best best;
-    for (const Best& one : evaluate_all(points))
-        if (one.log_likelihood > best.log_likelihood) best = one;
-    return maximise(best.x);
+    return maximise(best_of(points).x);
 }
 
 /// The likelihood's maximum over the jerk density alone, from a parabola through three points

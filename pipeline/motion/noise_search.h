@@ -90,6 +90,9 @@ class NoiseSearch {
         return maximise(start, std::vector<bool>(start.size(), true));
     }
 
+    /// Of some points the one of the largest likelihood.
+    Best best_of(const std::vector<Point>& points);
+
     /// The grid around a point. For each size and correlation time of the error that is not
     /// hopeless, it holds the largest likelihood over the jerk density.
     std::vector<GridPoint> evaluate_grid(const Best& start, double acceleration_time_s);

@@ -102,6 +102,10 @@ VerificationStep verify_rules(const std::filesystem::path& run_dir);
 /// for all of this; what can be checked is checked here.
 VerificationStep verify_report(const std::filesystem::path& run_dir, const ReportFacts& report);
 
+/// Failure, naming the file, where something in a run folder is of another version than this program
+/// reads: a product, the attempt, a rule or the report.
+void require_known_versions(const std::filesystem::path& run_dir);
+
 /// Whether attempt, rules, stage files and report follow schemas that this program knows, in every
 /// field and row.
 VerificationStep verify_schemas(const std::filesystem::path& run_dir, const ReportFacts& report);

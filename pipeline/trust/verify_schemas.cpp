@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/failure.h"
 #include "core/prose.h"
@@ -119,6 +120,28 @@ void check_rules(const fs::path& run_dir, VerificationStep& step) {
 }
 
 }  // namespace
+
+void require_known_versions(const fs::path& run_dir) {
+    if (!fs::is_directory(run_dir)) return;
+    const auto is_there = [&](const std::string& name) {
+        return fs::is_regular_file(fs::symlink_status(run_dir / name));
+    };
+    std::set<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(run_dir))
+        names.insert(entry.path().filename().string());
+    for (const std::string& name : names) {
+        if (!is_there(name)) continue;
+        const fs::path file = run_dir / name;
+        if (is_product_name(name))
+            require_known_version(FileView(file).bytes(), name, file.string());
+        else if (name == attempt_copy_name)
+            (void)parse_input(read_handwritten(file), file.string(), attempt_schema());
+        else if (name.starts_with("profile.") && name.ends_with(".yaml"))
+            (void)parse_input(read_handwritten(file), file.string(), profile_schema());
+        else if (name == "report.json")
+            (void)read_report_facts(run_dir);
+    }
+}
 
 VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& report) {
     Findings findings;

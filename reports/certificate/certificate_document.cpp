@@ -8,9 +8,10 @@
 #include "core/text.h"
 
 namespace runcert {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 void add_if_any(Document& document, Section section) {
     if (!section.blocks.empty()) document.sections.push_back(std::move(section));

@@ -14,9 +14,10 @@
 #include "reports/words/recording.h"
 
 namespace runcert {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 /// What must be seen before anything else.
 void add_cautions(Section& page, const ReportInputs& inputs) {

@@ -10,9 +10,10 @@
 #include "reports/words/outcome.h"
 
 namespace runcert {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 std::string value_text(const Json& value) {
     if (value.is_string()) return value.get<std::string>();

@@ -7,9 +7,10 @@
 #include "reports/words/recording.h"
 
 namespace runcert {
-namespace {
 
 using Json = nlohmann::ordered_json;
+
+namespace {
 
 /// The same rule by each receiver, where there are several.
 void add_receivers(Section& section, const ReportInputs& inputs, const RuleView& rule) {

@@ -77,7 +77,9 @@ std::string how(const ClauseView& view) {
     return words;
 }
 
-std::string certainty_words(Certainty certainty) {
+std::string certainty_words(Certainty certainty, RuleOrigin origin) {
+    if (origin == RuleOrigin::own)
+        return "The attempt's own rule says so; nobody checked whether a body's does.";
     switch (certainty) {
         case Certainty::quoted:
             return "These are the rule's own words, or this program's own rule.";
@@ -139,10 +141,12 @@ std::vector<std::string> ClauseView::answers() const {
 Section clause_section(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
     const std::string name = fmt::format("{}/{}", view.of.verdict.profile, requirement.clause);
-    Block told = facts({{"The rule", requirement.text},
-                        {"Its source", fmt::format("{} {}", sentence(source_text(requirement)),
-                                                   certainty_words(requirement.certainty))},
-                        {"Decided by", computation_words(view)}});
+    Block told =
+        facts({{"The rule", requirement.text},
+               {"Its source",
+                fmt::format("{} {}", sentence(source_text(requirement)),
+                            certainty_words(requirement.certainty, view.of.profile.origin))},
+               {"Decided by", computation_words(view)}});
     for (const Figure& figure : requirement.figures)
         add_fact(told, "Figure", sentence(figure_text(figure)));
     add_fact(told, "Limit", view.limit());

@@ -75,9 +75,15 @@ YamlValue parse_input(std::string_view text, const std::string& where,
         document.fail(fmt::format("this is not {} {}", name == "attempt" ? "an" : "a", name),
                       remedy);
     const YamlValue written = document["schema"];
-    if (!written.exists() || written.text() != follows)
-        (written.exists() ? written : document)
-            .fail("the file does not say that it follows " + follows, remedy);
+    if (!written.exists())
+        document.fail("the file does not say that it follows " + follows, remedy);
+    if (const std::string said = written.text(); said.starts_with(name + "/") && said != follows)
+        written.fail(
+            fmt::format("version \"{}\" of {} is not known, this program reads {}",
+                        escape_for_message(said.substr(name.size() + 1)), name, schema.version()),
+            fmt::format("Write it as {}, by the fields of that version", follows));
+    else if (said != follows)
+        written.fail("the file does not say that it follows " + follows, remedy);
     return document;
 }
 

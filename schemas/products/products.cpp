@@ -108,10 +108,21 @@ bool is_product_name(std::string_view file) {
     return file.size() > 2 && file[0] >= '1' && file[0] <= '9' && file[1] == '-';
 }
 
+namespace {
+
+YamlValue header_of(std::string_view text, std::string_view file, const std::string& where) {
+    if (file.ends_with(".ecsv")) return YamlValue(EcsvReader(text, where).meta(), where);
+    return YamlValue(parse_yaml(text, where), where);
+}
+
+}  // namespace
+
 Header read_product_header(std::string_view text, std::string_view file, const std::string& where) {
-    if (file.ends_with(".ecsv"))
-        return read_header(YamlValue(EcsvReader(text, where).meta(), where));
-    return read_header(YamlValue(parse_yaml(text, where), where));
+    return read_header(header_of(text, file, where));
+}
+
+void require_known_version(std::string_view text, std::string_view file, const std::string& where) {
+    check_version(header_of(text, file, where), product_fields(file));
 }
 
 void check_product(std::string_view text, std::string_view file, const std::string& where) {

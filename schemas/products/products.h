@@ -16,6 +16,9 @@ bool is_product_name(std::string_view file);
 /// The header of a product. `where` names it in messages. Failure where it cannot be read.
 Header read_product_header(std::string_view text, std::string_view file, const std::string& where);
 
+/// Failure where a product is of another version of its schema than this program reads.
+void require_known_version(std::string_view text, std::string_view file, const std::string& where);
+
 /// Reads the whole of a product as the stages do, and forgets it. Failure where it is not of the
 /// schema that belongs to its name, of a version that is not known, or deviates from it anywhere.
 void check_product(std::string_view text, std::string_view file, const std::string& where);

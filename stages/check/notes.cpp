@@ -176,7 +176,9 @@ void add_contradictions(const ClauseContext& context, Notes& notes) {
 void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
-        notes.push_back("There is no window because " + windows.missing + ".");
+        notes.push_back(windows.missing.ends_with('.')
+                            ? "There is no window. " + windows.missing
+                            : "There is no window because " + windows.missing + ".");
     add_contradictions(context, notes);
     if (windows.fastest && std::ranges::none_of(windows.fastest->witnesses, &contradicts))
         say(notes,

@@ -80,11 +80,10 @@ std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
     return windows;
 }
 
-std::string why_no_course_window(const std::vector<SampleSeries>& series,
-                                 const SurveyedCourse& gates) {
+std::string refused_passage(const std::vector<SampleSeries>& series, const SurveyedCourse& gates) {
     for (const Passage& passage : passages(series, gates.start, gates.finish))
         if (!passage.refusal.empty()) return passage.refusal;
-    return why_no_passage(series, gates.start, gates.finish);
+    return {};
 }
 
 namespace {

@@ -20,11 +20,11 @@ struct SurveyedLine {
 /// A track's transition from one side of a gate to the other, between the gate's ends.
 struct Crossing {
     std::size_t series = 0;
-    std::size_t after = 0;  ///< the last sample at or before it
-    ElapsedTime time;       ///< rounded to the nanosecond
-    double fraction = 0.0;  ///< of the step after that sample, in [0, 1]; 0 at the sample
-    bool forward = false;   ///< in the direction of the course
-    double speed_m_s = 0.0; ///< across the line, from the sample before it to the one after
+    std::size_t after = 0;   ///< the last sample at or before it
+    ElapsedTime time;        ///< rounded to the nanosecond
+    double fraction = 0.0;   ///< of the step after that sample, in [0, 1]; 0 at the sample
+    bool forward = false;    ///< in the direction of the course
+    double speed_m_s = 0.0;  ///< across the line, from the sample before it to the one after
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< east, north (m)
 };
 
@@ -54,8 +54,8 @@ struct Passage {
 /// crossing of the finish line in between. The same holds if the finish line is crossed forward
 /// again with no crossing of the start line in between. The passage is then refused, with the times
 /// (s) of all of them. So is a passage with a line crossed below `slowest_crossing_m_s`, where the
-/// track runs along the line or stands on it. Crossings on the way back from the finish line to before the start line do
-/// not count.
+/// track runs along the line or stands on it. Crossings on the way back from the finish line to
+/// before the start line do not count.
 ///
 /// Where both lines are crossed at once the finish comes first, so that one gate can be both, for
 /// laps. Going to and fro over such a gate is then no reason for refusal, because the other line is
@@ -86,9 +86,7 @@ SurveyedCourse surveyed_course(const Course& course, const std::optional<FrameOr
 std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
                                         const SurveyedCourse& gates);
 
-/// The reason why there is no window: the track does not cross a line, or crosses it so often that
-/// it is ambiguous which crossing counts. Empty if there is an unambiguous passage.
-std::string why_no_course_window(const std::vector<SampleSeries>& series,
-                                 const SurveyedCourse& gates);
+/// Why the first passage that is refused was, in sentences. Empty if none was.
+std::string refused_passage(const std::vector<SampleSeries>& series, const SurveyedCourse& gates);
 
 }  // namespace runcert

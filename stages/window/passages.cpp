@@ -84,9 +84,9 @@ std::string count_of(std::size_t count) {
 std::string slow_crossing(std::string_view line, const Crossing& crossing) {
     if (crossing.speed_m_s >= slowest_crossing_m_s) return {};
     return fmt::format(
-        "Where the track crosses the {} line, at {:.3f} s, it runs along that line or stands: the "
-        "time of the crossing is not certain.",
-        line, crossing.time.seconds());
+        "Where the track crosses the {} line, at {:.3f} s, it runs along that line or stands. It "
+        "gets across at less than {} m/s, and the time of the crossing is not certain.",
+        line, crossing.time.seconds(), slowest_crossing_m_s);
 }
 
 std::string ambiguity_of(const std::vector<Crossing>& starts,

@@ -187,8 +187,8 @@ std::vector<Stand> stands_of(const ScreenedTable& screened, const TrajectoryTabl
 
 template <int Axes>
 std::optional<double> standing_error_m(const ScreenedTable& screened,
-                                       const std::vector<Stand>& stands, FixType fix,
-                                       double lag_s, double scale) {
+                                       const std::vector<Stand>& stands, FixType fix, double lag_s,
+                                       double scale) {
     Movement all;
     for (const Stand& stand : stands) {
         if (stand.shown_by == StandSource::positions) continue;
@@ -199,8 +199,8 @@ std::optional<double> standing_error_m(const ScreenedTable& screened,
     }
     const double lasted_s = static_cast<double>(all.pairs) * screened.facts.nominal_interval_s;
     if (all.pairs == 0 || lasted_s < (fewest_spans - 1.0) * lag_s) return std::nullopt;
-    const double correlated_m2 = 0.5 * (all.squares_m2 - scale * scale * all.stated_m2) /
-                                 static_cast<double>(all.pairs);
+    const double correlated_m2 =
+        0.5 * (all.squares_m2 - scale * scale * all.stated_m2) / static_cast<double>(all.pairs);
     return std::sqrt(std::max(0.0, correlated_m2));
 }
 
@@ -225,10 +225,10 @@ std::string standing_text(const std::vector<Stand>& stands) {
     const bool drifts = drift_m_s * stated_lag_s > std::sqrt(stated_m2 / pairs);
     if (alone && !more) return {};
     std::string text =
-        alone ? fmt::format("For {:.0f} s the positions stayed within a metre.", lasted_s)
-              : fmt::format("By its {} the craft stood for {:.0f} s.",
-                            stands.front().shown_by == StandSource::imu ? "IMU" : "wheel",
-                            lasted_s);
+        alone
+            ? fmt::format("For {:.0f} s the positions stayed within a metre.", lasted_s)
+            : fmt::format("By its {} the craft stood for {:.0f} s.",
+                          stands.front().shown_by == StandSource::imu ? "IMU" : "wheel", lasted_s);
     if (drifts)
         text += fmt::format(
             " Its positions moved steadily there, by up to {:.3f} m/s: the craft crept, or they "

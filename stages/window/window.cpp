@@ -286,6 +286,7 @@ struct Choice {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> chosen;
     std::string missing;
+    bool refused = false;  ///< a passage over the course was
 };
 
 /// The data in which a profile's windows are searched.
@@ -324,7 +325,12 @@ Choice choose_passages(const Candidates& among, const Allowance& allowance) {
     const auto wanted = static_cast<std::size_t>(among.profile.windows);
     Choice choice;
     choice.all = course_windows(among.series, *among.gates);
-    if (choice.all.empty()) choice.missing = why_no_course_window(among.series, *among.gates);
+    if (choice.all.empty()) {
+        choice.missing = refused_passage(among.series, *among.gates);
+        choice.refused = !choice.missing.empty();
+        if (!choice.refused)
+            choice.missing = why_no_passage(among.series, among.gates->start, among.gates->finish);
+    }
     make_allowances(choice.all, allowance);
     std::ranges::stable_sort(choice.all, preferred);
     choice.chosen.assign(
@@ -692,7 +698,8 @@ BothWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& tra
     if (choice.chosen.empty())
         if (std::string unfit = unfit_for(screened, profile); !unfit.empty())
             entry.missing = std::move(unfit);
-    if (profile.window_kind == WindowKind::course && choice.chosen.empty() && entry.indicated)
+    if (profile.window_kind == WindowKind::course && choice.chosen.empty() && !choice.refused &&
+        entry.indicated)
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";

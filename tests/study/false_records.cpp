@@ -302,7 +302,7 @@ std::string run_line(const CertifiedRun& run) {
 }
 
 std::string false_records_table(const std::vector<CertifiedRun>& runs) {
-    constexpr std::size_t shown = 20;
+    constexpr std::size_t rows_shown = 20;
     std::map<std::string, KindCount> kinds;
     KindCount all;
     std::vector<const CertifiedRun*> worst;
@@ -327,7 +327,7 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
     });
     if (!failures.empty()) text += "Failed:\n" + failures;
     if (!worst.empty()) text += "Furthest off:\n";
-    for (std::size_t i = 0; i < std::min(shown, worst.size()); ++i)
+    for (std::size_t i = 0; i < std::min(rows_shown, worst.size()); ++i)
         text += run_line(*worst[i]);
     return text;
 }

@@ -134,10 +134,10 @@ double TruePath::speed_m_s(double from_s, double to_s) const {
     return (position(to_s) - position(from_s)).norm() / (to_s - from_s);
 }
 
-double TruePath::fastest_m_s(double duration_s, double interval_s) const {
+double TruePath::fastest_m_s(double lasting_s, double interval_s) const {
     double fastest = 0.0;
-    for (double at_s = 0.0; at_s + duration_s <= length_s() + 0.5 * step_s; at_s += interval_s)
-        fastest = std::max(fastest, speed_m_s(at_s, at_s + duration_s));
+    for (double at_s = 0.0; at_s + lasting_s <= length_s() + 0.5 * step_s; at_s += interval_s)
+        fastest = std::max(fastest, speed_m_s(at_s, at_s + lasting_s));
     return fastest;
 }
 

@@ -22,7 +22,7 @@ struct TruePath {
     double speed_m_s(double from_s, double to_s) const;
     /// The largest displacement over time of all stretches of that duration that begin at a
     /// multiple of the interval, m/s.
-    double fastest_m_s(double duration_s, double interval_s) const;
+    double fastest_m_s(double lasting_s, double interval_s) const;
 
   private:
     std::size_t index(double time_s) const;

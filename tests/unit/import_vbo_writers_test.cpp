@@ -250,7 +250,7 @@ TEST(VboWriters, FieldsWithoutANameStandWhereTheSpeedsFit) {
         Course run;
         run.satellites_first = satellites_first;
         if (satellites_first) run.names = "sats time lat lng velocity heading height";
-        for (const std::size_t at : {0, 1, 2, 3}) {
+        for (const std::size_t at : {0U, 1U, 2U, 3U}) {
             SCOPED_TRACE(at);
             const Observations read = import_vbo(with_field_at(text_of(run), at));
             expect_run(read, run);

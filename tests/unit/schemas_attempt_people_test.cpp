@@ -61,8 +61,9 @@ TEST(UtcOffset, OfAnotherFormIsRefusedWithItsPlaceAndWhatToWrite) {
         {"99999999999999999999", "is not an offset from UTC"},
     };
     for (const auto& [text, said] : cases) {
-        const auto failure = failure_of(
-            [&] { read_attempt(start + "utc_offset: " + std::string(text) + "\n", "f"); });
+        const auto failure = failure_of([&, given = text] {
+            read_attempt(start + "utc_offset: " + std::string(given) + "\n", "f");
+        });
         EXPECT_EQ(failure.where, "f:7:13") << text;
         EXPECT_TRUE(failure.contains(said)) << text << "\n"
                                             << failure.problem << ". " << failure.remedy;

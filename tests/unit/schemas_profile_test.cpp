@@ -70,7 +70,7 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
          "  - {id: c2, text: t, source: s, certainty: quoted, decided_by: accuracy}\n",
          "  []\n", "p:10:3", "the rule requires nothing"},
         {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
-        {"profile/1.0", "profile/2.0", "p:1:9", "does not say that it follows profile/1.0"},
+        {"profile/1.0", "profile/2.0", "p:1:9", "version \"2.0\" of profile is not known"},
         {"profile/1.0", "profile/1.1", "p:1:9",
          "follows profile/1.0. A profile begins with \"schema: profile/1.0\""},
         {"schema: profile/1.0\n", "", "p:1:1", "does not say that it follows profile/1.0"},

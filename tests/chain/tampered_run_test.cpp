@@ -75,6 +75,38 @@ TEST_F(TamperedRun, AFileOfAnotherVersionIsCalledThat) {
                      R"(3-screened.ecsv: version \"1.7\" of the schema screened is not known)"));
 }
 
+TEST_F(TamperedRun, AFileOfAnotherVersionIsRefusedByEveryCommand) {
+    const std::string where = run().string();
+    const std::vector<std::vector<std::string>> commands{
+        {"explain", where},
+        {"audit", where},
+        {"compare", where},
+        {"diff", where, original().string()},
+        {"diff", original().string(), where},
+        {"bundle", where, "--out", path("b.tar.zst").string()},
+        {"attest", where},
+        {"export", where, "--format", "csv", "--out", path("e").string()}};
+    const auto expect_refused = [&](const std::string& file, const std::string& said) {
+        for (const auto& command : commands) {
+            const ProcessResult result = runcert(command);
+            EXPECT_EQ(result.exit_status, 2) << command[0] << " " << file << "\n" << result.output;
+            EXPECT_NE(result.errors.find(said), std::string::npos) << result.errors;
+        }
+    };
+    const std::vector<std::array<std::string, 4>> cases{
+        {"3-screened.ecsv", "version: \"1.0\"", "version: \"1.7\"", "ersion \"1.7\" of the schema"},
+        {"5-windows.yaml", "version: \"1.0\"", "version: \"2.0\"", "ersion \"2.0\" of the schema"},
+        {"attempt.yaml", "attempt/1.0", "attempt/1.3", "ersion \"1.3\" of attempt"},
+        {"report.json", "\"version\": \"1.0\"", "\"version\": \"1.1\"", "of version \"1.1\""}};
+    for (const auto& [file, is, becomes, said] : cases) {
+        const std::string text = read_file(run() / file);
+        change(file, is, becomes);
+        if (file != "report.json") fix_hash(file);
+        expect_refused(file, said);
+        write_file_atomically(run() / file, text);
+    }
+}
+
 TEST_F(TamperedRun, ExtraFilesAndLinksAreNamed) {
     write_file_atomically(run() / "notes.txt", "extra");
     auto result = found();

@@ -316,7 +316,8 @@ std::vector<std::string> builtin_profiles() {
 }
 
 void require_own_id(const Profile& profile, const std::string& where) {
-    if (profile.origin == RuleOrigin::built_in || builtin_profile(profile.id).empty()) return;
+    if (profile.origin == RuleOrigin::built_in || builtin_profile(lower_case(profile.id)).empty())
+        return;
     throw Failure(where,
                   fmt::format("the id \"{}\" is that of a rule that comes with the program, and "
                               "this text (SHA-256 {}...) is not that rule's",

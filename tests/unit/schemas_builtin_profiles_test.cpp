@@ -88,7 +88,9 @@ TEST(BuiltinProfiles, AnotherTextWithTheirIdIsRefused) {
     const Profile other = read_profile(text, "nalsa.yaml");
     EXPECT_EQ(other.origin, RuleOrigin::own);
     EXPECT_THROW(require_own_id(other, "nalsa.yaml"), Failure);
-    text.replace(text.find("id: nalsa"), 9, "id: club");
+    text.replace(text.find("id: nalsa"), 9, "id: NALSA");
+    EXPECT_THROW(require_own_id(read_profile(text, "NALSA.yaml"), "NALSA.yaml"), Failure);
+    text.replace(text.find("id: NALSA"), 9, "id: club");
     const Profile own = read_profile(text, "club.yaml");
     EXPECT_EQ(own.origin, RuleOrigin::own);
     EXPECT_NO_THROW(require_own_id(own, "club.yaml"));

@@ -78,11 +78,11 @@ std::string how(const ClauseView& view) {
 }
 
 std::string certainty_words(Certainty certainty, RuleOrigin origin) {
-    if (origin == RuleOrigin::own)
-        return "The attempt's own rule says so; nobody checked whether a body's does.";
     switch (certainty) {
         case Certainty::quoted:
-            return "These are the rule's own words, or this program's own rule.";
+            return origin == RuleOrigin::own
+                       ? "The attempt's own rule says so; nobody checked whether a body's does."
+                       : "These are the rule's own words, or this program's own rule.";
         case Certainty::secondary:
             return "The rule text was unavailable; the wording is from a secondary source. Compare "
                    "it with the body's text before relying on it.";

@@ -71,8 +71,7 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
          "  []\n", "p:10:3", "the rule requires nothing"},
         {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
         {"profile/1.0", "profile/2.0", "p:1:9", "version \"2.0\" of profile is not known"},
-        {"profile/1.0", "profile/1.1", "p:1:9",
-         "follows profile/1.0. A profile begins with \"schema: profile/1.0\""},
+        {"profile/1.0", "profile/1.1", "p:1:9", "version \"1.1\" of profile is not known"},
         {"schema: profile/1.0\n", "", "p:1:1", "does not say that it follows profile/1.0"},
     };
     ASSERT_NO_THROW(read_profile(sample, "p"));

@@ -73,6 +73,7 @@ struct Maxima {
     std::optional<Best> singer;
     bool correlated_error_detected = false;
     bool converged = false;
+    bool as_in_parts = false;  ///< those of the parts of a long recording are close to them
 
     /// The maximum with persistent acceleration: that of white noise alone unless an error is
     /// detected.
@@ -108,8 +109,7 @@ class Fit {
             fit.status = NoiseFit::Status::constant_positions;
             return fit;
         }
-        bool by_part = true;
-        const Maxima maxima = find_in_steps(by_part);
+        const Maxima maxima = find_in_steps();
         fit.white_scale = maxima.white.scale;
         fit.error_gain = maxima.error.gain_over(maxima.white);
         fit.correlated_error_detected = maxima.correlated_error_detected;
@@ -125,7 +125,7 @@ class Fit {
         }
         describe(best, fit);
         set_posterior(grid_about(std::isfinite(acceleration_time_s) ? best : maxima.white,
-                                 acceleration_time_s, by_part,
+                                 acceleration_time_s, maxima.as_in_parts,
                                  std::isfinite(acceleration_time_s) ? best.x : maxima.error.x),
                       fit);
         fit.converged = maxima.converged;
@@ -189,16 +189,16 @@ class Fit {
     /// A long recording is searched near the maxima of its parts. Where those are not
     /// representative, the grid over the whole shows whether there is a higher maximum: a craft
     /// that stands still in all of the stretches says nothing about how it sails.
-    Maxima find_in_steps(bool& by_part) {
-        by_part = count_tested(part_arcs_) >=
-                  std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch);
-        if (!by_part) return find(whole_);
+    Maxima find_in_steps() {
+        if (count_tested(part_arcs_) <
+            std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch))
+            return find(whole_);
         const bool in_two = !more_arcs_.empty();
         Maxima part = find(part_);
         if (in_two) part = near(part, more_);
         Maxima whole = near(part, whole_);
-        by_part = are_alike(part, whole, in_two ? more_ : part_);
-        if (by_part) return whole;
+        whole.as_in_parts = are_alike(part, whole, in_two ? more_ : part_);
+        if (whole.as_in_parts) return whole;
         grid_ = whole_.evaluate_grid(whole.white, infinity);
         if (const Best start = best_of(grid_); start.log_likelihood > whole.error.log_likelihood) {
             whole.error = whole_.maximise(start.x);

@@ -8,8 +8,8 @@
 
 namespace runcert {
 
-/// A section of a stretch: the epochs whose tests it decides, and the neighbouring epochs included
-/// because they affect them.
+/// A section of a stretch: the epochs that it tests or smooths, and the neighbouring epochs
+/// included because they affect these.
 struct ArcSection {
     std::size_t first = 0;  ///< decides epochs first to end - 1
     std::size_t end = 0;

@@ -302,13 +302,13 @@ std::string run_line(const CertifiedRun& run) {
 }
 
 std::string false_records_table(const std::vector<CertifiedRun>& runs) {
-    constexpr std::size_t rows_shown = 20;
-    std::map<std::string, KindCount> kinds;
+    constexpr std::size_t shown = 20;
+    std::map<std::string, KindCount> by_kind;
     KindCount all;
     std::vector<const CertifiedRun*> worst;
     std::string failures;
     for (const CertifiedRun& run : runs) {
-        kinds[kind_of(run)].add(run);
+        by_kind[kind_of(run)].add(run);
         all.add(run);
         if (run.missed()) worst.push_back(&run);
         if (!run.failure.empty()) failures += fmt::format("  seed {}: {}\n", run.seed, run.failure);
@@ -319,7 +319,7 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
         "errors        runs  no window  robust  witness  accuracy  failed  certified      all  "
         "> 0.05 km/h  > 0.8 km/h  unstated  "
         "largest error, km/h\n";
-    for (const auto& [kind, count] : kinds)
+    for (const auto& [kind, count] : by_kind)
         text += count.line(kind);
     text += all.line("all");
     std::stable_sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) {
@@ -327,7 +327,7 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
     });
     if (!failures.empty()) text += "Failed:\n" + failures;
     if (!worst.empty()) text += "Furthest off:\n";
-    for (std::size_t i = 0; i < std::min(rows_shown, worst.size()); ++i)
+    for (std::size_t i = 0; i < std::min(shown, worst.size()); ++i)
         text += run_line(*worst[i]);
     return text;
 }

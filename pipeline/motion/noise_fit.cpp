@@ -52,12 +52,18 @@ void append_from(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::siz
     }
 }
 
-/// Stretches spread evenly over a recording that is long beside them. Empty for a short one.
 template <int Axes>
-Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::size_t stretches) {
+std::size_t epochs_in(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
     std::size_t epochs = 0;
     for (const auto arc : arcs)
         epochs += arc.size();
+    return epochs;
+}
+
+/// Stretches spread evenly over a recording that is long beside them. Empty for a short one.
+template <int Axes>
+Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::size_t stretches) {
+    const std::size_t epochs = epochs_in(arcs);
     Spans<Axes> part;
     if (epochs <= parts_of_long_recording * stretches * epochs_of_stretch) return part;
     for (std::size_t i = 0; i < stretches; ++i)
@@ -129,7 +135,9 @@ class Fit {
                                  std::isfinite(acceleration_time_s) ? best.x : maxima.error.x),
                       fit);
         fit.converged = maxima.converged;
-        fit.evaluations = whole_.evaluations() + part_.evaluations() + more_.evaluations();
+        fit.passes = static_cast<double>(whole_.epochs_filtered() + part_.epochs_filtered() +
+                                         more_.epochs_filtered()) /
+                     static_cast<double>(epochs_in(arcs_));
         return fit;
     }
 
@@ -144,7 +152,7 @@ class Fit {
         maxima.white = search.fit_white();
         grid_ = search.evaluate_grid(maxima.white, infinity);
         const Best start = best_of(grid_);
-        maxima.error = search.maximise(start.x);
+        maxima.error = search.maximise(start, all_free(3));
         if (!(maxima.error.log_likelihood > start.log_likelihood)) maxima.error = start;
         maxima.tell();
         if (with_singer()) maxima.singer = find_singer(search, maxima.of_persistent());
@@ -177,10 +185,13 @@ class Fit {
                 start.push_back(std::log(acceleration_time_s));
             }
             const Best found =
-                search.maximise(search.best_of(starts).x, free_of_singer(with_error));
+                search.maximise(search.best_of(starts), free_of_singer(with_error));
             if (found.log_likelihood > best.log_likelihood) best = found;
         }
         return best;
+    }
+    static std::vector<bool> all_free(std::size_t parameters) {
+        return std::vector<bool>(parameters, true);
     }
     static std::vector<bool> free_of_singer(bool correlated_error_detected) {
         return {true, correlated_error_detected, correlated_error_detected, true};
@@ -201,7 +212,7 @@ class Fit {
         if (whole.as_in_parts) return whole;
         grid_ = whole_.evaluate_grid(whole.white, infinity);
         if (const Best start = best_of(grid_); start.log_likelihood > whole.error.log_likelihood) {
-            whole.error = whole_.maximise(start.x);
+            whole.error = whole_.maximise(start, all_free(3));
             whole.tell();
             if (with_singer())
                 if (const Best other = find_singer(whole_, whole.of_persistent());
@@ -250,22 +261,30 @@ class Fit {
     /// Logarithm of an error's diffusion in units of the measurement scale, up to a constant.
     static double log_diffusion(const Point& x) { return x[1] - 0.5 * x[2]; }
 
-    /// The maxima near those of a part.
+    /// The maxima near those of a part. Those that another beats by far in the part are searched
+    /// less closely: they only tell how far.
     Maxima near(const Maxima& part, NoiseSearch<Axes>& search) {
+        constexpr double part_of_lead = 1e-3;
         Maxima maxima;
         std::array<NoiseSearch<Axes>, 3> searches{search, search, search};
         do_together(
             [&] {
                 if (part.singer)
                     maxima.singer = searches[0].maximise(
-                        part.singer->x, free_of_singer(part.correlated_error_detected));
+                        *part.singer, free_of_singer(part.correlated_error_detected));
             },
-            [&] { maxima.error = searches[1].maximise(part.error.x); },
-            [&] { maxima.white = searches[2].maximise(part.white.x); });
+            [&] {
+                const double lead = part.singer ? part.singer->gain_over(part.error) : 0.0;
+                maxima.error = searches[1].maximise(part.error, all_free(3), part_of_lead * lead);
+            },
+            [&] {
+                maxima.white = searches[2].maximise(part.white, all_free(1),
+                                                    part_of_lead * part.error.gain_over(part.white));
+            });
         maxima.converged = searches[part.singer ? 0 : 1].converged();
-        const std::int64_t before = search.evaluations();
+        const std::int64_t before = search.epochs_filtered();
         for (const NoiseSearch<Axes>& one : searches)
-            search.add_evaluations(one.evaluations() - before);
+            search.add_epochs_filtered(one.epochs_filtered() - before);
         maxima.tell();
         return maxima;
     }
@@ -368,10 +387,13 @@ class Fit {
         }
         // The negative curvature of the log-likelihood over the logarithms of the parameters.
         constexpr double h = 0.05;
+        std::vector<Point> points = points_about(y, free, h);
+        points.push_back(y);
+        std::vector<double> values = whole_.absolute_log_likelihoods(points);
+        const double at_y = values.back();
+        values.pop_back();
         const Eigen::MatrixXd information =
-            -quadratic_through(whole_.absolute_log_likelihoods(points_about(y, free, h)),
-                               free.size(), h)
-                 .curvature;
+            -quadratic_through(at_y, values, free.size(), h).curvature;
         std::vector<Eigen::Index> among(free.size());
         std::iota(among.begin(), among.end(), 0);
         auto covariance = covariance_among(information, among);

@@ -57,7 +57,9 @@ struct NoiseFit {
     double singer_gain = 0.0;     ///< log-likelihood that Singer gains over persistent acceleration
     /// Scale of the stated standard deviations if white noise were the only error.
     double white_scale = 1.0;
-    std::int64_t evaluations = 0;  ///< number of likelihood evaluations
+    /// Forward passes of one model over the recording that the fit took. One over a part of it
+    /// counts as that part.
+    double passes = 0.0;
     bool converged = false;
 
     /// The most likely model, without a Gauss-Markov error where none is detected.

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace runcert {
 namespace {
@@ -62,41 +63,63 @@ const Best& best_of(const std::vector<GridPoint>& grid) {
 }
 
 std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h) {
-    std::vector<Point> points{x};
+    std::vector<Point> points;
+    const auto add = [&](std::size_t a, std::size_t b) {
+        for (const double move : {h, -h}) {
+            Point& moved = points.emplace_back(x);
+            moved[free[a]] += move;
+            if (b != a) moved[free[b]] += move;
+        }
+    };
     for (std::size_t a = 0; a < free.size(); ++a)
-        for (std::size_t b = 0; b <= a; ++b)
-            for (const double move : {h, -h}) {
-                Point& moved = points.emplace_back(x);
-                moved[free[a]] += move;
-                if (b != a) moved[free[b]] += move;
-            }
+        add(a, a);
+    for (std::size_t a = 0; a < free.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            add(a, b);
     return points;
 }
 
-Quadratic quadratic_through(const std::vector<double>& values, std::size_t free, double h) {
+Quadratic quadratic_through(double value, const std::vector<double>& values, std::size_t free,
+                            double h, const Eigen::MatrixXd& before) {
     const auto n = static_cast<Eigen::Index>(free);
     Quadratic found{Eigen::VectorXd(n), Eigen::MatrixXd(n, n)};
-    auto next = values.begin() + 1;
-    // First the curvature along moves of one parameter, or of two together.
+    auto next = values.begin();
+    const auto along = [&] {
+        const double curvature = (next[0] - 2.0 * value + next[1]) / (h * h);
+        next += 2;
+        return curvature;
+    };
+    for (Eigen::Index a = 0; a < n; ++a) {
+        found.slope(a) = (next[0] - next[1]) / (2.0 * h);
+        found.curvature(a, a) = along();
+    }
     for (Eigen::Index a = 0; a < n; ++a)
-        for (Eigen::Index b = 0; b <= a; ++b, next += 2) {
-            found.curvature(a, b) = (next[0] - 2.0 * values.front() + next[1]) / (h * h);
-            if (a == b) found.slope(a) = (next[0] - next[1]) / (2.0 * h);
+        for (Eigen::Index b = 0; b < a; ++b) {
+            const double own = found.curvature(a, a), other = found.curvature(b, b);
+            double& mixed = found.curvature(a, b);
+            if (next != values.end()) {
+                mixed = 0.5 * (along() - own - other);
+            } else {
+                const double rescaled = own * other / (before(a, a) * before(b, b));
+                mixed = before(a, b) * (rescaled > 0.0 ? std::sqrt(rescaled) : 0.0);
+            }
+            found.curvature(b, a) = mixed;
         }
-    for (Eigen::Index a = 0; a < n; ++a)
-        for (Eigen::Index b = 0; b < a; ++b)
-            found.curvature(a, b) = found.curvature(b, a) =
-                0.5 * (found.curvature(a, b) - found.curvature(a, a) - found.curvature(b, b));
     return found;
 }
 
 template <int Axes>
+std::vector<InnovationSums> NoiseSearch<Axes>::sums_of(const std::vector<EstimationModel>& models) {
+    epochs_filtered_ += std::ssize(models) * epochs_;
+    return innovation_sums_of<Axes>(arcs_, models);
+}
+
+template <int Axes>
 std::vector<Best> NoiseSearch<Axes>::evaluate_all(const std::vector<Point>& points) {
-    evaluations_ += std::ssize(points);
     std::vector<EstimationModel> models;
     for (const Point& x : points)
         models.push_back(model_at(x));
-    const std::vector<InnovationSums> sums = innovation_sums_of<Axes>(arcs_, models);
+    const std::vector<InnovationSums> sums = sums_of(models);
     std::vector<Best> results;
     for (std::size_t i = 0; i < points.size(); ++i)
         results.push_back(best_scale_at(points[i], sums[i]));
@@ -119,10 +142,11 @@ Eigen::VectorXd step_uphill(const Quadratic& about, double reach) {
 }  // namespace
 
 template <int Axes>
-Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is_free) {
+Best NoiseSearch<Axes>::maximise(const Best& start, const std::vector<bool>& is_free,
+                                 double enough) {
     // Differences are taken over `widest` and, where the top is near, over less.
     constexpr double widest = 0.05, narrowest = 0.005;
-    constexpr double gain_of_a_last_step = 1e-3;
+    enough = std::max(enough, 5e-3);
     constexpr int rounds = 20;
     const auto clamped = [&](Point x) {
         for (std::size_t i = 0; i < x.size(); ++i)
@@ -130,20 +154,26 @@ Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is
         return x;
     };
     std::vector<std::size_t> free;
-    for (std::size_t i = 0; i < start.size(); ++i)
+    for (std::size_t i = 0; i < start.x.size(); ++i)
         if (is_free[i]) free.push_back(i);
-    Point x = clamped(start);
-    Best best;
+    const auto epochs = static_cast<double>(epochs_);
+    Eigen::MatrixXd curvature;
+    if (start.curvature.rows() == std::ssize(free)) curvature = epochs * start.curvature;
+    Best best = evaluate_all({clamped(start.x)}).front();
     double reach = 2.0;
     double h = widest;
     converged_ = false;
     for (int round = 0; round < rounds && !converged_; ++round) {
-        const std::vector<Best> seen = evaluate_all(points_about(x, free, h));
-        if (round == 0) best = seen.front();
+        const Point x = best.x;
+        std::vector<Point> about_x = points_about(x, free, h);
+        const bool is_whole = curvature.size() == 0 || free.size() == 1;
+        if (!is_whole) about_x.resize(2 * free.size());
         std::vector<double> values;
-        for (const Best& one : seen)
+        for (const Best& one : evaluate_all(about_x))
             values.push_back(one.log_likelihood);
-        Quadratic about = quadratic_through(values, free.size(), h);
+        Quadratic about =
+            quadratic_through(best.log_likelihood, values, free.size(), h, curvature);
+        curvature = about.curvature;
         // A parameter stays at its limit where the slope leads beyond it.
         for (std::size_t a = 0; a < free.size(); ++a) {
             const auto i = static_cast<Eigen::Index>(a);
@@ -169,18 +199,21 @@ Best NoiseSearch<Axes>::maximise(const Point& start, const std::vector<bool>& is
         const double gain = top->log_likelihood - best.log_likelihood;
         const double expected = about.slope.dot(step) + 0.5 * step.dot(about.curvature * step);
         // Where the quadratic holds to so little, what is left is less.
-        converged_ = std::max(gain, expected) < gain_of_a_last_step ||
-                     std::abs(gain - expected) < gain_of_a_last_step ||
-                     (gain <= 0.0 && h == narrowest);
-        const Point from = x;
+        const bool settled = std::max(gain, expected) < enough ||
+                             std::abs(gain - expected) < enough ||
+                             (gain <= 0.0 && h == narrowest);
+        converged_ = settled && is_whole;
         if (gain > 0.0) best = *top;
-        x = best.x;
         double moved = 0.0;
         for (const std::size_t i : free)
-            moved = std::max(moved, std::abs(x[i] - from[i]));
+            moved = std::max(moved, std::abs(best.x[i] - x[i]));
         reach = moved > 0.0 ? 2.0 * moved : 0.01 * step.norm();
         h = std::clamp(0.5 * moved, narrowest, widest);
+        // Mixed curvature is told anew where the step gained much less than the quadratic said, and
+        // before the search ends.
+        if (!converged_ && (settled || gain < 0.5 * expected)) curvature.resize(0, 0);
     }
+    if (curvature.size() > 0) best.curvature = curvature / epochs;
     return best;
 }
 
@@ -207,7 +240,7 @@ Best NoiseSearch<Axes>::fit_white() {
     std::vector<Point> points;
     for (double x = lower_bound(0); x <= upper_bound(0); x += 1.0)
         points.push_back({x});
-    return maximise(best_of(points).x);
+    return maximise(best_of(points), {true});
 }
 
 /// The likelihood's maximum over the jerk density alone, from a parabola through three points
@@ -245,27 +278,45 @@ std::vector<Best> NoiseSearch<Axes>::with_best_jerk(const std::vector<Point>& st
 template <int Axes>
 std::vector<GridPoint> NoiseSearch<Axes>::evaluate_grid(const Best& start,
                                                         double acceleration_time_s) {
+    /// The sizes for one correlation time, in ascending order.
+    struct Column {
+        double tau_s = 0.0;
+        double log_jerk = 0.0;  ///< of the latest size
+        int hopeless = 0;
+    };
+    constexpr int columns = 4;
+    std::vector<Column> open;
+    for (int t = 0; t < columns; ++t)
+        open.push_back({.tau_s = options_.tau_min_s * std::pow(options_.tau_max_s /
+                                                                   options_.tau_min_s,
+                                                               t / (columns - 1.0)),
+                        .log_jerk = start.x[0]});
     std::vector<GridPoint> grid;
     double highest = -std::numeric_limits<double>::infinity();
-    for (int t = 0; t < 4; ++t) {
-        const double tau_s =
-            options_.tau_min_s * std::pow(options_.tau_max_s / options_.tau_min_s, t / 3.0);
-        double jerk = start.x[0];
-        int hopeless = 0;
-        for (const double sigma : {0.0, 0.5, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0, 32.0, 64.0}) {
-            if (sigma == 0.0 && t > 0) continue;
-            Point x{jerk, std::log(std::max(sigma * stated_sigma_m_, sigma_min_m)),
-                    std::log(tau_s)};
+    for (const double sigma : {0.0, 0.5, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0, 32.0, 64.0}) {
+        // Without an error its correlation time does not matter.
+        const std::span<Column> of_size(open.data(), sigma == 0.0 ? 1 : open.size());
+        std::vector<Point> starts;
+        for (const Column& column : of_size) {
+            Point& x = starts.emplace_back(
+                Point{column.log_jerk, std::log(std::max(sigma * stated_sigma_m_, sigma_min_m)),
+                      std::log(column.tau_s)});
             if (std::isfinite(acceleration_time_s)) x.push_back(std::log(acceleration_time_s));
-            const Best best = with_best_jerk({x}).front();
-            jerk = best.x[0];
-            grid.push_back({best, tau_s, sigma});
-            highest = std::max(highest, best.log_likelihood);
-            // The likelihood has a single maximum along the size, so it does not rise again beyond
-            // it.
-            hopeless = best.log_likelihood < highest - hopeless_below ? hopeless + 1 : 0;
-            if (hopeless == 3) break;
         }
+        const std::vector<Best> best = with_best_jerk(starts);
+        for (std::size_t i = 0; i < best.size(); ++i) {
+            grid.push_back({best[i], of_size[i].tau_s, sigma});
+            highest = std::max(highest, best[i].log_likelihood);
+        }
+        for (std::size_t i = 0; i < best.size(); ++i) {
+            Column& column = of_size[i];
+            column.log_jerk = best[i].x[0];
+            column.hopeless =
+                best[i].log_likelihood < highest - hopeless_below ? column.hopeless + 1 : 0;
+        }
+        // The likelihood has a single maximum along the size, so it does not rise again beyond it.
+        std::erase_if(open, [](const Column& column) { return column.hopeless == 3; });
+        if (open.empty()) break;
     }
     return grid;
 }
@@ -284,7 +335,6 @@ std::vector<GridPoint> NoiseSearch<Axes>::evaluate_at(const std::vector<GridPoin
 
 template <int Axes>
 std::vector<double> NoiseSearch<Axes>::absolute_log_likelihoods(const std::vector<Point>& points) {
-    evaluations_ += std::ssize(points);
     std::vector<EstimationModel> models;
     for (const Point& y : points) {
         const double log_scale = y.back();
@@ -294,7 +344,7 @@ std::vector<double> NoiseSearch<Axes>::absolute_log_likelihoods(const std::vecto
         models.push_back(scaled(model_at(relative), std::exp(log_scale)));
     }
     std::vector<double> results;
-    const std::vector<InnovationSums> sums = innovation_sums_of<Axes>(arcs_, models);
+    const std::vector<InnovationSums> sums = sums_of(models);
     for (std::size_t i = 0; i < sums.size(); ++i)
         results.push_back(sums[i].log_likelihood() + log_prior_of(points[i].back()));
     return results;

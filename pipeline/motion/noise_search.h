@@ -39,6 +39,8 @@ struct Best {
                                                                        ///< prior
     double log_prior = 0.0;                                            ///< log-prior of the scale
     double scale = 1.0;
+    /// Of a maximum: the curvature of the log-likelihood over the free parameters, for one epoch.
+    Eigen::MatrixXd curvature = {};
 
     /// Log-likelihood gained over another point by the data alone, without the prior.
     double gain_over(const Best& other) const {
@@ -62,12 +64,15 @@ struct Quadratic {
     Eigen::MatrixXd curvature;
 };
 
-/// The points about `x` that a quadratic over the parameters `free` (indices) needs, `x` the first.
+/// The points about `x` that a quadratic over the parameters `free` (indices) needs: two along each
+/// parameter, then two along the diagonal of each pair of them.
 std::vector<Point> points_about(const Point& x, const std::vector<std::size_t>& free, double h);
 
-/// The quadratic through the values at `points_about`, by central differences. Mixed ones are taken
-/// along the diagonal only, which needs two points instead of four.
-Quadratic quadratic_through(const std::vector<double>& values, std::size_t free, double h);
+/// The quadratic through a value and those at `points_about`, by central differences. Mixed ones
+/// are taken along the diagonal only, which needs two points instead of four. Where `values` end
+/// before the diagonals, the mixed curvature is that of `before`, rescaled to the new diagonal.
+Quadratic quadratic_through(double value, const std::vector<double>& values, std::size_t free,
+                            double h, const Eigen::MatrixXd& before = {});
 
 /// Searches for the maximum likelihood of a set of arcs.
 template <int Axes>
@@ -78,17 +83,18 @@ class NoiseSearch {
     /// `stated_sigma_m` is the stated standard deviation, the unit for the size of the error. The
     /// arcs must outlive the search.
     NoiseSearch(Arcs arcs, const NoiseFitOptions& options, double stated_sigma_m)
-        : arcs_(arcs), options_(options), stated_sigma_m_(stated_sigma_m) {}
+        : arcs_(arcs), options_(options), stated_sigma_m_(stated_sigma_m) {
+        for (const auto arc : arcs)
+            epochs_ += std::ssize(arc);
+    }
 
     /// The maximum for white noise alone. Scans the whole range of the jerk density, then refines.
     Best fit_white();
 
     /// The maximum near a point over the free parameters, within bounds: Newton's steps on
-    /// quadratics through the likelihoods about each point reached.
-    Best maximise(const Point& start, const std::vector<bool>& is_free);
-    Best maximise(const Point& start) {
-        return maximise(start, std::vector<bool>(start.size(), true));
-    }
+    /// quadratics through the likelihoods about each point reached. Where a maximum of other arcs
+    /// is the start, its curvature is the first. Ends where a step gains less than `enough`.
+    Best maximise(const Best& start, const std::vector<bool>& is_free, double enough = 0.0);
 
     /// Of some points the one of the largest likelihood.
     Best best_of(const std::vector<Point>& points);
@@ -108,18 +114,21 @@ class NoiseSearch {
     double lower_bound(std::size_t i) const;
     double upper_bound(std::size_t i) const;
 
-    std::int64_t evaluations() const { return evaluations_; }
-    void add_evaluations(std::int64_t of_another) { evaluations_ += of_another; }
+    /// Epochs that all evaluations together have filtered.
+    std::int64_t epochs_filtered() const { return epochs_filtered_; }
+    void add_epochs_filtered(std::int64_t of_another) { epochs_filtered_ += of_another; }
     bool converged() const { return converged_; }  ///< of the last `maximise`
 
   private:
+    std::vector<InnovationSums> sums_of(const std::vector<EstimationModel>& models);
     std::vector<Best> evaluate_all(const std::vector<Point>& points);
     std::vector<Best> with_best_jerk(const std::vector<Point>& starts);
 
     Arcs arcs_;
     NoiseFitOptions options_;
     double stated_sigma_m_;
-    std::int64_t evaluations_ = 0;
+    std::int64_t epochs_ = 0;
+    std::int64_t epochs_filtered_ = 0;
     bool converged_ = false;
 };
 

@@ -60,9 +60,9 @@ std::vector<std::pair<const char*, std::string>> noise_lines(const AxesEstimatio
         {"its correlation time", of_error(noise.error_tau_s, "s")},
         {"its diffusion over short times", of_error(noise.error_diffusion, "m s^-0.5")},
         {"Search", fitted
-                       ? fmt::format("{} after {} of the likelihood",
+                       ? fmt::format("{} after {} forward passes over the recording",
                                      noise.converged ? "converged" : "stopped before it converged",
-                                     counted(noise.evaluations, "evaluation"))
+                                     format_fixed(noise.passes, 1))
                        : "none"},
         {"Autocorrelation of the innovations, lag 1", autocorrelation_text(health)},
         {"Innovation test", innovations_text(health)},

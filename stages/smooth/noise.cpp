@@ -79,7 +79,7 @@ void take_over(const NoiseFit& fit, NoiseSummary& noise) {
         noise.error_sigma_m = parameter(fit.error_sigma);
     }
     noise.white_scale = kept(fit.white_scale);
-    noise.evaluations = fit.evaluations;
+    noise.passes = rounded(fit.passes, 1);
     noise.converged = fit.converged;
     for (const WeightedModel& one : fit.posterior)
         noise.posterior.push_back(share(one));

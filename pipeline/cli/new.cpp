@@ -86,7 +86,9 @@ void require_new(const fs::path& file) {
     if (fs::exists(fs::symlink_status(file)))
         throw Failure(file.string(), "there is such a file already, and it is not written over",
                       fmt::format("Certify that one, or give another name: --out {}",
-                                  shell_word((file.parent_path() / "attempt-2.yaml").string())));
+                                  shell_word((file.parent_path() / file.stem())
+                                                 .concat("-2" + file.extension().string())
+                                                 .string())));
     if (!fs::is_directory(folder))
         throw Failure(folder.string(), "there is no such folder", "Make it, or give another --out");
     if (access(folder.c_str(), W_OK) != 0)

@@ -12,7 +12,7 @@ namespace {
 std::string summary_line(const EstimationSummary& estimation) {
     if (estimation.arcs == 0) return "nothing to estimate: no usable stretch";
     const NoiseSummary& noise = estimation.horizontal.noise;
-    return fmt::format("noise {} {:.2f} x stated; batch agrees within {:.0e} m",
+    return fmt::format("noise {} {:.3g} x stated; batch agrees within {:.0e} m",
                        noise.status == NoiseBasis::fitted ? "fitted:" : "not fitted:",
                        noise.measurement_scale.value, estimation.largest_position_difference_m);
 }

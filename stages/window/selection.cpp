@@ -1,99 +1,300 @@
 #include "stages/window/selection.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "core/parallel.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "stages/window/selection_cluster.h"
+#include "motion/chain.h"
+#include "motion/likelihood.h"
+#include "motion/speed.h"
+#include "stages/window/speed_by_definition.h"
 
 namespace runcert {
 namespace {
 
-/// The fastest window over all clusters.
-struct Draw {
-    FastestWindow fastest;
-    // Change of the chosen window's error caused by noise. Its mean is known to be zero, so
-    // subtracting it makes the mean converge with fewer draws. It is zero in all clusters but one.
-    double chosen_noise_m_s = 0.0;
-
-    void take(const FastestWindow& one, double chosen_error_without_noise_m_s) {
-        chosen_noise_m_s += one.chosen_error_m_s - chosen_error_without_noise_m_s;
-        if (one.searched_m_s > fastest.searched_m_s) fastest = one;
-    }
-    double settled_error_m_s() const { return fastest.error_m_s - chosen_noise_m_s; }
-};
-
-struct Sample {
-    Draw once;
-    Draw again;
-    double fastest_true_m_s = 0.0;
-
-    void take(const ClusterDraw& drawn) {
-        once.take(drawn.once, drawn.chosen_without_noise_once_m_s);
-        again.take(drawn.again, drawn.chosen_without_noise_again_m_s);
-        fastest_true_m_s = std::max(fastest_true_m_s, drawn.fastest_true_m_s);
-    }
-};
-
-using Samples = std::array<Sample, selection_lanes>;
-
-/// The samples for the numbers drawn, which are ordered by sample, then cluster.
+/// The epochs of a cluster, with some seconds before and after.
 template <int Axes>
-Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
-                     const std::vector<double>& numbers,
-                     const std::optional<std::array<double, selection_lanes>>& tau_s) {
-    std::array<const double*, selection_lanes> at;
-    for (std::size_t l = 0; l < selection_lanes; ++l)
-        at[l] = numbers.data() + l * (numbers.size() / selection_lanes);
-    Samples samples;
-    for (const SelectionCluster<Axes>& cluster : clusters) {
-        const auto drawn = cluster.draw(at, tau_s);
-        for (std::size_t l = 0; l < selection_lanes; ++l) {
-            samples[l].take(drawn[l]);
-            at[l] += cluster.normals();
+struct RivalStretch {
+    std::span<const ArcEpoch<Axes>> epochs;
+    std::size_t from = 0;  ///< index of the first one in the arc
+};
+
+template <int Axes>
+RivalStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
+    constexpr double flank_s = 5.0;
+    std::size_t last = 0;
+    for (const EpochPair& window : cluster.windows)
+        last = std::max(last, window.last);
+    const EpochPair reach =
+        reach_around(*cluster.arc, {cluster.windows.front().first, last}, flank_s);
+    return {.epochs = std::span(cluster.arc->epochs)
+                          .subspan(reach.first, reach.last + 1 - reach.first),
+            .from = reach.first};
+}
+
+/// The model with the most likely jerk density for this stretch alone.
+template <int Axes>
+EstimationModel local_model(std::span<const ArcEpoch<Axes>> stretch, const EstimationModel& model) {
+    std::vector<EstimationModel> models;
+    for (double logarithm = std::log(3e-4); logarithm <= std::log(10.0); logarithm += 0.5) {
+        models.push_back(model);
+        models.back().motion.jerk_density *= std::exp(logarithm);
+    }
+    const auto sums = innovation_sums_of<Axes>({&stretch, 1}, models);
+    const auto best = std::ranges::max_element(
+        sums, {}, [](const InnovationSums& one) { return one.log_likelihood(); });
+    return models[static_cast<std::size_t>(best - sums.begin())];
+}
+
+/// Weights on independent unit errors of consecutive epochs, without those that hardly count.
+template <int Axes>
+class ErrorRow {
+  public:
+    explicit ErrorRow(const std::vector<PositionVector<Axes>>& weights) {
+        constexpr double hardly = 1e-9;
+        double largest = 0.0;
+        for (const PositionVector<Axes>& one : weights)
+            largest = std::max(largest, one.cwiseAbs().maxCoeff());
+        const auto counts = [&](const PositionVector<Axes>& one) {
+            return one.cwiseAbs().maxCoeff() > hardly * largest;
+        };
+        const auto first = std::ranges::find_if(weights, counts);
+        auto last = weights.end();
+        while (last != first && !counts(*std::prev(last)))
+            --last;
+        from_ = static_cast<std::size_t>(first - weights.begin());
+        weights_.assign(first, last);
+    }
+
+    double covariance_with(const ErrorRow& other) const {
+        const std::size_t from = std::max(from_, other.from_);
+        const std::size_t to =
+            std::min(from_ + weights_.size(), other.from_ + other.weights_.size());
+        double sum = 0.0;
+        for (std::size_t k = from; k < to; ++k)
+            sum += weights_[k - from_].dot(other.weights_[k - other.from_]);
+        return sum;
+    }
+
+  private:
+    std::size_t from_ = 0;
+    std::vector<PositionVector<Axes>> weights_;
+};
+
+template <int Axes>
+using Weights = std::vector<PositionVector<Axes>>;  ///< one for each epoch
+
+/// The weights of a sum on the unit errors behind white noise.
+template <int Axes>
+ErrorRow<Axes> on_white(std::span<const ArcEpoch<Axes>> epochs, Weights<Axes> weights,
+                        double scale) {
+    for (std::size_t k = 0; k < epochs.size(); ++k)
+        if (epochs[k].measurement) {
+            const PositionMatrix<Axes> factor = epochs[k].measurement->covariance.llt().matrixL();
+            weights[k] = scale * (factor.transpose() * weights[k]);
+        }
+    return ErrorRow<Axes>(weights);
+}
+
+/// The weights of a sum on the unit errors that drive a Gauss-Markov error.
+template <int Axes>
+ErrorRow<Axes> on_slow(std::span<const ArcEpoch<Axes>> epochs, Weights<Axes> weights,
+                       const GaussMarkovError& error) {
+    const double steady_m = error.process_density * std::sqrt(0.5 * error.tau_s);
+    PositionVector<Axes> later = PositionVector<Axes>::Zero();
+    for (std::size_t k = epochs.size(); k-- > 0;) {
+        const double decay =
+            k > 0 ? std::exp(-(epochs[k].time_s - epochs[k - 1].time_s) / error.tau_s) : 0.0;
+        later += weights[k];
+        weights[k] =
+            (k > 0 ? steady_m * std::sqrt(1.0 - decay * decay) : error.initial_sigma_m) * later;
+        later *= decay;
+    }
+    return ErrorRow<Axes>(weights);
+}
+
+/// What is drawn for one cluster: errors of the speeds stated for its windows, and of its motion as
+/// estimated, both m/s and a column for each draw.
+struct DrawnErrors {
+    Eigen::MatrixXd stated;
+    Eigen::MatrixXd motion;
+};
+
+/// The windows of one cluster, and the weights of the measured positions in each component of their
+/// velocities: the stated ones, and those of the motion estimated from this stretch alone.
+template <int Axes>
+class Rivals {
+  public:
+    /// Of each `every` consecutive windows the one of the highest assured speed, and the chosen
+    /// one.
+    Rivals(const WindowCluster<Axes>& cluster, const SelectionModels& models, std::size_t every)
+        : stretch_(stretch_of(cluster)), components_(models.by_path ? 1 : Axes) {
+        EstimationModel drawn = models.estimated;
+        drawn.error.process_density *= models.along;
+        drawn.error.initial_sigma_m *= models.along;
+        white_scale_ = drawn.measurement_scale;
+        const Chain<Axes> estimator(stretch_.epochs, models.estimated);
+        const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
+        const auto allowance = [&](std::size_t w) {
+            return cluster.allowances_m_s.empty() ? 0.0 : cluster.allowances_m_s[w];
+        };
+        for (std::size_t first = 0; first < cluster.windows.size(); first += every) {
+            const std::size_t end = std::min(first + every, cluster.windows.size());
+            std::size_t kept = first;
+            double highest = -std::numeric_limits<double>::infinity();
+            for (std::size_t w = first; w < end && kept != cluster.chosen; ++w) {
+                const double assured =
+                    velocity_in(local, window(cluster, w), models.by_path).norm() - allowance(w);
+                if (w != cluster.chosen && !(assured > highest)) continue;
+                kept = w;
+                highest = assured;
+            }
+            if (kept == cluster.chosen) chosen_ = allowances_m_s_.size();
+            allowances_m_s_.push_back(allowance(kept));
+            add(estimator, local, window(cluster, kept), models.by_path);
         }
     }
-    return samples;
-}
 
-/// Correlation times of the samples from `first` on, out of `samples`, spread evenly in the
-/// logarithm over the range.
-std::array<double, selection_lanes> correlation_times(const SelectionModels& models,
-                                                      std::int64_t first, std::int64_t samples) {
-    std::array<double, selection_lanes> tau_s;
-    for (std::size_t l = 0; l < selection_lanes; ++l)
-        tau_s[l] = models.tau_min_s *
-                   std::pow(models.tau_max_s / models.tau_min_s,
-                            (static_cast<double>(first) + static_cast<double>(l) + 0.5) /
-                                static_cast<double>(samples));
-    return tau_s;
-}
+    /// Draws so many of white noise and this error.
+    DrawnErrors draw(const GaussMarkovError& error, std::int64_t samples,
+                     RandomGenerator& random) const {
+        return {.stated = draw(stated_, error, samples, random),
+                .motion = draw(motion_, error, samples, random)};
+    }
 
-/// All samples, in order. The random numbers are drawn in that order too; everything else runs on
-/// several threads.
+    std::size_t size() const { return allowances_m_s_.size(); }
+    const std::optional<std::size_t>& chosen() const { return chosen_; }
+    double allowance_m_s(std::size_t w) const { return allowances_m_s_[w]; }
+
+    /// The velocities of all windows as estimated from this stretch alone, one below another.
+    const Eigen::VectorXd& velocities() const { return velocities_; }
+    auto velocity(const Eigen::VectorXd& all, std::size_t w) const {
+        return all.segment(static_cast<Eigen::Index>(w) * components_, components_);
+    }
+
+  private:
+    EpochPair window(const WindowCluster<Axes>& cluster, std::size_t w) const {
+        return {cluster.windows[w].first - stretch_.from, cluster.windows[w].last - stretch_.from};
+    }
+    double duration_s(EpochPair window) const {
+        return stretch_.epochs[window.last].time_s - stretch_.epochs[window.first].time_s;
+    }
+
+    Eigen::VectorXd velocity_in(const Chain<Axes>& chain, EpochPair window, bool by_path) const {
+        const auto [first, last] = window;
+        if (by_path)
+            return Eigen::VectorXd::Constant(
+                1, path_speed(chain, first, last, duration_s(window)).speed_m_s);
+        return displacement(chain, first, last) / duration_s(window);
+    }
+
+    void add(const Chain<Axes>& estimator, const Chain<Axes>& local, EpochPair window,
+             bool by_path) {
+        const Eigen::VectorXd velocity = velocity_in(local, window, by_path);
+        velocities_.conservativeResize(velocities_.size() + components_);
+        velocities_.tail(components_) = velocity;
+        for (int axis = 0; axis < components_; ++axis) {
+            Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
+            if (by_path) {
+                gradients =
+                    path_speed_gradients(local, window.first, window.last, duration_s(window));
+            } else {
+                gradients.front()(axis) = -1.0 / duration_s(window);
+                gradients.back()(axis) = 1.0 / duration_s(window);
+            }
+            stated_.push_back(estimator.weights(window.first, gradients));
+            motion_.push_back(local.weights(window.first, gradients));
+        }
+    }
+
+    Eigen::MatrixXd draw(const std::vector<Weights<Axes>>& weights, const GaussMarkovError& error,
+                         std::int64_t samples, RandomGenerator& random) const {
+        const auto n = std::ssize(weights);
+        std::vector<ErrorRow<Axes>> white, slow;
+        for (const Weights<Axes>& one : weights) {
+            white.push_back(on_white(stretch_.epochs, one, white_scale_));
+            slow.push_back(on_slow(stretch_.epochs, one, error));
+        }
+        Eigen::MatrixXd covariance(n, n);
+        for (std::size_t i = 0; i < weights.size(); ++i)
+            for (std::size_t j = 0; j <= i; ++j)
+                covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+                    white[i].covariance_with(white[j]) + slow[i].covariance_with(slow[j]);
+        // Windows that nearly coincide make it singular but for rounding.
+        constexpr double rounding = 1e-9;
+        covariance.diagonal().array() += rounding * covariance.diagonal().maxCoeff();
+        const std::vector<double> numbers =
+            random.normals(static_cast<std::size_t>(n * samples));
+        return covariance.llt().matrixL() *
+               Eigen::Map<const Eigen::MatrixXd>(numbers.data(), n, samples);
+    }
+
+    RivalStretch<Axes> stretch_;
+    int components_;
+    double white_scale_ = 1.0;
+    std::optional<std::size_t> chosen_;
+    std::vector<double> allowances_m_s_;
+    Eigen::VectorXd velocities_;
+    std::vector<Weights<Axes>> stated_;
+    std::vector<Weights<Axes>> motion_;
+};
+
+/// The window of the highest assured speed over all clusters.
+struct Fastest {
+    double assured_m_s = -std::numeric_limits<double>::infinity();
+    double speed_m_s = 0.0;
+    double error_m_s = 0.0;
+};
+
+/// One draw. The error of the window chosen in the recording has a mean of zero over the draws, so
+/// that subtracting it makes their mean converge with fewer of them.
+struct Sample {
+    Fastest once;
+    Fastest again;
+    Fastest truly;
+    double chosen_once_m_s = 0.0;
+    double chosen_again_m_s = 0.0;
+
+    double calibrated_m_s() const {
+        return 2.0 * (once.error_m_s - chosen_once_m_s) - (again.error_m_s - chosen_again_m_s);
+    }
+};
+
+/// Adds a cluster to draw `i`: the speeds stated with errors on the motion as estimated, and on the
+/// one estimated from a drawn recording.
 template <int Axes>
-std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clusters,
-                                  const SelectionModels& models, DrawnErrors errors,
-                                  std::int64_t samples, std::int64_t seed) {
-    std::size_t normals = 0;
-    for (const SelectionCluster<Axes>& cluster : clusters)
-        normals += cluster.normals();
-    RandomGenerator random(static_cast<std::uint64_t>(seed));
-    Turnstile turnstile;
-    constexpr auto at_once = static_cast<std::int64_t>(selection_lanes);
-    const std::int64_t passes = (samples + at_once - 1) / at_once;
-    return results_of(passes, threads_allowed(), [&](std::int64_t i) {
-        const auto numbers =
-            turnstile.pass(i, [&] { return random.normals(selection_lanes * normals); });
-        if (errors == DrawnErrors::fitted) return samples_from(clusters, numbers, std::nullopt);
-        return samples_from(clusters, numbers,
-                            correlation_times(models, i * at_once, passes * at_once));
-    });
+void add_to(const Rivals<Axes>& rivals, const DrawnErrors& drawn, Eigen::Index i, Sample& sample) {
+    const Eigen::VectorXd errors = drawn.stated.col(i);
+    const Eigen::VectorXd& motion = rivals.velocities();
+    const Eigen::VectorXd moved = motion + drawn.motion.col(i);
+    const auto search = [&](const Eigen::VectorXd& truth, const Eigen::VectorXd& stated,
+                            Fastest& fastest) {
+        for (std::size_t w = 0; w < rivals.size(); ++w) {
+            const double speed = rivals.velocity(stated, w).norm();
+            const double assured = speed - rivals.allowance_m_s(w);
+            if (!(assured > fastest.assured_m_s)) continue;
+            fastest = {.assured_m_s = assured,
+                       .speed_m_s = speed,
+                       .error_m_s = speed - rivals.velocity(truth, w).norm()};
+        }
+    };
+    search(motion, motion + errors, sample.once);
+    search(moved, moved + errors, sample.again);
+    search(moved, moved, sample.truly);
+    if (!rivals.chosen()) return;
+    const auto along = [&](const Eigen::VectorXd& truth) {
+        return rivals.velocity(truth, *rivals.chosen())
+            .normalized()
+            .dot(rivals.velocity(errors, *rivals.chosen()));
+    };
+    sample.chosen_once_m_s = along(motion);
+    sample.chosen_again_m_s = along(moved);
 }
 
-/// The bias estimated from the samples.
+/// The bias estimated from the draws.
 struct DrawnBias {
     double bias_m_s = 0.0;
     double uncertainty_m_s = 0.0;
@@ -102,23 +303,51 @@ struct DrawnBias {
     double best_sd_m_s = 0.0;
 };
 
-DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
-    std::vector<double> errors;
-    std::vector<double> calibrated;
-    std::vector<double> best_true;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
-        const Sample& sample = drawn[i / selection_lanes][i % selection_lanes];
-        errors.push_back(sample.once.fastest.error_m_s);
-        calibrated.push_back(2.0 * sample.once.settled_error_m_s() -
-                             sample.again.settled_error_m_s());
-        best_true.push_back(sample.fastest_true_m_s);
+/// The draws are shared out evenly among the errors.
+template <int Axes>
+DrawnBias draw_bias(const std::vector<Rivals<Axes>>& clusters,
+                    const std::vector<GaussMarkovError>& errors, std::int64_t samples,
+                    std::int64_t seed) {
+    RandomGenerator random(static_cast<std::uint64_t>(seed));
+    std::vector<double> stated, calibrated, best_true;
+    for (std::size_t e = 0; e < errors.size(); ++e) {
+        const auto before = std::ssize(stated);
+        const auto share =
+            (samples - before) / (std::ssize(errors) - static_cast<std::ptrdiff_t>(e));
+        std::vector<Sample> drawn(static_cast<std::size_t>(share));
+        for (const Rivals<Axes>& rivals : clusters) {
+            const DrawnErrors of_cluster = rivals.draw(errors[e], share, random);
+            for (std::int64_t i = 0; i < share; ++i)
+                add_to(rivals, of_cluster, i, drawn[static_cast<std::size_t>(i)]);
+        }
+        for (const Sample& sample : drawn) {
+            stated.push_back(sample.once.error_m_s);
+            calibrated.push_back(sample.calibrated_m_s());
+            best_true.push_back(sample.truly.speed_m_s);
+        }
     }
     return {
         .bias_m_s = mean(calibrated),
         .uncertainty_m_s = standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
-        .chosen_sd_m_s = standard_deviation(errors),
+        .chosen_sd_m_s = standard_deviation(stated),
         .best_mean_m_s = mean(best_true),
         .best_sd_m_s = standard_deviation(best_true)};
+}
+
+/// Errors as large as the bound, or that wander as fast as the fitted one, of correlation times
+/// spread evenly in the logarithm over the range.
+std::vector<GaussMarkovError> bounded_errors(const SelectionModels& models) {
+    constexpr int times = 5;
+    std::vector<GaussMarkovError> errors;
+    for (int i = 0; i < times; ++i) {
+        const double tau_s = models.tau_min_s *
+                             std::pow(models.tau_max_s / models.tau_min_s, (i + 0.5) / times);
+        errors.push_back(GaussMarkovError::steady(
+            std::max(models.bound_m, models.along * models.estimated.error.process_density *
+                                         std::sqrt(0.5 * tau_s)),
+            tau_s));
+    }
+    return errors;
 }
 
 }  // namespace
@@ -131,22 +360,20 @@ template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed) {
-    constexpr std::int64_t most_numbers = 64'000'000, fewest_draws = 50;
-    std::vector<SelectionCluster<Axes>> parts;
+    constexpr std::int64_t most_rivals = 200;
     SelectionBias result{.chosen_mean_m_s = stated_m_s, .best_mean_m_s = stated_m_s, .seed = seed};
-    std::int64_t numbers = 1;
-    for (const WindowCluster<Axes>& cluster : clusters) {
+    for (const WindowCluster<Axes>& cluster : clusters)
         result.candidates += std::ssize(cluster.windows);
-        if (samples == 0) continue;
-        parts.emplace_back(cluster, models);
-        numbers += static_cast<std::int64_t>(parts.back().normals());
-    }
     if (samples == 0) return result;
-    samples = std::min(samples, std::max(fewest_draws, most_numbers / numbers));
-    const DrawnBias fitted =
-        bias_from(draw_samples(parts, models, DrawnErrors::fitted, samples, seed), samples);
-    const DrawnBias bounded =
-        bias_from(draw_samples(parts, models, DrawnErrors::bounded, samples, seed), samples);
+    const auto every = static_cast<std::size_t>((result.candidates + most_rivals - 1) / most_rivals);
+    std::vector<Rivals<Axes>> rivals;
+    for (const WindowCluster<Axes>& cluster : clusters)
+        rivals.emplace_back(cluster, models, every);
+    GaussMarkovError as_fitted = models.estimated.error;
+    as_fitted.process_density *= models.along;
+    as_fitted.initial_sigma_m *= models.along;
+    const DrawnBias fitted = draw_bias(rivals, {as_fitted}, samples, seed);
+    const DrawnBias bounded = draw_bias(rivals, bounded_errors(models), samples, seed);
     // Choosing the fastest never makes the speed too low.
     result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);
     result.bounded_bias_m_s = std::max(result.fitted_bias_m_s, bounded.bias_m_s);

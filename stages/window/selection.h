@@ -43,13 +43,6 @@ struct SelectionModels {
     double tau_max_s = 10.0;
 };
 
-/// The errors used in a draw.
-enum class DrawnErrors {
-    fitted,  ///< as in the noise model
-    bounded  ///< with the time-correlated error at its bound, and correlation times spread over
-             ///< their range
-};
-
 /// The bias (m/s) of the stated speed that results from choosing the fastest of these windows, or
 /// the one of the highest assured speed where allowances are made.
 ///

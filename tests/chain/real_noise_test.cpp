@@ -33,7 +33,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
     EXPECT_GE(noise.epochs, noise.epochs_needed);
     EXPECT_GT(noise.jerk_density.value, 0.0);
     EXPECT_GT(noise.measurement_scale.value, 0.0);
-    EXPECT_GT(noise.evaluations, 0);
+    EXPECT_GT(noise.passes, 0.0);
     EXPECT_FALSE(noise.posterior.empty());
     fmt::print("    {} epochs, scale {:.3f} of {:.1f} mm, jerk density {:.2f} m s^-2.5",
                noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,

@@ -172,7 +172,7 @@ inline AxesEstimation axes(bool vertical) {
     noise.jerk_density = {0.430047, 0.0579, false};
     noise.measurement_scale = {0.951671, 0.026, false};
     noise.white_scale = 0.951671;
-    noise.evaluations = 198;
+    noise.passes = 98.4;
     noise.converged = true;
     if (vertical) {
         noise.correlated_error_detected = true;

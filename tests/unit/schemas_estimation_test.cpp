@@ -42,7 +42,7 @@ NoiseSummary fitted_noise() {
     noise.error_tau_s = NoiseParameter{2.25, std::nullopt, false};
     noise.error_sigma_m = NoiseParameter{0.008, 0.0625, true};
     noise.white_scale = 2.5;
-    noise.evaluations = 321;
+    noise.passes = 32.1;
     noise.converged = true;
     noise.posterior = {{0.625, 0.5, 4.5, 1.25, 0.007, 2.0}, {0.375, 0.75, std::nullopt, 1.5, 0, 1}};
     return noise;
@@ -74,7 +74,7 @@ void expect_equal(const NoiseSummary& a, const NoiseSummary& b) {
     expect_equal(a.error_tau_s, b.error_tau_s);
     expect_equal(a.error_sigma_m, b.error_sigma_m);
     EXPECT_EQ(a.white_scale, b.white_scale);
-    EXPECT_EQ(a.evaluations, b.evaluations);
+    EXPECT_EQ(a.passes, b.passes);
     EXPECT_EQ(a.converged, b.converged);
     ASSERT_EQ(a.posterior.size(), b.posterior.size());
     for (std::size_t i = 0; i < a.posterior.size(); ++i) {

@@ -121,7 +121,7 @@ TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
     const NoiseSummary noise = estimated(record({.epochs = 300}), as_stated());
     EXPECT_EQ(noise.status, NoiseBasis::stated);
     EXPECT_EQ(noise.epochs, 300);
-    EXPECT_EQ(noise.evaluations, 0);
+    EXPECT_EQ(noise.passes, 0.0);
     EXPECT_TRUE(noise.posterior.empty());
 }
 

@@ -48,7 +48,7 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
     std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
         return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
     });
-    constexpr std::size_t longest_cluster = 2000;
+    constexpr std::size_t longest_cluster = 500;
     std::vector<WindowCluster<Axes>> clusters;
     std::size_t reach = 0;
     for (const FoundWindow& window : near) {

@@ -49,76 +49,60 @@ EstimationModel local_model(std::span<const ArcEpoch<Axes>> stretch, const Estim
     return models[static_cast<std::size_t>(best - sums.begin())];
 }
 
-/// Weights on independent unit errors of consecutive epochs, without those that hardly count.
-template <int Axes>
-class ErrorRow {
-  public:
-    explicit ErrorRow(const std::vector<PositionVector<Axes>>& weights) {
-        constexpr double hardly = 1e-9;
-        double largest = 0.0;
-        for (const PositionVector<Axes>& one : weights)
-            largest = std::max(largest, one.cwiseAbs().maxCoeff());
-        const auto counts = [&](const PositionVector<Axes>& one) {
-            return one.cwiseAbs().maxCoeff() > hardly * largest;
-        };
-        const auto first = std::ranges::find_if(weights, counts);
-        auto last = weights.end();
-        while (last != first && !counts(*std::prev(last)))
-            --last;
-        from_ = static_cast<std::size_t>(first - weights.begin());
-        weights_.assign(first, last);
-    }
+/// Weights of the measured positions in some sums: a row for each sum, and a column for each axis
+/// of each epoch.
+using Weights = Eigen::MatrixXd;
 
-    double covariance_with(const ErrorRow& other) const {
-        const std::size_t from = std::max(from_, other.from_);
-        const std::size_t to =
-            std::min(from_ + weights_.size(), other.from_ + other.weights_.size());
-        double sum = 0.0;
-        for (std::size_t k = from; k < to; ++k)
-            sum += weights_[k - from_].dot(other.weights_[k - other.from_]);
-        return sum;
-    }
-
-  private:
-    std::size_t from_ = 0;
-    std::vector<PositionVector<Axes>> weights_;
-};
-
-template <int Axes>
-using Weights = std::vector<PositionVector<Axes>>;  ///< one for each epoch
-
-/// The weights of a sum on the unit errors behind white noise.
-template <int Axes>
-ErrorRow<Axes> on_white(std::span<const ArcEpoch<Axes>> epochs, Weights<Axes> weights,
-                        double scale) {
-    for (std::size_t k = 0; k < epochs.size(); ++k)
-        if (epochs[k].measurement) {
-            const PositionMatrix<Axes> factor = epochs[k].measurement->covariance.llt().matrixL();
-            weights[k] = scale * (factor.transpose() * weights[k]);
-        }
-    return ErrorRow<Axes>(weights);
+/// W R W' of errors with R = L L', given W L. The lower triangle alone.
+Eigen::MatrixXd covariance(const Weights& on_unit_errors) {
+    const auto sums = on_unit_errors.rows();
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(sums, sums);
+    covariance.selfadjointView<Eigen::Lower>().rankUpdate(on_unit_errors);
+    return covariance;
 }
 
-/// The weights of a sum on the unit errors that drive a Gauss-Markov error.
+/// The Cholesky factor of the sum of that covariance and another.
+Eigen::MatrixXd factor(const Eigen::MatrixXd& other, const Weights& on_unit_errors) {
+    Eigen::MatrixXd sum = other + covariance(on_unit_errors);
+    // Windows that nearly coincide make it singular but for rounding.
+    constexpr double rounding = 1e-9;
+    sum.diagonal().array() += rounding * sum.diagonal().maxCoeff();
+    return sum.llt().matrixL();
+}
+
+/// The weights on the unit errors behind white noise.
 template <int Axes>
-ErrorRow<Axes> on_slow(std::span<const ArcEpoch<Axes>> epochs, Weights<Axes> weights,
-                       const GaussMarkovError& error) {
+Weights on_white(std::span<const ArcEpoch<Axes>> epochs, Weights weights, double scale) {
+    for (std::size_t k = 0; k < epochs.size(); ++k) {
+        if (!epochs[k].measurement) continue;
+        const PositionMatrix<Axes> factor = epochs[k].measurement->covariance.llt().matrixL();
+        auto here = weights.middleCols<Axes>(static_cast<Eigen::Index>(k) * Axes);
+        here = (scale * here * factor).eval();
+    }
+    return weights;
+}
+
+/// The weights on the unit errors that drive a Gauss-Markov error.
+template <int Axes>
+Weights on_slow(std::span<const ArcEpoch<Axes>> epochs, Weights weights,
+                const GaussMarkovError& error) {
     const double steady_m = error.process_density * std::sqrt(0.5 * error.tau_s);
-    PositionVector<Axes> later = PositionVector<Axes>::Zero();
+    Eigen::Matrix<double, Eigen::Dynamic, Axes> later =
+        Eigen::Matrix<double, Eigen::Dynamic, Axes>::Zero(weights.rows(), Axes);
     for (std::size_t k = epochs.size(); k-- > 0;) {
         const double decay =
             k > 0 ? std::exp(-(epochs[k].time_s - epochs[k - 1].time_s) / error.tau_s) : 0.0;
-        later += weights[k];
-        weights[k] =
-            (k > 0 ? steady_m * std::sqrt(1.0 - decay * decay) : error.initial_sigma_m) * later;
+        auto here = weights.middleCols<Axes>(static_cast<Eigen::Index>(k) * Axes);
+        later += here;
+        here = (k > 0 ? steady_m * std::sqrt(1.0 - decay * decay) : error.initial_sigma_m) * later;
         later *= decay;
     }
-    return ErrorRow<Axes>(weights);
+    return weights;
 }
 
-/// What is drawn for one cluster: errors of the speeds stated for its windows, and of its motion as
-/// estimated, both m/s and a column for each draw.
-struct DrawnErrors {
+/// What one cluster errs by, in m/s: in the speeds stated for its windows, and in its motion as
+/// estimated. As factors of the two covariances, or drawn, with a column for each draw.
+struct RivalErrors {
     Eigen::MatrixXd stated;
     Eigen::MatrixXd motion;
 };
@@ -135,9 +119,10 @@ class Rivals {
         EstimationModel drawn = models.estimated;
         drawn.error.process_density *= models.along;
         drawn.error.initial_sigma_m *= models.along;
-        white_scale_ = drawn.measurement_scale;
+        const double scale = drawn.measurement_scale;
         const Chain<Axes> estimator(stretch_.epochs, models.estimated);
         const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
+        std::vector<EpochPair> windows;
         const auto allowance = [&](std::size_t w) {
             return cluster.allowances_m_s.empty() ? 0.0 : cluster.allowances_m_s[w];
         };
@@ -154,15 +139,21 @@ class Rivals {
             }
             if (kept == cluster.chosen) chosen_ = allowances_m_s_.size();
             allowances_m_s_.push_back(allowance(kept));
-            add(estimator, local, window(cluster, kept), models.by_path);
+            windows.push_back(window(cluster, kept));
         }
+        velocities_.resize(std::ssize(windows) * components_);
+        stated_.resize(velocities_.size(), std::ssize(stretch_.epochs) * Axes);
+        motion_.resize(stated_.rows(), stated_.cols());
+        for (std::size_t w = 0; w < windows.size(); ++w)
+            set(w, estimator, local, windows[w], models.by_path);
+        white_ = {.stated = covariance(on_white<Axes>(stretch_.epochs, stated_, scale)),
+                  .motion = covariance(on_white<Axes>(stretch_.epochs, motion_, scale))};
     }
 
-    /// Draws so many of white noise and this error.
-    DrawnErrors draw(const GaussMarkovError& error, std::int64_t samples,
-                     RandomGenerator& random) const {
-        return {.stated = draw(stated_, error, samples, random),
-                .motion = draw(motion_, error, samples, random)};
+    /// The factors for white noise and this error.
+    RivalErrors factors(const GaussMarkovError& error) const {
+        return {.stated = factor(white_.stated, on_slow<Axes>(stretch_.epochs, stated_, error)),
+                .motion = factor(white_.motion, on_slow<Axes>(stretch_.epochs, motion_, error))};
     }
 
     std::size_t size() const { return allowances_m_s_.size(); }
@@ -188,14 +179,17 @@ class Rivals {
         if (by_path)
             return Eigen::VectorXd::Constant(
                 1, path_speed(chain, first, last, duration_s(window)).speed_m_s);
-        return displacement(chain, first, last) / duration_s(window);
+        const SpeedVector<Axes> moved = displacement(chain, first, last);
+        Eigen::VectorXd velocity(components_);
+        for (int axis = 0; axis < components_; ++axis)
+            velocity(axis) = moved(axis) / duration_s(window);
+        return velocity;
     }
 
-    void add(const Chain<Axes>& estimator, const Chain<Axes>& local, EpochPair window,
-             bool by_path) {
-        const Eigen::VectorXd velocity = velocity_in(local, window, by_path);
-        velocities_.conservativeResize(velocities_.size() + components_);
-        velocities_.tail(components_) = velocity;
+    void set(std::size_t w, const Chain<Axes>& estimator, const Chain<Axes>& local,
+             EpochPair window, bool by_path) {
+        const auto row = static_cast<Eigen::Index>(w) * components_;
+        velocities_.segment(row, components_) = velocity_in(local, window, by_path);
         for (int axis = 0; axis < components_; ++axis) {
             Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
             if (by_path) {
@@ -205,41 +199,25 @@ class Rivals {
                 gradients.front()(axis) = -1.0 / duration_s(window);
                 gradients.back()(axis) = 1.0 / duration_s(window);
             }
-            stated_.push_back(estimator.weights(window.first, gradients));
-            motion_.push_back(local.weights(window.first, gradients));
+            const auto set_row = [&](const Chain<Axes>& chain, Weights& weights) {
+                const auto of_epochs = chain.weights(window.first, gradients);
+                for (std::size_t k = 0; k < of_epochs.size(); ++k)
+                    weights.row(row + axis).template segment<Axes>(
+                        static_cast<Eigen::Index>(k) * Axes) = of_epochs[k].transpose();
+            };
+            set_row(estimator, stated_);
+            set_row(local, motion_);
         }
-    }
-
-    Eigen::MatrixXd draw(const std::vector<Weights<Axes>>& weights, const GaussMarkovError& error,
-                         std::int64_t samples, RandomGenerator& random) const {
-        const auto n = std::ssize(weights);
-        std::vector<ErrorRow<Axes>> white, slow;
-        for (const Weights<Axes>& one : weights) {
-            white.push_back(on_white(stretch_.epochs, one, white_scale_));
-            slow.push_back(on_slow(stretch_.epochs, one, error));
-        }
-        Eigen::MatrixXd covariance(n, n);
-        for (std::size_t i = 0; i < weights.size(); ++i)
-            for (std::size_t j = 0; j <= i; ++j)
-                covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-                    white[i].covariance_with(white[j]) + slow[i].covariance_with(slow[j]);
-        // Windows that nearly coincide make it singular but for rounding.
-        constexpr double rounding = 1e-9;
-        covariance.diagonal().array() += rounding * covariance.diagonal().maxCoeff();
-        const std::vector<double> numbers =
-            random.normals(static_cast<std::size_t>(n * samples));
-        return covariance.llt().matrixL() *
-               Eigen::Map<const Eigen::MatrixXd>(numbers.data(), n, samples);
     }
 
     RivalStretch<Axes> stretch_;
     int components_;
-    double white_scale_ = 1.0;
     std::optional<std::size_t> chosen_;
     std::vector<double> allowances_m_s_;
     Eigen::VectorXd velocities_;
-    std::vector<Weights<Axes>> stated_;
-    std::vector<Weights<Axes>> motion_;
+    Weights stated_;
+    Weights motion_;
+    RivalErrors white_;  ///< covariances of white noise alone
 };
 
 /// The window of the highest assured speed over all clusters.
@@ -266,7 +244,7 @@ struct Sample {
 /// Adds a cluster to draw `i`: the speeds stated with errors on the motion as estimated, and on the
 /// one estimated from a drawn recording.
 template <int Axes>
-void add_to(const Rivals<Axes>& rivals, const DrawnErrors& drawn, Eigen::Index i, Sample& sample) {
+void add_to(const Rivals<Axes>& rivals, const RivalErrors& drawn, Eigen::Index i, Sample& sample) {
     const Eigen::VectorXd errors = drawn.stated.col(i);
     const Eigen::VectorXd& motion = rivals.velocities();
     const Eigen::VectorXd moved = motion + drawn.motion.col(i);
@@ -303,22 +281,34 @@ struct DrawnBias {
     double best_sd_m_s = 0.0;
 };
 
-/// The draws are shared out evenly among the errors.
+/// The draws are shared out evenly among the errors, in groups.
 template <int Axes>
 DrawnBias draw_bias(const std::vector<Rivals<Axes>>& clusters,
-                    const std::vector<GaussMarkovError>& errors, std::int64_t samples,
-                    std::int64_t seed) {
+                    const std::vector<GaussMarkovError>& errors, std::int64_t groups,
+                    std::int64_t samples, std::int64_t seed) {
+    std::vector<std::vector<RivalErrors>> factors;
+    for (const GaussMarkovError& error : errors) {
+        auto& of_error = factors.emplace_back();
+        for (const Rivals<Axes>& rivals : clusters)
+            of_error.push_back(rivals.factors(error));
+    }
     RandomGenerator random(static_cast<std::uint64_t>(seed));
+    const auto draws = [&](const Eigen::MatrixXd& factor, std::int64_t count) -> Eigen::MatrixXd {
+        const std::vector<double> numbers =
+            random.normals(static_cast<std::size_t>(factor.rows() * count));
+        return factor.triangularView<Eigen::Lower>() *
+               Eigen::Map<const Eigen::MatrixXd>(numbers.data(), factor.rows(), count);
+    };
     std::vector<double> stated, calibrated, best_true;
-    for (std::size_t e = 0; e < errors.size(); ++e) {
-        const auto before = std::ssize(stated);
-        const auto share =
-            (samples - before) / (std::ssize(errors) - static_cast<std::ptrdiff_t>(e));
+    for (std::int64_t group = 0; group < groups; ++group) {
+        const auto share = (samples - std::ssize(stated)) / (groups - group);
+        const auto& of_error = factors[static_cast<std::size_t>(group) % factors.size()];
         std::vector<Sample> drawn(static_cast<std::size_t>(share));
-        for (const Rivals<Axes>& rivals : clusters) {
-            const DrawnErrors of_cluster = rivals.draw(errors[e], share, random);
+        for (std::size_t c = 0; c < clusters.size(); ++c) {
+            const RivalErrors errors_drawn{.stated = draws(of_error[c].stated, share),
+                                           .motion = draws(of_error[c].motion, share)};
             for (std::int64_t i = 0; i < share; ++i)
-                add_to(rivals, of_cluster, i, drawn[static_cast<std::size_t>(i)]);
+                add_to(clusters[c], errors_drawn, i, drawn[static_cast<std::size_t>(i)]);
         }
         for (const Sample& sample : drawn) {
             stated.push_back(sample.once.error_m_s);
@@ -372,8 +362,13 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
     GaussMarkovError as_fitted = models.estimated.error;
     as_fitted.process_density *= models.along;
     as_fitted.initial_sigma_m *= models.along;
-    const DrawnBias fitted = draw_bias(rivals, {as_fitted}, samples, seed);
-    const DrawnBias bounded = draw_bias(rivals, bounded_errors(models), samples, seed);
+    // The same numbers are drawn for both, so that their difference is that of the errors.
+    const std::vector<GaussMarkovError> at_bound = bounded_errors(models);
+    const auto bias_under = [&](const std::vector<GaussMarkovError>& errors) {
+        return draw_bias(rivals, errors, std::ssize(at_bound), samples, seed);
+    };
+    const DrawnBias fitted = bias_under({as_fitted});
+    const DrawnBias bounded = bias_under(at_bound);
     // Choosing the fastest never makes the speed too low.
     result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);
     result.bounded_bias_m_s = std::max(result.fitted_bias_m_s, bounded.bias_m_s);

@@ -357,75 +357,6 @@ std::vector<PositionVector<Axes>> Chain<Axes>::weights(std::size_t s,
 }
 
 template <int Axes>
-template <int Lanes>
-std::vector<LanePositions<Axes, Lanes>> Chain<Axes>::positions_of(
-    std::span<const LanePositions<Axes, Lanes>> measured) const {
-    assert(measured.size() == size());
-    using One = Lane<Lanes>;
-    std::array<One, static_cast<std::size_t>(state_size<Axes>)> state;
-    const auto clear = [&] {
-        for (One& one : state)
-            one.setZero();
-    };
-    clear();
-    for (std::size_t a = 0; a < Axes; ++a)
-        state[a] = measured[0][a];
-    std::vector<LanePositions<Axes, Lanes>> positions(size()), weighted(size());
-    for (std::size_t k = 0; k < size(); ++k) {
-        const Innovation<Axes>& seen = epochs_[k].seen;
-        if (k > 0) kernel::carry<Axes>(step_after(k - 1), state.data());
-        for (std::size_t a = 0; a < Axes; ++a)
-            positions[k][a] = state[a];
-        for (int j = 0; j < Axes; ++j) {
-            const auto& one = seen.coordinates[j];
-            const One missed = kernel::whitened<Axes>(seen.white, j, [&](int axis) -> One {
-                const auto a = static_cast<std::size_t>(axis);
-                return measured[k][a] - state[a] - state[3 * Axes + a];
-            });
-            const One weight = missed / one.variance;
-            weighted[k][static_cast<std::size_t>(j)] = weight;
-            for (std::size_t i = 0; i < state.size(); ++i)
-                state[i] += one.cross[static_cast<int>(i)] * weight;
-        }
-    }
-    // From here on the state is the score.
-    clear();
-    for (std::size_t k = size(); k-- > 0;) {
-        const Epoch& epoch = epochs_[k];
-        if (k + 1 < size()) kernel::carry_back<Axes>(step_after(k), state.data());
-        for (int j = Axes; j-- > 0;) {
-            const auto& one = epoch.seen.coordinates[j];
-            One own = state[0] * one.cross[0];
-            for (std::size_t i = 1; i < state.size(); ++i)
-                own += state[i] * one.cross[static_cast<int>(i)];
-            own = weighted[k][static_cast<std::size_t>(j)] - own / one.variance;
-            kernel::add_observed<Axes>(epoch.seen.white, j, own, state.data());
-        }
-        for (std::size_t a = 0; a < Axes; ++a)
-            for (std::size_t i = 0; i < state.size(); ++i)
-                positions[k][a] += epoch.predicted.covariance(static_cast<Eigen::Index>(i),
-                                                              static_cast<Eigen::Index>(a)) *
-                                   state[i];
-    }
-    return positions;
-}
-
-template <int Axes>
-std::vector<PositionVector<Axes>> Chain<Axes>::positions_of(
-    std::span<const PositionVector<Axes>> measured) const {
-    std::vector<LanePositions<Axes, 1>> lane(measured.size());
-    for (std::size_t k = 0; k < measured.size(); ++k)
-        for (int a = 0; a < Axes; ++a)
-            lane[k][static_cast<std::size_t>(a)][0] = measured[k](a);
-    std::vector<PositionVector<Axes>> positions(measured.size());
-    const auto smoothed = positions_of<1>(lane);
-    for (std::size_t k = 0; k < measured.size(); ++k)
-        for (int a = 0; a < Axes; ++a)
-            positions[k](a) = smoothed[k][static_cast<std::size_t>(a)][0];
-    return positions;
-}
-
-template <int Axes>
 ScoreTest<Axes> Chain<Axes>::outlier(std::size_t k) const {
     return {.score = epochs_[k].own_score, .precision = epochs_[k].own_precision};
 }
@@ -587,10 +518,6 @@ double weighted_variance(std::span<const ArcEpoch<Axes>> arc, double scale,
 
 #define RUNCERT_INSTANTIATE(AXES)                                                    \
     template class Chain<AXES>;                                                      \
-    template std::vector<LanePositions<AXES, 4>> Chain<AXES>::positions_of<4>(       \
-        std::span<const LanePositions<AXES, 4>>) const;                              \
-    template std::vector<LanePositions<AXES, 1>> Chain<AXES>::positions_of<1>(       \
-        std::span<const LanePositions<AXES, 1>>) const;                              \
     template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,         \
                                             const GaussMarkovError&,                 \
                                             std::span<const PositionVector<AXES>>);  \

@@ -38,14 +38,6 @@ using SpeedMatrix = Eigen::Matrix<double, speed_axes<Axes>, speed_axes<Axes>>;
 template <int Axes>
 using CountedGradients = std::vector<Eigen::Matrix<double, state_size<Axes>, speed_axes<Axes>>>;
 
-/// One number for each of `Lanes` recordings: here always a coordinate, in m.
-template <int Lanes>
-using Lane = Eigen::Array<double, Lanes, 1>;
-
-/// The positions of `Lanes` recordings at one epoch, by axis.
-template <int Axes, int Lanes>
-using LanePositions = std::array<Lane<Lanes>, static_cast<std::size_t>(Axes)>;
-
 /// The derivative of the log-likelihood with respect to an unknown that is zero under the model,
 /// and the variance of that derivative. Both serve to test whether the unknown is zero and to
 /// estimate it if not.
@@ -119,14 +111,6 @@ class Chain {
     /// of the arc, zero where it has no measurement.
     std::vector<PositionVector<Axes>> weights(std::size_t s,
                                               const Gradients<Axes>& gradients) const;
-
-    /// The smoothed positions (m) of other recordings at the same epochs and with the same
-    /// covariances, each bit for bit as on its own. Every epoch must have a measurement.
-    template <int Lanes>
-    std::vector<LanePositions<Axes, Lanes>> positions_of(
-        std::span<const LanePositions<Axes, Lanes>> measured) const;
-    std::vector<PositionVector<Axes>> positions_of(
-        std::span<const PositionVector<Axes>> measured) const;
 
     /// Tests for an error (m), in any direction, of epoch k's measurement alone. Epoch k must have
     /// one.

@@ -47,16 +47,15 @@ struct SelectionModels {
 /// the one of the highest assured speed where allowances are made.
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
-/// errors point forward. The bias is found by simulating the choice. The motion through each
-/// cluster, and five seconds before and after it, is re-estimated with a jerk density fitted to
-/// that stretch alone. Errors are drawn onto it. All windows of a draw share them, as their joint
-/// distribution requires. Each draw is smoothed and searched as the recording was. The speed stated
-/// for its fastest window is compared with that window's true speed. The effect of smoothing on the
-/// window is thus included.
+/// errors point forward. Their speeds are weighted sums of the measured positions (`Chain::weights`),
+/// so that their errors are jointly normal with covariance W R W'. Draws of these are added to the
+/// velocities of the motion, which is estimated from each cluster, and five seconds before and after
+/// it, with a jerk density fitted to that stretch alone. The bias is the mean error of the window
+/// that is then the fastest. Of many windows 200 stand for all, each the best of its neighbours.
 ///
 /// The estimated motion still contains some noise, which makes the result too small. The same is
-/// done from motions estimated from drawn recordings, and the difference is added (a bootstrap,
-/// calibrated by a second one: [ET93] 18).
+/// done from motions with drawn errors, and the difference is added (a bootstrap, calibrated by a
+/// second one: [ET93] 18).
 ///
 /// A time-correlated error of the positions resembles motion, so that the recording does not show
 /// how much it influenced the choice. The bias lies between that for the errors as fitted and that
@@ -65,9 +64,7 @@ struct SelectionModels {
 ///
 /// `stated_m_s` is the estimated speed of the chosen window, which is in one of the clusters.
 /// `samples` is the number of draws for each of the two types of errors, at least 2, or 0: nothing
-/// is simulated, and the bias is 0. Of very many epochs fewer are drawn, at least 50, so that noise
-/// all over a recording costs seconds. The same `seed` gives the same result, whatever the number
-/// of threads. Neither bias is below 0, and the bounded one is not below the fitted one.
+/// is drawn, and the bias is 0. The same `seed` gives the same result. Neither bias is below 0, and the bounded one is not below the fitted one.
 /// `bias_uncertainty_m_s` is the larger standard uncertainty of their means, from the finite number
 /// of draws. The caller sets `treatment`.
 template <int Axes>

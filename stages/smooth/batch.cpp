@@ -5,9 +5,7 @@
 #include <mutex>
 
 #include "core/failure.h"
-#include "core/parallel.h"
 #include "stages/smooth/batch_problem.h"
-#include "stages/smooth/robust_chain.h"
 
 namespace runcert {
 namespace {
@@ -129,79 +127,9 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     return solution;
 }
 
-namespace {
-
-/// The outcome of a stretch's robust problem.
-template <int Axes>
-struct RobustEnd {
-    bool converged = false;
-    std::int64_t iterations = 0;
-    std::vector<StateVector<Axes>> states;
-};
-
-/// Solves along the chain. Most problems need about ten steps; one with hardly any noise and many
-/// outliers needs a hundred.
-template <int Axes>
-RobustEnd<Axes> solve_robust_stretch(std::span<const ArcEpoch<Axes>> stretch,
-                                     const EstimationModel& model, double scale,
-                                     std::span<const StateVector<Axes>> start) {
-    RobustEnd<Axes> end;
-    RobustChain<Axes> chain(stretch, model, start, scale);
-    end.converged = chain.solve(robust_iterations_allowed);
-    end.iterations = chain.iterations();
-    end.states.assign(start.begin(), start.end());
-    for (std::size_t k = 0; k < end.states.size(); ++k)
-        end.states[k] += chain.move(k);
-    return end;
-}
-
-}  // namespace
-
-template <int Axes>
-RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
-                                  double scale, std::span<const StateVector<Axes>> start,
-                                  const BatchOptions& options) {
-    assert(start.size() == arc.size() && scale > 0.0);
-    const std::vector<Stretch> stretches = cut<Axes>(arc, options);
-    RobustSolution<Axes> solution;
-    solution.stretches = static_cast<std::int64_t>(stretches.size());
-    solution.states.resize(arc.size());
-    solution.weights.resize(arc.size());
-    const auto ended = results_of(std::ssize(stretches), threads_allowed(), [&](std::int64_t i) {
-        const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
-        RobustEnd<Axes> end =
-            solve_robust_stretch<Axes>(stretch.of(arc), model, scale, stretch.of(start));
-        if (end.converged) take<Axes>(stretch, end.states, solution.states);
-        end.states.clear();
-        return end;
-    });
-    for (const RobustEnd<Axes>& one : ended) {
-        solution.iterations += one.iterations;
-        solution.converged = solution.converged && one.converged;
-    }
-    if (!solution.converged) {
-        solution.states.clear();
-        solution.weights.clear();
-        return solution;
-    }
-    for (std::size_t k = 0; k < arc.size(); ++k) {
-        if (!arc[k].measurement) continue;
-        const double square =
-            whitened_residual<Axes>(*arc[k].measurement, model, solution.states[k]).squaredNorm();
-        solution.weights[k] = 1.0 / (1.0 + square / (scale * scale));
-    }
-    return solution;
-}
-
 template BatchSolution<1> solve_batch<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
                                          const BatchOptions&);
 template BatchSolution<2> solve_batch<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
                                          const BatchOptions&);
-template RobustSolution<1> solve_robust<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
-                                           double, std::span<const StateVector<1>>,
-                                           const BatchOptions&);
-template RobustSolution<2> solve_robust<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
-                                           double, std::span<const StateVector<2>>,
-                                           const BatchOptions&);
 
 }  // namespace runcert

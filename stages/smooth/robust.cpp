@@ -22,34 +22,29 @@ constexpr double rounding_of_cost = 1e-10;
 /// fraction of the weight stands for smaller ones. It leaves the local steps too short, never too
 /// long.
 constexpr double least_curvature = 0.1;
-constexpr int halvings = 4;  // of a step that is too long, before a reweighted one
+constexpr double shortest = 0.1;  // step, before a reweighted one
 
-/// A measurement at the current states, and what a whole step would change. Positions are in m, and
-/// products in standard deviations of the measurement.
+/// A square along a step, or a sum of such.
+struct Square {
+    double value = 0.0;
+    double falls = 0.0;  ///< minus half its first derivative at the beginning
+    double curvature = 0.0;
+
+    double after(double length) const {
+        return value - length * (2.0 * falls - length * curvature);
+    }
+};
+
+/// A measurement at the current states, and what a whole step would change. Positions are in m.
 template <int Axes>
 struct Residual {
     std::size_t k = 0;
     PositionMatrix<Axes> whitener;
     PositionVector<Axes> error;                                  ///< measured minus estimated
     PositionVector<Axes> change = PositionVector<Axes>::Zero();  ///< of the estimated position
-    double square = 0.0;                                         ///< of the error
-    double along = 0.0;                                          ///< error times change
-    double change_square = 0.0;
+    Square square = {};  ///< of the error, in standard deviations of the measurement
     double weight = 1.0;
     double curvature = 1.0;  ///< along the error, as a fraction of the weight
-
-    double square_after(double length) const {
-        return square - length * (2.0 * along - length * change_square);
-    }
-};
-
-/// Twice the quadratic form that stands for the loss along a step: value, slope and curvature.
-struct Quadratic {
-    double value = 0.0;
-    double slope = 0.0;
-    double curvature = 0.0;
-
-    double at(double length) const { return value - length * (2.0 * slope - length * curvature); }
 };
 
 template <int Axes>
@@ -67,26 +62,121 @@ class RobustSection {
           model_(model),
           scale_squared_(scale * scale),
           replaced_(arc.begin(), arc.end()) {
-        for (std::size_t k = 0; k < arc.size(); ++k) {
-            if (!arc[k].measurement) continue;
-            residuals_.push_back(
-                {.k = k,
-                 .whitener = whitener<Axes>(*arc[k].measurement, model),
-                 .error = arc[k].measurement->position - observed<Axes>(start[k])});
-        }
+        for (std::size_t k = 0; k < arc.size(); ++k)
+            if (const auto& measured = arc[k].measurement)
+                residuals_.push_back({.k = k,
+                                      .whitener = whitener<Axes>(*measured, model),
+                                      .error = measured->position - observed<Axes>(start[k])});
     }
-
-    /// Whether it ended. Each pass is one chain.
-    bool solve(std::int64_t passes_allowed);
 
     std::int64_t passes() const { return passes_; }
     StateVector<Axes> state(std::size_t k) const { return chain_.mean(k); }
 
+    /// Whether it ended. Each pass is one chain, which minimises the squares of process noise and
+    /// of the replacing measurements. Their sum, less those of the measurements, is the part of the
+    /// process noise. It is quadratic along the step, so that the cost after any part of a step
+    /// needs no further pass.
+    bool solve(std::int64_t passes_allowed) {
+        if (!go(0.0)) return false;
+        bool by_curvature = false;
+        double process = -HUGE_VAL;  // known after the first step, which need not be judged
+        double left = 0.0;
+        while (passes_ < passes_allowed) {
+            ++passes_;
+            replace_measurements(by_curvature);
+            chain_ = Chain<Axes>(replaced_, model_);
+            const Square measured = take_changes();
+            const double least = chain_.innovation_sum();
+            left = measured.curvature;
+            // The whole gain holds the part of the measurements, though rounding may hide it.
+            const double gain = std::max(process + measured.value - least, left);
+            const auto process_after = [&](double length) {
+                return least + (1.0 - length) * (1.0 - length) * gain - measured.after(length);
+            };
+            const auto cost_after = [&](double length) {
+                return process_after(length) + loss_after(length);
+            };
+            double length = 1.0;
+            const bool near = left <= square_of_a_last_step;
+            if (by_curvature && !near) {
+                const double allowed = (process + loss_after(0.0)) * (1.0 + rounding_of_cost);
+                double then = cost_after(length);
+                while (length > shortest && !(then <= allowed))
+                    then = cost_after(length *= 0.5);
+                by_curvature = then <= allowed;
+                if (!by_curvature) continue;
+                if (length == 1.0 && cost_after(2.0) < then) length = 2.0;
+            }
+            process = process_after(length);
+            if (!go(length)) return false;
+            if (near) return true;
+            by_curvature = true;
+        }
+        // No step has raised the cost. What counts is how much is left, not how many it took.
+        return left <= square_left_at_last;
+    }
+
   private:
-    bool go(double length);
-    void replace_measurements(bool by_curvature);
-    Quadratic take_changes();
-    double loss_after(double length) const;
+    /// Goes a part of the step. Returns whether the errors are numbers.
+    bool go(double length) {
+        bool finite = true;
+        for (Residual<Axes>& one : residuals_) {
+            one.error -= length * one.change;
+            one.square.value = (one.whitener * one.error).squaredNorm();
+            finite = finite && std::isfinite(one.square.value);
+        }
+        return finite;
+    }
+
+    /// Replaces each measurement by that whose square has the slope of the loss at the current
+    /// error e: of weight w, and along e of curvature c w, it is at e / c. By the weight alone c
+    /// is 1. The first one stays where it was measured, because the vague prior does.
+    void replace_measurements(bool by_curvature) {
+        const double variance = model_.measurement_scale * model_.measurement_scale;
+        for (Residual<Axes>& one : residuals_) {
+            const double square = one.square.value / scale_squared_;
+            one.weight = 1.0 / (1.0 + square);
+            one.curvature = 1.0;
+            PositionMeasurement<Axes>& by = *replaced_[one.k].measurement;
+            by = *arc_[one.k].measurement;
+            if (by_curvature && one.k > 0 && square > 0.0) {
+                one.curvature = std::max(one.weight * (1.0 - square), least_curvature);
+                const double more = 1.0 / one.curvature - 1.0;
+                by.position += more * one.error;
+                by.covariance +=
+                    (more / (one.square.value * variance)) * one.error * one.error.transpose();
+            }
+            by.covariance /= one.weight;
+        }
+    }
+
+    /// Sets the changes that the chain makes. Returns the sum of the replacing measurements'
+    /// squares.
+    Square take_changes() {
+        Square sum;
+        for (Residual<Axes>& one : residuals_) {
+            one.change = observed<Axes>(chain_.mean(one.k)) -
+                         (arc_[one.k].measurement->position - one.error);
+            const PositionVector<Axes> change = one.whitener * one.change;
+            Square& square = one.square;
+            square.falls = change.dot(one.whitener * one.error);
+            square.curvature = change.squaredNorm();
+            sum.value += one.weight * square.value / one.curvature;
+            sum.falls += one.weight * square.falls;
+            sum.curvature += one.weight * square.curvature;
+            if (one.curvature < 1.0)
+                sum.curvature -=
+                    one.weight * (1.0 - one.curvature) * square.falls * square.falls / square.value;
+        }
+        return sum;
+    }
+
+    double loss_after(double length) const {
+        double sum = 0.0;
+        for (const Residual<Axes>& one : residuals_)
+            sum += std::log1p(one.square.after(length) / scale_squared_);
+        return scale_squared_ * sum;
+    }
 
     std::span<const ArcEpoch<Axes>> arc_;
     EstimationModel model_;
@@ -96,114 +186,6 @@ class RobustSection {
     Chain<Axes> chain_;
     std::int64_t passes_ = 0;
 };
-
-/// Goes a part of the step. Returns whether the errors are numbers.
-template <int Axes>
-bool RobustSection<Axes>::go(double length) {
-    bool finite = true;
-    for (Residual<Axes>& one : residuals_) {
-        one.error -= length * one.change;
-        one.square = (one.whitener * one.error).squaredNorm();
-        finite = finite && std::isfinite(one.square);
-    }
-    return finite;
-}
-
-/// Replaces each measurement by that whose square has the slope of the loss at the current error e:
-/// of weight w, and along e of curvature c w, it is at e / c. By the weight alone c is 1.
-///
-/// The first one stays where it was measured, because the vague prior does.
-template <int Axes>
-void RobustSection<Axes>::replace_measurements(bool by_curvature) {
-    const double variance = model_.measurement_scale * model_.measurement_scale;
-    for (Residual<Axes>& one : residuals_) {
-        const double square = one.square / scale_squared_;
-        one.weight = 1.0 / (1.0 + square);
-        one.curvature = 1.0;
-        PositionMeasurement<Axes>& by = *replaced_[one.k].measurement;
-        by = *arc_[one.k].measurement;
-        if (by_curvature && one.k > 0 && square > 0.0) {
-            one.curvature = std::max(one.weight * (1.0 - square), least_curvature);
-            const double more = 1.0 / one.curvature - 1.0;
-            by.position += more * one.error;
-            by.covariance += (more / (one.square * variance)) * one.error * one.error.transpose();
-        }
-        by.covariance /= one.weight;
-    }
-}
-
-/// Sets the changes that the chain makes. Returns the squares of the measurements that replace the
-/// given ones, along them.
-template <int Axes>
-Quadratic RobustSection<Axes>::take_changes() {
-    Quadratic sum;
-    for (Residual<Axes>& one : residuals_) {
-        one.change =
-            observed<Axes>(chain_.mean(one.k)) - (arc_[one.k].measurement->position - one.error);
-        const PositionVector<Axes> change = one.whitener * one.change;
-        one.along = change.dot(one.whitener * one.error);
-        one.change_square = change.squaredNorm();
-        sum.value += one.weight * one.square / one.curvature;
-        sum.slope += one.weight * one.along;
-        sum.curvature += one.weight * one.change_square;
-        if (one.curvature < 1.0)
-            sum.curvature -=
-                one.weight * (1.0 - one.curvature) * one.along * one.along / one.square;
-    }
-    return sum;
-}
-
-template <int Axes>
-double RobustSection<Axes>::loss_after(double length) const {
-    double sum = 0.0;
-    for (const Residual<Axes>& one : residuals_)
-        sum += std::log1p(one.square_after(length) / scale_squared_);
-    return scale_squared_ * sum;
-}
-
-/// The chain minimises the squares of process noise and of the replacing measurements. Their sum,
-/// less those of the measurements, is the part of the process noise. It is quadratic along the
-/// step, so that the cost of any part of a step needs no further pass.
-template <int Axes>
-bool RobustSection<Axes>::solve(std::int64_t passes_allowed) {
-    if (!go(0.0)) return false;
-    bool by_curvature = false;
-    double process = 0.0;  // known after the first step, which need not be judged
-    double left = 0.0;
-    while (passes_ < passes_allowed) {
-        const bool first = ++passes_ == 1;
-        replace_measurements(by_curvature);
-        chain_ = Chain<Axes>(replaced_, model_);
-        const Quadratic measured = take_changes();
-        const double least = chain_.innovation_sum();
-        left = measured.curvature;
-        // The whole gain holds the part of the measurements. Rounding may hide the difference.
-        const double gain = first ? left : std::max(process + measured.value - least, left);
-        const auto process_after = [&](double length) {
-            return least + (1.0 - length) * (1.0 - length) * gain - measured.at(length);
-        };
-        const auto cost_after = [&](double length) {
-            return process_after(length) + loss_after(length);
-        };
-        double length = 1.0;
-        const bool near = left <= square_of_a_last_step;
-        if (by_curvature && !near) {
-            const double allowed = (process + loss_after(0.0)) * (1.0 + rounding_of_cost);
-            double then = cost_after(length);
-            for (int i = 0; i < halvings && !(then <= allowed); ++i)
-                then = cost_after(length *= 0.5);
-            by_curvature = then <= allowed;
-            if (!by_curvature) continue;
-            if (length == 1.0 && cost_after(2.0) < then) length = 2.0;
-        }
-        process = process_after(length);
-        if (!go(length)) return false;
-        if (near) return true;
-        by_curvature = true;
-    }
-    // Every step has lowered the cost. What counts is how much is left, not how many steps it took.
-    return left <= square_left_at_last;
-}
 
 }  // namespace
 

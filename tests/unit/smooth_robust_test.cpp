@@ -91,7 +91,8 @@ void expect_the_same(const std::vector<ArcEpoch<Axes>>& arc, const NamedModel& o
     const Eigen::Vector4d difference = largest_difference<Axes>(
         solved_by_chain<Axes>(arc, one.model, start), solved_by_ceres<Axes>(arc, one.model, start));
     // As far as Ceres gets before rounding hides what the cost still changes by, which depends on
-    // the compiler. The chain ends at 1e-5 standard deviations, and accelerations have up to 1 m/s^2.
+    // the compiler. The chain ends at 1e-5 standard deviations, and accelerations have up to 1
+    // m/s^2.
     EXPECT_LT(difference(0), 1e-6) << one.name;
     EXPECT_LT(difference(1), 1e-6) << one.name;
     EXPECT_LT(difference(2), 1e-5) << one.name;

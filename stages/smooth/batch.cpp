@@ -16,11 +16,6 @@ struct Stretch {
     std::size_t last = 0;
     std::size_t take_from = 0;
     std::size_t take_to = 0;
-
-    template <class T>
-    std::span<const T> of(std::span<const T> arc) const {
-        return arc.subspan(first, last - first);
-    }
 };
 
 /// Where the next stretch begins after the one that begins at `first`: the wanted epoch or the
@@ -123,7 +118,10 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
     for (const Stretch& stretch : stretches)
-        take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
+        take<Axes>(
+            stretch,
+            solve_stretch<Axes>(arc.subspan(stretch.first, stretch.last - stretch.first), model),
+            solution.states);
     return solution;
 }
 

@@ -5,9 +5,7 @@
 #include <mutex>
 
 #include "core/failure.h"
-#include "core/parallel.h"
 #include "stages/smooth/batch_problem.h"
-#include "stages/smooth/robust_chain.h"
 
 namespace runcert {
 namespace {
@@ -18,11 +16,6 @@ struct Stretch {
     std::size_t last = 0;
     std::size_t take_from = 0;
     std::size_t take_to = 0;
-
-    template <class T>
-    std::span<const T> of(std::span<const T> arc) const {
-        return arc.subspan(first, last - first);
-    }
 };
 
 /// Where the next stretch begins after the one that begins at `first`: the wanted epoch or the
@@ -125,71 +118,10 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
     for (const Stretch& stretch : stretches)
-        take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
-    return solution;
-}
-
-namespace {
-
-/// The outcome of a stretch's robust problem.
-template <int Axes>
-struct RobustEnd {
-    bool converged = false;
-    std::int64_t iterations = 0;
-    std::vector<StateVector<Axes>> states;
-};
-
-/// Solves along the chain. Most problems need about ten steps; one with hardly any noise and many
-/// outliers needs a hundred.
-template <int Axes>
-RobustEnd<Axes> solve_robust_stretch(std::span<const ArcEpoch<Axes>> stretch,
-                                     const EstimationModel& model, double scale,
-                                     std::span<const StateVector<Axes>> start) {
-    RobustEnd<Axes> end;
-    RobustChain<Axes> chain(stretch, model, start, scale);
-    end.converged = chain.solve(robust_iterations_allowed);
-    end.iterations = chain.iterations();
-    end.states.assign(start.begin(), start.end());
-    for (std::size_t k = 0; k < end.states.size(); ++k)
-        end.states[k] += chain.move(k);
-    return end;
-}
-
-}  // namespace
-
-template <int Axes>
-RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
-                                  double scale, std::span<const StateVector<Axes>> start,
-                                  const BatchOptions& options) {
-    assert(start.size() == arc.size() && scale > 0.0);
-    const std::vector<Stretch> stretches = cut<Axes>(arc, options);
-    RobustSolution<Axes> solution;
-    solution.stretches = static_cast<std::int64_t>(stretches.size());
-    solution.states.resize(arc.size());
-    solution.weights.resize(arc.size());
-    const auto ended = results_of(std::ssize(stretches), threads_allowed(), [&](std::int64_t i) {
-        const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
-        RobustEnd<Axes> end =
-            solve_robust_stretch<Axes>(stretch.of(arc), model, scale, stretch.of(start));
-        if (end.converged) take<Axes>(stretch, end.states, solution.states);
-        end.states.clear();
-        return end;
-    });
-    for (const RobustEnd<Axes>& one : ended) {
-        solution.iterations += one.iterations;
-        solution.converged = solution.converged && one.converged;
-    }
-    if (!solution.converged) {
-        solution.states.clear();
-        solution.weights.clear();
-        return solution;
-    }
-    for (std::size_t k = 0; k < arc.size(); ++k) {
-        if (!arc[k].measurement) continue;
-        const double square =
-            whitened_residual<Axes>(*arc[k].measurement, model, solution.states[k]).squaredNorm();
-        solution.weights[k] = 1.0 / (1.0 + square / (scale * scale));
-    }
+        take<Axes>(
+            stretch,
+            solve_stretch<Axes>(arc.subspan(stretch.first, stretch.last - stretch.first), model),
+            solution.states);
     return solution;
 }
 
@@ -197,11 +129,5 @@ template BatchSolution<1> solve_batch<1>(std::span<const ArcEpoch<1>>, const Est
                                          const BatchOptions&);
 template BatchSolution<2> solve_batch<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
                                          const BatchOptions&);
-template RobustSolution<1> solve_robust<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
-                                           double, std::span<const StateVector<1>>,
-                                           const BatchOptions&);
-template RobustSolution<2> solve_robust<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
-                                           double, std::span<const StateVector<2>>,
-                                           const BatchOptions&);
 
 }  // namespace runcert

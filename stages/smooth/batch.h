@@ -1,16 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "motion/kalman.h"
 
 namespace runcert {
-
-/// Largest number of iterations of a robust solution, which usually takes some tens.
-inline constexpr int robust_iterations_allowed = 500;
 
 /// How a long arc is divided. Neighbouring stretches share `overlap` epochs, or more where no
 /// measured epoch is available to begin at; 0 < 2 * overlap <= epochs_at_once. Each state comes
@@ -52,28 +48,5 @@ struct BatchSolution {
 template <int Axes>
 BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
                                 const BatchOptions& options = {});
-
-template <int Axes>
-struct RobustSolution {
-    std::vector<StateVector<Axes>> states;  ///< one for each epoch
-    /// The Cauchy weight 1 / (1 + r'r / scale^2), in (0, 1], of each epoch's whitened residual r at
-    /// the solution. Empty if the epoch has no measurement.
-    std::vector<std::optional<double>> weights;
-    std::int64_t stretches = 1;
-    std::int64_t iterations = 0;  ///< total over all stretches
-    bool converged = true;        ///< otherwise states and weights are empty
-};
-
-/// The batch problem with a Cauchy loss on each measurement's whitened residual r (all axes of an
-/// epoch as one block): scale^2 ln(1 + r'r / scale^2) instead of r'r, with `scale` in standard
-/// deviations. It is not linear. It is iterated along the chain of states (RobustChain) from
-/// `start` until no improvement is left. `start` has one state for each epoch, such as the solution
-/// of the screened arc.
-///
-/// Not converged where that takes more than `robust_iterations_allowed`.
-template <int Axes>
-RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
-                                  double scale, std::span<const StateVector<Axes>> start,
-                                  const BatchOptions& options = {});
 
 }  // namespace runcert

@@ -11,6 +11,7 @@
 #include "stages/smooth/batch.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
+#include "stages/smooth/robust.h"
 #include "stages/smooth/trajectory_rows.h"
 #include "witness/arcs.h"
 
@@ -141,7 +142,7 @@ void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const Estim
                 const SmoothConfig& config, TrajectoryTable& table) {
     const RobustSolution<2> robust =
         solve_robust<2>(arc.epochs, model, config.robust_scale, smoothed.states,
-                        stretches_for(arc, smoothed, model));
+                        smoothed_sections<2>(arc.epochs, model));
     if (!robust.converged) ++table.estimation.robust_unsolved;
     for (std::size_t k = 0; k < robust.states.size(); ++k) {
         TrajectoryEpoch& row = table.rows[arc.rows[k]];

@@ -66,6 +66,13 @@ constexpr std::size_t epochs_at_once = 16'384;
 }  // namespace
 
 template <int Axes>
+std::vector<ArcSection> smoothed_sections(std::span<const ArcEpoch<Axes>> epochs,
+                                          const EstimationModel& model) {
+    const double memory = epochs.size() > epochs_at_once ? memory_s<Axes>(epochs, model) : 0.0;
+    return sections_of<Axes>(epochs, memory, epochs_at_once);
+}
+
+template <int Axes>
 SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
                                 std::vector<TrajectoryEpoch>& rows) {
     const std::span<const ArcEpoch<Axes>> epochs(arc.epochs);
@@ -73,8 +80,7 @@ SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& mod
     smoothed.states.resize(epochs.size());
     smoothed.measurements = std::ranges::count_if(
         epochs, [](const ArcEpoch<Axes>& epoch) { return epoch.measurement.has_value(); });
-    const double memory = epochs.size() > epochs_at_once ? memory_s<Axes>(epochs, model) : 0.0;
-    for (const ArcSection& section : sections_of<Axes>(epochs, memory, epochs_at_once)) {
+    for (const ArcSection& section : smoothed_sections<Axes>(epochs, model)) {
         const Chain<Axes> chain(
             epochs.subspan(section.taken_first, section.taken_end - section.taken_first), model);
         for (std::size_t k = section.first; k < section.end; ++k) {
@@ -105,6 +111,11 @@ template void set_jerk_density<1>(const Arc<1>&, const EstimationModel&,
                                   std::vector<TrajectoryEpoch>&);
 template void set_jerk_density<2>(const Arc<2>&, const EstimationModel&,
                                   std::vector<TrajectoryEpoch>&);
+
+template std::vector<ArcSection> smoothed_sections<1>(std::span<const ArcEpoch<1>>,
+                                                      const EstimationModel&);
+template std::vector<ArcSection> smoothed_sections<2>(std::span<const ArcEpoch<2>>,
+                                                      const EstimationModel&);
 
 template SmoothedMeans<1> smooth_rows<1>(const Arc<1>&, const EstimationModel&,
                                          std::vector<TrajectoryEpoch>&);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "motion/kalman.h"
+#include "motion/sections.h"
 #include "schemas/trajectory/declared.h"
 #include "witness/arcs.h"
 
@@ -18,6 +20,12 @@ struct SmoothedMeans {
     double largest_condition = 0.0;  ///< of a covariance with its diagonal scaled to one
     double largest_asymmetry = 0.0;  ///< relative, of a covariance before it was made symmetric
 };
+
+/// The sections in which an arc is smoothed: as long as the model remembers beyond their ends, and
+/// short enough to bound the memory. A short arc is one.
+template <int Axes>
+std::vector<ArcSection> smoothed_sections(std::span<const ArcEpoch<Axes>> epochs,
+                                          const EstimationModel& model);
 
 /// Smooths an arc and sets the smoothed motion of its rows (m, m/s, m/s^2), horizontal or vertical,
 /// with its standard uncertainties. Condition and asymmetry are checked at every 16th epoch.

@@ -14,6 +14,7 @@
 #include "motion/speed.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
+#include "stages/smooth/robust.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -21,6 +22,7 @@ namespace {
 using test::given_sigma_m;
 using test::models;
 using test::NamedModel;
+using test::solve_robust_whole;
 
 EstimationModel without_error() {
     return models().front().model;
@@ -231,13 +233,11 @@ TEST(Batch, SaysWhereItDoesNotConverge) {
 
 /// Each epoch's difference between two positions in units of the smoother's standard deviation,
 /// the larger of both axes.
-std::vector<double> in_sigmas(const Chain<2>& smoothed,
-                              const std::vector<StateVector<2>>& states,
+std::vector<double> in_sigmas(const Chain<2>& smoothed, const std::vector<StateVector<2>>& states,
                               const std::vector<Eigen::Vector2d>& positions) {
     std::vector<double> result;
     for (std::size_t k = 0; k < states.size(); ++k) {
-        const Eigen::Vector2d sigma =
-            smoothed.state(k).covariance.diagonal().head<2>().cwiseSqrt();
+        const Eigen::Vector2d sigma = smoothed.state(k).covariance.diagonal().head<2>().cwiseSqrt();
         result.push_back(
             (states[k].head<2>() - positions[k]).cwiseAbs().cwiseQuotient(sigma).maxCoeff());
     }
@@ -294,13 +294,14 @@ TEST(RobustBatch, WithoutOutliersDiffersLittleFromTheLinearSolution) {
     const auto arc = simulate<2>({.epochs = 1'000});
     const Chain<2> smoothed = Chain<2>(arc, white_model());
     const auto linear = means<2>(smoothed);
-    const RobustSolution<2> robust = solve_robust<2>(arc, white_model(), cauchy_scale, linear);
+    const RobustSolution<2> robust =
+        solve_robust_whole<2>(arc, white_model(), cauchy_scale, linear);
     const auto difference = in_sigmas(smoothed, robust.states, positions_of(linear));
     // Of 5 % less efficiency than least squares: a quarter of a standard deviation.
     EXPECT_LT(root_mean_square(difference), 0.25);
     EXPECT_GT(root_mean_square(difference), 0.01);
     // A wider loss is nearer to none.
-    const auto wide = solve_robust<2>(arc, white_model(), 100.0, linear).states;
+    const auto wide = solve_robust_whole<2>(arc, white_model(), 100.0, linear).states;
     EXPECT_LT(largest(in_sigmas(smoothed, wide, positions_of(linear))), 2e-3);
 }
 
@@ -308,7 +309,8 @@ TEST(RobustBatch, HoldsAgainstOutliersThatSpoilTheLinearSolution) {
     const Contaminated data = contaminate(simulate<2>({.epochs = 1'000}));
     const Chain<2> smoothed = Chain<2>(data.arc, white_model());
     const auto linear = means<2>(smoothed);
-    const RobustSolution<2> robust = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear);
+    const RobustSolution<2> robust =
+        solve_robust_whole<2>(data.arc, white_model(), cauchy_scale, linear);
     const auto within_three = [&](const std::vector<StateVector<2>>& states) {
         const auto errors = in_sigmas(smoothed, states, data.truth);
         const auto count = std::ranges::count_if(errors, [](double e) { return e < 3.0; });
@@ -341,7 +343,8 @@ TEST(RobustBatch, IsTheLinearSolutionOfTheWeightedMeasurements) {
         Contaminated data =
             contaminate(simulate<2>({.error_sigma_m = 0.5 * one.model.error.initial_sigma_m}));
         const auto start = means<2>(Chain<2>(data.arc, one.model));
-        const RobustSolution<2> robust = solve_robust<2>(data.arc, one.model, cauchy_scale, start);
+        const RobustSolution<2> robust =
+            solve_robust_whole<2>(data.arc, one.model, cauchy_scale, start);
         for (std::size_t k = 0; k < data.arc.size(); ++k)
             if (robust.weights[k]) data.arc[k].measurement->covariance /= *robust.weights[k];
         const Chain<2> weighted = Chain<2>(data.arc, one.model);
@@ -355,25 +358,26 @@ TEST(RobustBatch, StaysAtItsSolutionAndDoesNotDependOnTheCuts) {
     const Contaminated data = contaminate(simulate<2>({.epochs = 2'000, .rate_hz = 20.0}));
     const Chain<2> smoothed = Chain<2>(data.arc, white_model());
     const auto linear = means<2>(smoothed);
-    const RobustSolution<2> robust = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear);
-    const auto again = solve_robust<2>(data.arc, white_model(), cauchy_scale, robust.states);
+    const RobustSolution<2> robust =
+        solve_robust_whole<2>(data.arc, white_model(), cauchy_scale, linear);
+    const auto again = solve_robust_whole<2>(data.arc, white_model(), cauchy_scale, robust.states);
     EXPECT_LT(largest(in_sigmas(smoothed, again.states, positions_of(robust.states))), 1e-3);
-    const auto cut = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear,
-                                     {.epochs_at_once = 1'000, .overlap = 400});
-    EXPECT_EQ(cut.stretches, 3);
+    const auto sections = sections_of<2>(data.arc, 15.0, 700);
+    EXPECT_EQ(sections.size(), 3U);
+    const auto cut = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear, sections);
     EXPECT_LT(largest(in_sigmas(smoothed, cut.states, positions_of(robust.states))), 1e-3);
     // The same bytes each time.
-    const auto repeated = solve_robust<2>(data.arc, white_model(), cauchy_scale, linear);
+    const auto repeated = solve_robust_whole<2>(data.arc, white_model(), cauchy_scale, linear);
     EXPECT_EQ(repeated.weights, robust.weights);
     EXPECT_EQ(repeated.states, robust.states);
-    EXPECT_EQ(repeated.iterations, robust.iterations);
+    EXPECT_EQ(repeated.passes, robust.passes);
 }
 
 TEST(RobustBatch, SaysThatItDoesNotConverge) {
     const auto arc = simulate<2>({.epochs = 50});
     auto start = means<2>(Chain<2>(arc, white_model()));
     start[7](0) = std::numeric_limits<double>::quiet_NaN();
-    const RobustSolution<2> robust = solve_robust<2>(arc, white_model(), cauchy_scale, start);
+    const RobustSolution<2> robust = solve_robust_whole<2>(arc, white_model(), cauchy_scale, start);
     EXPECT_FALSE(robust.converged);
     EXPECT_TRUE(robust.states.empty());
     EXPECT_TRUE(robust.weights.empty());

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "motion/kalman.h"
+#include "stages/smooth/robust.h"
 
 namespace runcert::test {
 
@@ -34,6 +36,16 @@ inline std::vector<NamedModel> models() {
                 {fmt::format("{}, acceleration time {} s", name, acceleration_time_s), model});
         }
     return all;
+}
+
+/// The robust solution of an arc as one section.
+template <int Axes>
+RobustSolution<Axes> solve_robust_whole(const std::vector<ArcEpoch<Axes>>& arc,
+                                        const EstimationModel& model, double scale,
+                                        const std::vector<StateVector<Axes>>& start,
+                                        std::int64_t passes_allowed = robust_passes_allowed) {
+    const std::vector<ArcSection> whole{{0, arc.size(), 0, arc.size()}};
+    return solve_robust<Axes>(arc, model, scale, start, whole, passes_allowed);
 }
 
 /// Sets jerk factors of quiet, hard and moderate motion in turn, every 150 epochs.

@@ -9,7 +9,7 @@
 #include "motion_test_support.h"
 #include "smooth_test_support.h"
 #include "stages/smooth/batch_problem.h"
-#include "stages/smooth/robust_chain.h"
+#include "stages/smooth/robust.h"
 
 // The robust solution along the chain of states against the general program for sparse problems
 // (Ceres), as which it is stated in its plainest form.
@@ -20,6 +20,7 @@ namespace {
 using test::given_sigma_m;
 using test::models;
 using test::NamedModel;
+using test::solve_robust_whole;
 
 constexpr double scale = 2.0;
 
@@ -65,12 +66,10 @@ std::vector<StateVector<Axes>> solved_by_ceres(const std::vector<ArcEpoch<Axes>>
 template <int Axes>
 std::vector<StateVector<Axes>> solved_by_chain(const std::vector<ArcEpoch<Axes>>& arc,
                                                const EstimationModel& model,
-                                               std::vector<StateVector<Axes>> states) {
-    RobustChain<Axes> chain(arc, model, states, scale);
-    EXPECT_TRUE(chain.solve(100));
-    for (std::size_t k = 0; k < states.size(); ++k)
-        states[k] += chain.move(k);
-    return states;
+                                               const std::vector<StateVector<Axes>>& states) {
+    const auto solution = solve_robust_whole<Axes>(arc, model, scale, states, 100);
+    EXPECT_TRUE(solution.converged);
+    return solution.states;
 }
 
 /// The largest difference of each of positions, velocities, accelerations and errors.
@@ -91,11 +90,12 @@ void expect_the_same(const std::vector<ArcEpoch<Axes>>& arc, const NamedModel& o
     const auto start = smoothed_states<Axes>(arc, one.model);
     const Eigen::Vector4d difference = largest_difference<Axes>(
         solved_by_chain<Axes>(arc, one.model, start), solved_by_ceres<Axes>(arc, one.model, start));
-    // As far as Ceres gets before rounding hides what the cost still changes by; where that is
-    // depends on the compiler.
+    // As far as Ceres gets before rounding hides what the cost still changes by, which depends on
+    // the compiler. The chain ends at 1e-5 standard deviations, and accelerations have up to 1
+    // m/s^2.
     EXPECT_LT(difference(0), 1e-6) << one.name;
     EXPECT_LT(difference(1), 1e-6) << one.name;
-    EXPECT_LT(difference(2), 5e-6) << one.name;
+    EXPECT_LT(difference(2), 1e-5) << one.name;
     EXPECT_LT(difference(3), 1e-6) << one.name;
 }
 
@@ -105,15 +105,15 @@ void expect_the_same_at(double rate_hz) {
         expect_the_same<Axes>(draw_arc<Axes>(one.model, rate_hz, 41), one);
 }
 
-TEST(RobustChain, IsCeresSolutionOnALine) {
+TEST(Robust, IsCeresSolutionOnALine) {
     expect_the_same_at<1>(10.0);
     expect_the_same_at<1>(20.0);
 }
-TEST(RobustChain, IsCeresSolutionInThePlane) {
+TEST(Robust, IsCeresSolutionInThePlane) {
     expect_the_same_at<2>(20.0);
 }
 
-TEST(RobustChain, IsCeresSolutionAtIrregularTimes) {
+TEST(Robust, IsCeresSolutionAtIrregularTimes) {
     RandomGenerator random(5);
     for (const NamedModel& one : models()) {
         auto arc = draw_arc<2>(one.model, 10.0, 43);
@@ -123,7 +123,7 @@ TEST(RobustChain, IsCeresSolutionAtIrregularTimes) {
     }
 }
 
-TEST(RobustChain, IsCeresSolutionWhereTheMotionChanges) {
+TEST(Robust, IsCeresSolutionWhereTheMotionChanges) {
     for (const NamedModel& one : models()) {
         auto arc = draw_arc<2>(one.model, 20.0, 45);
         test::change_motion(arc);
@@ -131,7 +131,7 @@ TEST(RobustChain, IsCeresSolutionWhereTheMotionChanges) {
     }
 }
 
-TEST(RobustChain, OfAFewEpochsIsCeresSolution) {
+TEST(Robust, OfAFewEpochsIsCeresSolution) {
     for (const NamedModel& one : models())
         for (const std::size_t epochs : {1U, 2U, 3U, 5U}) {
             auto arc = draw_arc<2>(one.model, 10.0, 47);
@@ -144,7 +144,7 @@ TEST(RobustChain, OfAFewEpochsIsCeresSolution) {
         }
 }
 
-TEST(RobustChain, StaysAtItsSolution) {
+TEST(Robust, StaysAtItsSolution) {
     for (const NamedModel& one : models()) {
         const auto arc = draw_arc<2>(one.model, 20.0, 59);
         const auto solved = solved_by_chain<2>(arc, one.model, smoothed_states<2>(arc, one.model));
@@ -155,15 +155,14 @@ TEST(RobustChain, StaysAtItsSolution) {
     }
 }
 
-TEST(RobustChain, DoesNotEndBeforeItsSolution) {
+TEST(Robust, DoesNotEndBeforeItsSolution) {
     const NamedModel one = models().front();
     const auto arc = draw_arc<2>(one.model, 10.0, 53);
     const auto start = smoothed_states<2>(arc, one.model);
-    RobustChain<2> chain(arc, one.model, start, scale);
-    EXPECT_FALSE(chain.solve(2));
-    EXPECT_EQ(chain.iterations(), 2);
-    EXPECT_TRUE(chain.solve(100));
-    EXPECT_GT(chain.iterations(), 4);
+    EXPECT_FALSE(solve_robust_whole<2>(arc, one.model, scale, start, 2).converged);
+    const auto solution = solve_robust_whole<2>(arc, one.model, scale, start);
+    EXPECT_TRUE(solution.converged);
+    EXPECT_GT(solution.passes, 4);
 }
 
 /// Standing and running with hardly any noise for what is stated, written to a centimetre, with
@@ -182,18 +181,19 @@ std::vector<ArcEpoch<2>> coarse_arc(std::size_t epochs, double interval_s, doubl
     return arc;
 }
 
-TEST(RobustChain, EndsWhereThereIsHardlyAnyNoise) {
+TEST(Robust, EndsWhereThereIsHardlyAnyNoise) {
     for (const NamedModel& one : models())
         for (const double sigma_m : {0.001, 0.1, 5.0})
             for (const double interval_s : {0.1, 1.0}) {
                 const auto arc = coarse_arc(3000, interval_s, sigma_m);
-                RobustChain<2> chain(arc, one.model, smoothed_states<2>(arc, one.model), scale);
-                EXPECT_TRUE(chain.solve(robust_iterations_allowed))
+                EXPECT_TRUE(
+                    solve_robust_whole<2>(arc, one.model, scale, smoothed_states<2>(arc, one.model))
+                        .converged)
                     << one.name << " " << sigma_m << " " << interval_s;
             }
 }
 
-TEST(RobustChain, TakesTensOfStepsWhereNewtonsCurvatureCannotBeTaken) {
+TEST(Robust, TakesTensOfStepsWhereNewtonsCurvatureCannotBeTaken) {
     // A recording that was smoothed before it was written, with motion that its noise says nothing
     // of: many measurements stand far out of so little noise, each where little else is known.
     RandomGenerator random(67);
@@ -209,9 +209,41 @@ TEST(RobustChain, TakesTensOfStepsWhereNewtonsCurvatureCannotBeTaken) {
         if (k % 300 > 200) position += 0.03 * Eigen::Vector2d(random.normal(), random.normal());
         arc[k].measurement = {position, Eigen::Matrix2d::Identity()};
     }
-    RobustChain<2> chain(arc, model, smoothed_states<2>(arc, model), scale);
-    EXPECT_TRUE(chain.solve(robust_iterations_allowed));
-    EXPECT_LT(chain.iterations(), 120);
+    const auto solution = solve_robust_whole<2>(arc, model, scale, smoothed_states<2>(arc, model));
+    EXPECT_TRUE(solution.converged);
+    EXPECT_LT(solution.passes, 120);
+}
+
+TEST(Robust, IsCeresSolutionWithCorrelatedAxesOfUnlikeAccuracy) {
+    Eigen::Matrix2d covariance;
+    covariance << 4.0, -1.5, -1.5, 1.0;
+    for (const NamedModel& one : models()) {
+        auto arc = draw_arc<2>(one.model, 20.0, 71);
+        for (auto& epoch : arc)
+            if (epoch.measurement)
+                epoch.measurement->covariance = given_sigma_m * given_sigma_m * covariance;
+        expect_the_same<2>(arc, one);
+    }
+}
+
+TEST(Robust, StaysWithTheGoodHalfWhereTheOtherIsAKilometreOff) {
+    for (const NamedModel& one : models()) {
+        const auto good = draw_arc<2>(one.model, 10.0, 73);
+        auto arc = good;
+        for (std::size_t k = 1; k < arc.size(); k += 2)
+            if (arc[k].measurement) arc[k].measurement->position(0) += 1000.0;
+        auto kept = good;
+        for (std::size_t k = 1; k < kept.size(); k += 2)
+            kept[k].measurement.reset();
+        const auto start = smoothed_states<2>(kept, one.model);
+        const auto without = solved_by_chain<2>(kept, one.model, start);
+        const auto solution = solve_robust_whole<2>(arc, one.model, scale, start);
+        ASSERT_TRUE(solution.converged) << one.name;
+        // Each of them pulls by scale^2 over its distance: a millionth of the others' pull.
+        EXPECT_LT(largest_difference<2>(solution.states, without)(0), 1e-3) << one.name;
+        for (std::size_t k = 1; k < arc.size(); k += 2)
+            EXPECT_LT(solution.weights[k].value_or(0.0), 1e-8) << one.name;
+    }
 }
 
 }  // namespace

@@ -99,6 +99,11 @@ typename Chain<Axes>::Positions Chain<Axes>::Epoch::gain() const {
 
 template <int Axes>
 Chain<Axes>::Chain(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model)
+    : Chain(arc, model, Backward::scores_and_information) {}
+
+template <int Axes>
+Chain<Axes>::Chain(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
+                   Backward backward)
     : epochs_(arc.size()), model_(model) {
     assert(!arc.empty() && arc.front().measurement);
     go_forward(arc);
@@ -106,11 +111,13 @@ Chain<Axes>::Chain(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& m
         Epoch& epoch = epochs_[k];
         if (k + 1 < arc.size()) {
             epoch.score = epochs_[k + 1].score;
-            epoch.information = epochs_[k + 1].information;
             kernel::carry_back<Axes>(step_after(k), epoch.score.data());
-            kernel::carry_information_back<Axes>(step_after(k), epoch.information.data());
+            if (backward == Backward::scores_and_information) {
+                epoch.information = epochs_[k + 1].information;
+                kernel::carry_information_back<Axes>(step_after(k), epoch.information.data());
+            }
         }
-        if (epoch.measured) take_in_backwards(epoch);
+        if (epoch.measured) take_in_backwards(epoch, backward);
     }
     smooth_vague_states();
 }
@@ -142,7 +149,7 @@ void Chain<Axes>::go_forward(std::span<const ArcEpoch<Axes>> arc) {
 
 /// From what later epochs say to what this one and they do.
 template <int Axes>
-void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
+void Chain<Axes>::take_in_backwards(Epoch& epoch, Backward backward) const {
     StateMatrix<Axes>& information = epoch.information;
     PositionVector<Axes> scores;
     PositionMatrix<Axes> precisions;
@@ -151,6 +158,8 @@ void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
         const StateVector<Axes> gain =
             Eigen::Map<const StateVector<Axes>>(one.cross.data()) / one.variance;
         scores(j) = one.innovation / one.variance - gain.dot(epoch.score);
+        kernel::add_observed<Axes>(epoch.seen.white, j, scores(j), epoch.score.data());
+        if (backward == Backward::scores) continue;
         const StateVector<Axes> informed = information.lazyProduct(gain);
         const double precision = 1.0 / one.variance + gain.dot(informed);
         precisions(j, j) = precision;
@@ -162,7 +171,6 @@ void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
                 its_gain.dot(informed) -
                 kernel::observed<Axes>(epoch.seen.white, j, its_gain.data()) * precision;
         }
-        kernel::add_observed<Axes>(epoch.seen.white, j, scores(j), epoch.score.data());
         // (I - k z)' N (I - k z) + z' z / f = N - z' m' - m z, with m = N k - z' D / 2.
         StateVector<Axes> m = informed;
         kernel::add_observed<Axes>(epoch.seen.white, j, -0.5 * precision, m.data());
@@ -174,6 +182,7 @@ void Chain<Axes>::take_in_backwards(Epoch& epoch) const {
                 information.row(i) -= z(i) * m.transpose();
             }
     }
+    if (backward == Backward::scores) return;
     const PositionMatrix<Axes> back = epoch.unwhitening();
     epoch.own_score = back * scores;
     epoch.own_precision = back * precisions * back.transpose();

@@ -61,6 +61,9 @@ struct SetTest {
     int degrees_of_freedom = 0;
 };
 
+template <int Axes>
+class ChainMeans;
+
 /// The chain of one arc. Its tests use all measurements, before and after a supposed error. They
 /// equal the likelihood-ratio tests against the model with that error as an unknown: Baarda's
 /// w-test [Baarda68] and its generalisation to several unknowns [Teunissen18].
@@ -158,6 +161,11 @@ class Chain {
     SetTest own_errors(std::size_t first, std::size_t last) const;
 
   private:
+    friend class ChainMeans<Axes>;
+    enum class Backward { scores, scores_and_information };
+
+    Chain(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model, Backward backward);
+
     using Positions = Eigen::Matrix<double, state_size<Axes>, Axes>;  ///< columns of a state matrix
 
     struct Epoch {
@@ -184,7 +192,7 @@ class Chain {
         return steps_[epochs_[k].step];
     }
     void go_forward(std::span<const ArcEpoch<Axes>> arc);
-    void take_in_backwards(Epoch& epoch) const;
+    void take_in_backwards(Epoch& epoch, Backward backward) const;
     void smooth_vague_states();
     /// The gain of the RTS recursion [YSM22]: P[k|k] F' inverse(P[k+1|k]).
     StateMatrix<Axes> smoother_gain(std::size_t k, const StateEstimate<Axes>& filtered) const;
@@ -207,6 +215,21 @@ class Chain {
     EstimationModel model_;
     std::int64_t measurements_ = 0;
     double innovation_sum_ = 0.0;
+};
+
+/// The smoothed means of an arc, without covariances or tests: as those of `Chain`, in less time.
+template <int Axes>
+class ChainMeans {
+  public:
+    ChainMeans() = default;
+    ChainMeans(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model)
+        : chain_(arc, model, Chain<Axes>::Backward::scores) {}
+
+    StateVector<Axes> mean(std::size_t k) const { return chain_.mean(k); }
+    double innovation_sum() const { return chain_.innovation_sum(); }
+
+  private:
+    Chain<Axes> chain_;
 };
 
 template <int Axes>

@@ -84,7 +84,7 @@ class RobustSection {
         while (passes_ < passes_allowed) {
             ++passes_;
             replace_measurements(by_curvature);
-            chain_ = Chain<Axes>(replaced_, model_);
+            chain_ = ChainMeans<Axes>(replaced_, model_);
             const Square measured = take_changes();
             const double least = chain_.innovation_sum();
             left = measured.curvature;
@@ -183,7 +183,7 @@ class RobustSection {
     double scale_squared_;
     std::vector<ArcEpoch<Axes>> replaced_;
     std::vector<Residual<Axes>> residuals_;
-    Chain<Axes> chain_;
+    ChainMeans<Axes> chain_;
     std::int64_t passes_ = 0;
 };
 

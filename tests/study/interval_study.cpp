@@ -160,7 +160,7 @@ double ideal_of(const IntervalCell& cell, const ScreenedTable& screened,
 
 struct IntervalRun {
     bool certified = false;
-    double error = 0.0, expanded = 0.0, slow = 0.0, ideal = 0.0;
+    double error = 0.0, expanded = 0.0, by_noise = 0.0, slow = 0.0, ideal = 0.0;
 };
 using IntervalRuns = std::array<IntervalRun, interval_lengths_s.size()>;
 
@@ -187,12 +187,18 @@ IntervalRuns certify_intervals(const IntervalCell& cell, std::uint64_t seed) {
             const double true_m_s =
                 (truth(best->span.last_epoch) - truth(best->span.first_epoch)).norm() /
                 best->span.duration.seconds();
-            const auto slow = std::ranges::find(best->budget, "b", &BudgetRow::symbol);
+            double slow = 0.0, square = 0.0;
+            for (const BudgetRow& row : best->budget) {
+                if (row.symbol == "b") slow = row.contribution_m_s;
+                if (std::string_view("wbjo").find(row.symbol) != std::string_view::npos)
+                    square += row.contribution_m_s * row.contribution_m_s;
+            }
             runs[i] = {.certified = true,
                        .error = best->speed_m_s - true_m_s,
                        .expanded =
                            expanded_uncertainty_by_rule_m_s(*best, rules[i].coverage_factor),
-                       .slow = slow->contribution_m_s,
+                       .by_noise = 2.0 * std::sqrt(square) + best->bias_limit_m_s,
+                       .slow = slow,
                        .ideal = cell.vertical ? ideal_of<1>(cell, screened, trajectory, *best)
                                               : ideal_of<2>(cell, screened, trajectory, *best)};
         }
@@ -272,6 +278,7 @@ std::array<IntervalSummary, interval_lengths_s.size()> study_intervals(const Int
             if (!one[i].certified) continue;
             ++sum.certified;
             if (std::abs(one[i].error) <= one[i].expanded) ++sum.held;
+            if (std::abs(one[i].error) <= one[i].by_noise) ++sum.held_by_noise;
             const auto n = static_cast<double>(sum.certified);
             sum.mean_error += (one[i].error - sum.mean_error) / n;
             sum.mean_expanded += (one[i].expanded - sum.mean_expanded) / n;
@@ -282,9 +289,9 @@ std::array<IntervalSummary, interval_lengths_s.size()> study_intervals(const Int
 }
 
 std::string interval_heading() {
-    return fmt::format("{:<40} {:>5} {:>5} {:>5} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
-                       "errors (speeds in mm/s)", "s", "runs", "cert", "held %", "mean/U", "U",
-                       "2 b", "ideal");
+    return fmt::format("{:<40} {:>5} {:>5} {:>5} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}\n",
+                       "errors (speeds in mm/s)", "s", "runs", "cert", "held %", "wbjo %", "mean/U",
+                       "U", "2 b", "ideal");
 }
 
 std::string interval_lines(
@@ -296,11 +303,11 @@ std::string interval_lines(
         text += fmt::format("{:<40} {:5g} {:5} {:5}", cell.name, interval_lengths_s[i], s.runs,
                             s.certified);
         if (s.certified > 0)
-            text += fmt::format(" {:7.1f} {:+7.3f} {:7.1f} {:7.1f} {:>7}", 100.0 * s.held_part(),
-                                s.mean_error / s.mean_expanded, 1e3 * s.mean_expanded,
-                                2e3 * s.mean_slow,
-                                s.mean_ideal > 0.0 ? fmt::format("{:.1f}", 1e3 * s.mean_ideal)
-                                                   : "-");
+            text += fmt::format(
+                " {:7.1f} {:7.1f} {:+7.3f} {:7.1f} {:7.1f} {:>7}", 100.0 * s.held_part(),
+                100.0 * s.part(s.held_by_noise), s.mean_error / s.mean_expanded,
+                1e3 * s.mean_expanded, 2e3 * s.mean_slow,
+                s.mean_ideal > 0.0 ? fmt::format("{:.1f}", 1e3 * s.mean_ideal) : "-");
         text += "\n";
     }
     return text;

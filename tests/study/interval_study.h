@@ -41,12 +41,16 @@ inline constexpr std::array interval_lengths_s{2.0, 3.0, 5.0, 10.0};
 /// The fastest windows of one length in the runs of a cell. Speeds in m/s.
 struct IntervalSummary {
     std::int64_t runs = 0, certified = 0, held = 0;
+    std::int64_t held_by_noise = 0;  ///< by rows w, b, j and o alone, and the limit of the bias
     double mean_error = 0.0, mean_expanded = 0.0;
     double mean_slow = 0.0;   ///< row b
     double mean_ideal = 0.0;  ///< twice the uncertainty of the smoother that knows the noise; 0
                               ///< where the noise is none that it can know
 
-    double held_part() const { return static_cast<double>(held) / static_cast<double>(certified); }
+    double held_part() const { return part(held); }
+    double part(std::int64_t count) const {
+        return static_cast<double>(count) / static_cast<double>(certified);
+    }
 };
 std::array<IntervalSummary, interval_lengths_s.size()> study_intervals(const IntervalCell& cell,
                                                                        std::int64_t runs,

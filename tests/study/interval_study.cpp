@@ -67,13 +67,13 @@ std::vector<double> drawn(const std::vector<StudySlowError>& errors, std::size_t
     for (const StudySlowError& one : errors) {
         double error_m = one.sigma_m * random.normal();
         for (std::size_t k = 0; k < epochs; ++k) {
-            const double turns = std::floor(
-                (static_cast<double>(k) * step_s - middle_s) / one.turn_s + 1e-9);
+            const double turns =
+                std::floor((static_cast<double>(k) * step_s - middle_s) / one.turn_s + 1e-9);
             const auto count = static_cast<double>(one.tau_s.size());
-            const auto turn = std::isinf(one.turn_s)
-                                  ? std::size_t{0}
-                                  : static_cast<std::size_t>(turns + count * 1000.0 - 1.0) %
-                                        one.tau_s.size();
+            const auto turn =
+                std::isinf(one.turn_s)
+                    ? std::size_t{0}
+                    : static_cast<std::size_t>(turns + count * 1000.0 - 1.0) % one.tau_s.size();
             const double decay = std::exp(-step_s / one.tau_s[turn]);
             if (k > 0)
                 error_m = decay * error_m +
@@ -105,8 +105,8 @@ SimulatedRecording recording_of(const IntervalCell& cell, std::uint64_t seed) {
         ScreenedEpoch& row = rows[k];
         const double time_s = row.time.seconds();
         const double wave = std::sin(2.0 * std::numbers::pi * (time_s / cell.wave_s + phase));
-        const double along_m =
-            cell.wave_m * (cell.square_wave ? std::copysign(1.0, wave) : wave) / std::numbers::sqrt2;
+        const double along_m = cell.wave_m * (cell.square_wave ? std::copysign(1.0, wave) : wave) /
+                               std::numbers::sqrt2;
         double floating_m = 0.0;
         row.sigma_east_m = row.sigma_north_m = cell.stated_m;
         if (cell.floats && time_s >= fast.middle_s) {
@@ -193,14 +193,14 @@ IntervalRuns certify_intervals(const IntervalCell& cell, std::uint64_t seed) {
                 if (std::string_view("wbjo").find(row.symbol) != std::string_view::npos)
                     square += row.contribution_m_s * row.contribution_m_s;
             }
-            runs[i] = {.certified = true,
-                       .error = best->speed_m_s - true_m_s,
-                       .expanded =
-                           expanded_uncertainty_by_rule_m_s(*best, rules[i].coverage_factor),
-                       .by_noise = 2.0 * std::sqrt(square) + best->bias_limit_m_s,
-                       .slow = slow,
-                       .ideal = cell.vertical ? ideal_of<1>(cell, screened, trajectory, *best)
-                                              : ideal_of<2>(cell, screened, trajectory, *best)};
+            runs[i] = {
+                .certified = true,
+                .error = best->speed_m_s - true_m_s,
+                .expanded = expanded_uncertainty_by_rule_m_s(*best, rules[i].coverage_factor),
+                .by_noise = 2.0 * std::sqrt(square) + best->bias_limit_m_s,
+                .slow = slow,
+                .ideal = cell.vertical ? ideal_of<1>(cell, screened, trajectory, *best)
+                                       : ideal_of<2>(cell, screened, trajectory, *best)};
         }
     } catch (const Failure& failure) {
         fmt::print(stderr, "{}: {}\n", cell.name, failure.what());

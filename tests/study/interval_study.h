@@ -26,8 +26,8 @@ struct IntervalCell {
     double stated_m = 0.003;
     std::vector<StudySlowError> slow = {};   ///< added, of both axes
     std::vector<StudySlowError> north = {};  ///< instead, of north; empty: as of both
-    double wave_m = 0.0;      ///< amplitude of a wave along the track, from a random phase on
-    double wave_s = 6.0;      ///< its period
+    double wave_m = 0.0;       ///< amplitude of a wave along the track, from a random phase on
+    double wave_s = 6.0;       ///< its period
     bool square_wave = false;  ///< it jumps
     FixType fix = FixType::fixed;
     bool floats = false;    ///< float ambiguities from half of the fast stretch on
@@ -59,8 +59,7 @@ std::array<IntervalSummary, interval_lengths_s.size()> study_intervals(const Int
 
 std::string interval_heading();
 /// A line for each length.
-std::string interval_lines(
-    const IntervalCell& cell,
-    const std::array<IntervalSummary, interval_lengths_s.size()>& summaries);
+std::string interval_lines(const IntervalCell& cell,
+                           const std::array<IntervalSummary, interval_lengths_s.size()>& summaries);
 
 }  // namespace runcert

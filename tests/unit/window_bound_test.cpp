@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "motion_test_support.h"
 #include "stages/window/position_noise.h"
 #include "window_test_support.h"

@@ -120,7 +120,8 @@ struct Weighted {
             epoch.measurement.emplace();
             weights.emplace_back(random.normal(), random.normal());
         }
-        // Differences over steps, over a second, and over all, of sizes that differ from arc to arc.
+        // Differences over steps, over a second, and over all, of sizes that differ from arc to
+        // arc.
         const double of_steps = random.uniform(), of_blocks = random.uniform();
         for (std::size_t k = 0; k < weights.size(); ++k)
             weights[k] = of_steps * (k % 2 == 0 ? 1.0 : -1.0) * weights[k].cwiseAbs() +
@@ -133,8 +134,7 @@ TEST(PositionNoise, PartsAddUpToTheWhole) {
     for (const SpeedDefinition definition :
          {SpeedDefinition::displacement, SpeedDefinition::path_length,
           SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
-        const PositionNoise noise =
-            noise_of(irregular_stretch(), fitted_model(), definition);
+        const PositionNoise noise = noise_of(irregular_stretch(), fitted_model(), definition);
         const double u = noise.speed.standard_uncertainty_m_s;
         for (const double part : {noise.white_m_s, noise.correlated_m_s, noise.motion_m_s})
             EXPECT_GT(part, 0.01 * u) << to_text(definition);
@@ -174,16 +174,15 @@ TEST(PositionNoise, TheRestIsTheMotions) {
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
-    const PositionNoise noise =
-        noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    const PositionNoise noise = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
     EXPECT_NEAR(noise.motion_m_s, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
 TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
     EstimationModel model = fitted_model();
     model.error = GaussMarkovError::steady(0.0, 1.0);
-    const PositionNoise noise = noise_of(irregular_stretch(), model,
-                                         SpeedDefinition::displacement, bound_of(0.0));
+    const PositionNoise noise =
+        noise_of(irregular_stretch(), model, SpeedDefinition::displacement, bound_of(0.0));
     EXPECT_EQ(noise.correlated_m_s, 0.0);
     EXPECT_GT(noise.white_m_s, 1e-3);
 }
@@ -199,8 +198,7 @@ TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
                                 .duration_s = stretch.duration_s};
     SpeedQuantity samples{SpeedDefinition::displacement};
     samples.of_samples = true;
-    const PositionNoise noise =
-        position_noise(at, samples, speed_weights(at, samples), bound_of());
+    const PositionNoise noise = position_noise(at, samples, speed_weights(at, samples), bound_of());
     const auto& first = *stretch.epochs[stretch.window.first].measurement;
     const auto& last = *stretch.epochs[stretch.window.last].measurement;
     const Eigen::Vector2d moved = last.position - first.position;
@@ -228,8 +226,7 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
                                     .duration_s = stretch.duration_s};
         const SpeedQuantity quantity{SpeedDefinition::displacement};
         const auto by_weights = speed_weights(at, quantity);
-        const PositionNoise noise =
-            position_noise(at, quantity, by_weights, bound_of());
+        const PositionNoise noise = position_noise(at, quantity, by_weights, bound_of());
         return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
     };
     const auto [speed, other] = estimates_of(0.6);
@@ -342,13 +339,11 @@ TEST(LargestCorrelatedVariance, OfAFittedErrorIsAtTheLongestCorrelationTime) {
                 1e-9);
 }
 
-TEST(PositionNoise, MotionIsLessWhereTheCraftMovesLess) {
+TEST(PositionNoise, MotionIsThatAtTheWindow) {
     WindowStretch<2> stretch = irregular_stretch();
-    const PositionNoise even =
-        noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    const PositionNoise even = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
     stretch.epochs = test::with_changing_motion(std::move(stretch.epochs));
-    const PositionNoise noise =
-        noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
+    const PositionNoise noise = noise_of(stretch, fitted_model(), SpeedDefinition::displacement);
     EXPECT_GT(std::abs(noise.motion_m_s / even.motion_m_s - 1.0), 0.02);
 }
 
@@ -364,8 +359,7 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
                                     .window = stretch.window,
                                     .duration_s = stretch.duration_s};
         const auto by_weights = speed_weights(at, quantity);
-        const PositionNoise noise =
-            position_noise(at, quantity, by_weights, bound_of());
+        const PositionNoise noise = position_noise(at, quantity, by_weights, bound_of());
         return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
     };
     const double even_m_s = other_of(stretch.epochs).first;
@@ -405,8 +399,7 @@ TEST(OtherEstimates, AChordIsOfMeasuredEnds) {
                                     .window = stretch.window,
                                     .duration_s = stretch.duration_s};
         const auto by_weights = speed_weights(at, {definition});
-        const PositionNoise noise =
-            position_noise(at, {definition}, by_weights, bound_of());
+        const PositionNoise noise = position_noise(at, {definition}, by_weights, bound_of());
         return other_estimates(at, {definition}, by_weights, noise).chord_m_s.has_value();
     };
     EXPECT_TRUE(has_chord(SpeedDefinition::displacement));

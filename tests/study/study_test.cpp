@@ -92,8 +92,12 @@ TEST(Intervals, HoldTheTrueSpeedUnderTimeCorrelatedErrorsOfEveryKind) {
             if (sum.certified < 3) continue;  // jumps of the positions are refused
             SCOPED_TRACE(cell.name);
             EXPECT_GE(sum.held_part(), is_study() ? 0.94 : 0.6);
-            if (is_study()) EXPECT_LE(std::abs(sum.mean_error), largest_mean * sum.mean_expanded);
-            if (sum.mean_ideal > 0.0) EXPECT_GT(sum.mean_expanded, 0.95 * sum.mean_ideal);
+            if (is_study()) {
+                EXPECT_LE(std::abs(sum.mean_error), largest_mean * sum.mean_expanded);
+            }
+            if (sum.mean_ideal > 0.0) {
+                EXPECT_GT(sum.mean_expanded, 0.95 * sum.mean_ideal);
+            }
         }
     }
 }

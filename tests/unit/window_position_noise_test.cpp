@@ -327,6 +327,78 @@ TEST(LargestCorrelatedVariance, HoldsEveryMixtureAndIsBelowTheSumOfWeights) {
     }
 }
 
+/// How much larger than the maximum an error may be that is no mixture of steady processes. Of
+/// windows of 2 to 10 s amid a minute at 10 Hz, in standard deviations.
+struct Beyond {
+    double changing = 0.0;  ///< correlation times of 0.5 s and 10 s, in turn each second
+    double jumping = 0.0;   ///< to and fro with the window
+    double any = 0.0;       ///< sigma sum|w|
+};
+Beyond beyond_of(double window_s, double jerk_density, const GaussMarkovError& fitted) {
+    constexpr double step_s = 0.1;
+    EstimationModel model{.motion = {.jerk_density = jerk_density}};
+    model.error = fitted;
+    std::vector<ArcEpoch<1>> epochs(601);
+    for (std::size_t k = 0; k < epochs.size(); ++k) {
+        epochs[k].time_s = step_s * static_cast<double>(k);
+        epochs[k].measurement.emplace();
+        epochs[k].measurement->position(0) = 50.0 * epochs[k].time_s;
+        epochs[k].measurement->covariance(0, 0) = 9e-6;
+    }
+    const Chain<1> smoothed(epochs, model);
+    const auto half = static_cast<std::size_t>(std::lround(0.5 * window_s / step_s));
+    const EstimatedWindow<1> at{.epochs = epochs,
+                                .smoothed = smoothed,
+                                .model = model,
+                                .window = {300 - half, 300 + half},
+                                .duration_s = window_s};
+    const SpeedWeights<1> weights = speed_weights(at, {SpeedDefinition::displacement});
+    const double largest =
+        std::sqrt(largest_correlated_variance<1>(epochs, weights, bound_of(1.0)));
+    Beyond beyond;
+    for (const auto& weight : weights)
+        beyond.any += std::abs(weight(0)) / largest;
+    for (int phase = 0; phase < 20; ++phase) {
+        double with_sum = 0.0, of_sum = 0.0;
+        for (std::size_t k = 0; k < epochs.size(); ++k) {
+            const bool is_short = (static_cast<int>(k) + phase) / 10 % 2 == 0;
+            with_sum *= std::exp(-step_s / (is_short ? 0.5 : 10.0));
+            of_sum += weights[k](0) * (2.0 * with_sum + weights[k](0));
+            with_sum += weights[k](0);
+        }
+        beyond.changing = std::max(beyond.changing, std::sqrt(of_sum) / largest);
+    }
+    const auto period = static_cast<std::size_t>(std::lround(2.0 * window_s / step_s));
+    for (std::size_t phase = 0; phase < period; ++phase) {
+        double sum = 0.0;
+        for (std::size_t k = 0; k < epochs.size(); ++k)
+            sum += (k + phase) % period < period / 2 ? weights[k](0) : -weights[k](0);
+        beyond.jumping = std::max(beyond.jumping, sum / largest);
+    }
+    return beyond;
+}
+
+TEST(LargestCorrelatedVariance, IsExceededLittleByWhatIsNoMixture) {
+    Beyond largest;
+    double least_any = 10.0;
+    for (const double window_s : {2.0, 3.0, 5.0, 10.0})
+        for (const double jerk_density : {0.3, 3.0})
+            for (const auto& fitted :
+                 {GaussMarkovError::steady(0.0, 1.0), GaussMarkovError::steady(0.008, 2.0),
+                  GaussMarkovError::steady(0.02, 1.0)}) {
+                const Beyond one = beyond_of(window_s, jerk_density, fitted);
+                largest.changing = std::max(largest.changing, one.changing);
+                largest.jumping = std::max(largest.jumping, one.jumping);
+                largest.any = std::max(largest.any, one.any);
+                least_any = std::min(least_any, one.any);
+                EXPECT_LE(one.jumping, one.any);
+            }
+    EXPECT_NEAR(largest.changing, 1.2, 0.05);
+    EXPECT_NEAR(largest.jumping, 2.05, 0.1);
+    EXPECT_NEAR(largest.any, 2.4, 0.15);
+    EXPECT_NEAR(least_any, 1.85, 0.1);
+}
+
 TEST(LargestCorrelatedVariance, OfAFittedErrorIsAtTheLongestCorrelationTime) {
     // Its spectrum, for the same wandering in the first second, grows at every frequency.
     ErrorBound bound = bound_of(0.05);

@@ -4,7 +4,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 
 namespace runcert {
@@ -103,25 +102,6 @@ GaussMarkovError GaussMarkovError::steady(double sigma_m, double tau_s) {
     return {.tau_s = tau_s,
             .process_density = sigma * std::sqrt(2.0 / tau_s),
             .initial_sigma_m = sigma};
-}
-
-GaussMarkovError GaussMarkovError::bounding(double sigma_m, double tau_min_s, double tau_max_s) {
-    const double sigma = std::max(sigma_m, 1e-5);
-    return {.tau_s = tau_max_s,
-            .process_density = sigma * std::sqrt(2.0 / tau_min_s),
-            .initial_sigma_m = sigma * std::sqrt(2.0 / (1.0 + tau_min_s / tau_max_s))};
-}
-
-GaussMarkovError GaussMarkovError::bounding_diffusion(double diffusion, double tau_max_s) {
-    return steady(diffusion * std::sqrt(0.5 * tau_max_s), tau_max_s);
-}
-
-GaussMarkovError GaussMarkovError::larger(const GaussMarkovError& one,
-                                          const GaussMarkovError& other) {
-    assert(one.tau_s == other.tau_s);
-    return {.tau_s = one.tau_s,
-            .process_density = std::max(one.process_density, other.process_density),
-            .initial_sigma_m = std::max(one.initial_sigma_m, other.initial_sigma_m)};
 }
 
 AxisStep axis_step(const EstimationModel& model, double dt_s) {

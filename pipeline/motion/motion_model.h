@@ -40,34 +40,6 @@ struct GaussMarkovError {
     /// A stationary error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as
     /// 10 um, which keeps covariances regular and changes nothing.
     static GaussMarkovError steady(double sigma_m, double tau_s);
-
-    /// The process whose covariance bounds that of every stationary error of standard deviation
-    /// `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`. It has correlation
-    /// time tau_max, process noise larger by tau_max / tau_min, and initial variance
-    /// 2 sigma^2 / (1 + tau_min / tau_max) [LGJ21].
-    ///
-    /// "Bounds" means that its covariance between all epochs minus the true one is positive
-    /// semidefinite. Any weighted sum of the errors, by whatever estimator, therefore has at most
-    /// this variance. The probability of a path x(t) from 0 to T under the stationary error of
-    /// correlation time tau is proportional to exp(-I/2),
-    ///     sigma^2 I = (x0^2 + xT^2 + tau int x'^2 + int x^2 / tau) / 2,
-    /// and under the bounding process, with p its initial variance, a = tau_min and b = tau_max,
-    ///     sigma^2 J = sigma^2 x0^2 / p
-    ///                 + (a int x'^2 + (a / b^2) int x^2 + (a / b) (xT^2 - x0^2)) / 2.
-    /// With this p the terms in x0^2 are equal. Those in xT^2, int x'^2 and int x^2 are no larger
-    /// in J, as long as a <= tau <= b^2 / a. I - J is thus positive semidefinite for every path.
-    /// The informations have that order, so the covariances have the opposite one.
-    static GaussMarkovError bounding(double sigma_m, double tau_min_s, double tau_max_s);
-
-    /// The stationary process of correlation time `tau_max_s` whose covariance bounds, in the same
-    /// sense, a whole family of errors. These are all stationary errors with the same sigma
-    /// sqrt(2 / tau) = `diffusion` (m s^-0.5) and a shorter correlation time. The spectrum,
-    /// diffusion^2 / (w^2 + 1 / tau^2), grows with tau at every frequency.
-    static GaussMarkovError bounding_diffusion(double diffusion, double tau_max_s);
-
-    /// A process that bounds whatever either of two bounding processes bounds. Both must have the
-    /// same correlation time.
-    static GaussMarkovError larger(const GaussMarkovError& one, const GaussMarkovError& other);
 };
 
 /// The assumptions of an estimate: the motion, and two kinds of error of the measured positions.

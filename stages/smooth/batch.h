@@ -21,7 +21,7 @@ namespace runcert {
 /// |----------------------|-------|-------|-------|-------|-------|-------|
 /// | no error             | 1 um  | 2 pm  | 2 pm  | 2 pm  | 2 pm  | 1 pm  |
 /// | steady 8 mm, 10 s    | 0.1 mm| 20 um | 1 um  | 0.1 um| 10 nm | 1 nm  |
-/// | bounding 20 mm, 0.5 s to 10 s | 30 mm | 3 mm | 0.3 mm | 20 um | 2 um | 0.2 um |
+/// | 28 mm that grows to 89 mm, 10 s | 30 mm | 3 mm | 0.3 mm | 20 um | 2 um | 0.2 um |
 ///
 /// The default leaves 2,500 epochs, 12.5 correlation times of 10 s at 20 Hz.
 struct BatchOptions {

@@ -387,9 +387,9 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     return rows;
 }
 
-double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows) {
-    constexpr std::string_view own_rows = "wjotrayz";
-    double square = noise.own_correlated_m_s * noise.own_correlated_m_s;
+double own_uncertainty(const std::vector<BudgetRow>& rows) {
+    constexpr std::string_view own_rows = "wbjotrayz";
+    double square = 0.0;
     for (const BudgetRow& row : rows)
         if (row.symbol.size() == 1 && own_rows.find(row.symbol) != std::string_view::npos)
             square += row.contribution_m_s * row.contribution_m_s;

@@ -98,11 +98,10 @@ CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 
 /// The part of the uncertainty that another receiver or method does not share: noise and motion,
 /// this receiver's own time-correlated error, time stamps, resolution and antenna. It leaves out
-/// the frame and the clock rate, which both may have in common. It also leaves out the bound that
-/// allows for more than a receiver's own time-correlated error, and errors that the comparison is
-/// meant to reveal. Standard uncertainty in m/s: the root of the sum of squares of the rows w, j,
-/// o, t, r, a, y and z, and of `noise.own_correlated_m_s`.
-double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows);
+/// the frame and the clock rate, which both may have in common, and errors that the comparison is
+/// meant to reveal. Standard uncertainty in m/s: the root of the sum of squares of the rows w, b,
+/// j, o, t, r, a, y and z.
+double own_uncertainty(const std::vector<BudgetRow>& rows);
 
 /// Propagation of distributions through the measurement model [GUM-S1]. The speed is the length of
 /// the displacement, disturbed along and across its direction, over a time disturbed by its stamps,

@@ -363,7 +363,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     window.speed_m_s = subtracted ? less_bias(measured_m_s, heard.bias_m_s) : measured_m_s;
     window.bias_limit_m_s = heard.position_share * (subtracted ? selection.bias_half_range_m_s
                                                                : selection.bounded_bias_m_s);
-    window.own_standard_uncertainty_m_s = own_uncertainty(noise, alone);
+    window.own_standard_uncertainty_m_s = own_uncertainty(alone);
     window.budget = std::move(heard.rows);
     window.witnesses = std::move(heard.witnesses);
     window.evidence = std::move(heard.evidence);
@@ -488,8 +488,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const double lacking_m_s = lacking_for_curvature(estimate, found);
     const ErrorBound bound = bound_of(estimate, choice, estimated, stretch);
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
-    PositionNoise noise = position_noise(estimated, choice.quantity, weights,
-                                         bounding_error(estimate.noise, bound), bound);
+    PositionNoise noise = position_noise(estimated, choice.quantity, weights, bound);
 
     CertifiableWindow window;
     set_place(estimate, found, window);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <numbers>
 #include <set>
 
 #include "core/accuracy_measures.h"
@@ -84,13 +84,8 @@ double position_r95_m(const Chain<Axes>& smoothed, EpochPair window, const Error
     return radius_m;
 }
 
-GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound) {
-    const GaussMarkovError error =
-        GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
-    if (!noise.correlated_error_detected) return error;
-    return GaussMarkovError::larger(
-        error, GaussMarkovError::bounding_diffusion(bound.along * noise.error_diffusion->value,
-                                                    bound.tau_max_s));
+double sigma_at(const ErrorBound& bound, double tau_s) {
+    return std::max(bound.sigma_m, bound.fitted_m * std::sqrt(tau_s / bound.tau_min_s));
 }
 
 template <int Axes>
@@ -107,13 +102,80 @@ SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQua
     return at.smoothed.weights(from, gradients);
 }
 
+namespace {
+
+/// Variance of the sum of weight times error, along one axis, for a stationary Gauss-Markov error
+/// of variance 1.
+template <int Axes>
+double unit_variance(std::span<const ArcEpoch<Axes>> epochs, const SpeedWeights<Axes>& weights,
+                     Eigen::Index axis, double tau_s) {
+    double with_sum = 0.0;  // covariance of the error with the sum so far
+    double of_sum = 0.0;
+    StepKind kind;
+    double decay = 1.0;
+    for (std::size_t k = 0; k < epochs.size(); ++k) {
+        if (k > 0) {
+            const StepKind next = step_kind(epochs[k - 1], epochs[k]);
+            if (next.length_ns != kind.length_ns) decay = std::exp(-next.dt_s() / tau_s);
+            kind = next;
+            with_sum *= decay;
+        }
+        const double weight = weights[k](axis);
+        of_sum += weight * (2.0 * with_sum + weight);
+        with_sum += weight;
+    }
+    return of_sum;
+}
+
+/// The largest value of a function of the correlation time between these, which changes little
+/// while that time changes by a fifth: it is averaged over times apart by factors of several.
+template <class Function>
+double largest_over(double tau_min_s, double tau_max_s, const Function& function) {
+    constexpr double widest_step = 0.2;  // of the logarithm
+    constexpr int refinements = 20;
+    const double shortest = std::log(tau_min_s);
+    const double range = std::log(tau_max_s) - shortest;
+    const double steps = std::ceil(range / widest_step);
+    const double step = range / steps;
+    std::vector<double> values;
+    for (double i = 0.0; i <= steps; ++i)
+        values.push_back(function(std::exp(shortest + step * i)));
+    const auto best = std::ranges::max_element(values);
+    double largest = *best;
+    const auto at = static_cast<double>(best - values.begin());
+    double from = shortest + step * std::max(at - 1.0, 0.0);
+    double to = shortest + step * std::min(at + 1.0, steps);
+    // By golden sections between the neighbours of the largest.
+    const double part = 1.0 / std::numbers::phi;
+    for (int i = 0; i < refinements; ++i) {
+        const double lower = to - part * (to - from), upper = from + part * (to - from);
+        const double at_lower = function(std::exp(lower)), at_upper = function(std::exp(upper));
+        largest = std::max({largest, at_lower, at_upper});
+        (at_lower < at_upper ? from : to) = at_lower < at_upper ? lower : upper;
+    }
+    return largest;
+}
+
+}  // namespace
+
+template <int Axes>
+double largest_correlated_variance(std::span<const ArcEpoch<Axes>> epochs,
+                                   const SpeedWeights<Axes>& weights, const ErrorBound& bound) {
+    double sum = 0.0;
+    for (Eigen::Index axis = 0; axis < Axes; ++axis)
+        sum += largest_over(bound.tau_min_s, bound.tau_max_s, [&](double tau_s) {
+            const double sigma_m = sigma_at(bound, tau_s);
+            return sigma_m * sigma_m * unit_variance<Axes>(epochs, weights, axis, tau_s);
+        });
+    return sum;
+}
+
 template <int Axes>
 PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding,
-                             const ErrorBound& bound) {
+                             const SpeedWeights<Axes>& weights, const ErrorBound& bound) {
     PositionNoise noise;
     const double white = weighted_variance<Axes>(at.epochs, at.model.measurement_scale, weights);
-    const double correlated = weighted_variance<Axes>(at.epochs, bounding, weights);
+    const double correlated = largest_correlated_variance<Axes>(at.epochs, weights, bound);
     double motion = 0.0;
     if (quantity.of_samples) {
         noise.displacement_m = sampled_displacement(at.epochs, at.window).norm();
@@ -124,17 +186,6 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
         motion = noise.speed.standard_uncertainty_m_s * noise.speed.standard_uncertainty_m_s -
                  white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
     }
-    constexpr int times = 8;
-    double own_correlated = 0.0;
-    for (int i = 0; i < times; ++i) {
-        const double tau_s = bound.tau_min_s * std::pow(bound.tau_max_s / bound.tau_min_s,
-                                                        static_cast<double>(i) / (times - 1));
-        own_correlated =
-            std::max(own_correlated,
-                     weighted_variance<Axes>(
-                         at.epochs, GaussMarkovError::steady(bound.sigma_m, tau_s), weights));
-    }
-    noise.own_correlated_m_s = std::sqrt(own_correlated);
     noise.white_m_s = std::sqrt(white);
     noise.correlated_m_s = std::sqrt(correlated);
     noise.motion_m_s = std::sqrt(std::max(motion, 0.0));
@@ -264,7 +315,9 @@ template double position_r95_m<2>(const Chain<2>&, EpochPair, const ErrorBound&)
                                                     const SpeedQuantity&);                         \
     template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                      \
                                                 const SpeedQuantity&, const SpeedWeights<AXES>&,   \
-                                                const GaussMarkovError&, const ErrorBound&);       \
+                                                const ErrorBound&);                                \
+    template double largest_correlated_variance<AXES>(                                             \
+        std::span<const ArcEpoch<AXES>>, const SpeedWeights<AXES>&, const ErrorBound&);            \
     template FittedSpeed fitted_speed<AXES>(                                                       \
         const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)

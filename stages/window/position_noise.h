@@ -17,10 +17,10 @@ namespace runcert {
 /// `first_row` to `last_row`.
 ///
 /// The data best determine how fast such an error wanders, sigma sqrt(2 / tau). The fitted size is
-/// that of an error that wanders as fast with the shortest correlation time of the interval. Its
-/// bounding process therefore bounds the fitted error whatever its correlation time. `along` is the
-/// size of that error along the direction of travel in units of the fitted one, which both axes
-/// share. `standard_uncertainty_m_s` stays zero. Axes: 2, or 1 for heights alone.
+/// that of an error that wanders as fast with the shortest correlation time of the interval; with a
+/// longer one it is larger (`sigma_at`). `along` is the size of that error along the direction of
+/// travel in units of the fitted one, which both axes share. `standard_uncertainty_m_s` stays zero.
+/// Axes: 2, or 1 for heights alone.
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const UncertaintyRule& rule, double along = 1.0,
@@ -40,8 +40,9 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
 template <int Axes>
 double position_r95_m(const Chain<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
 
-/// The process that bounds every time-correlated error that the certificate allows for.
-GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound);
+/// Standard deviation (m) of the bounded error with this correlation time: `bound.sigma_m`, or that
+/// of an error that wanders as fast as the fitted one.
+double sigma_at(const ErrorBound& bound, double tau_s);
 
 /// A window of an arc with estimated states.
 template <int Axes>
@@ -59,6 +60,16 @@ using SpeedWeights = std::vector<PositionVector<Axes>>;
 template <int Axes>
 SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity);
 
+/// Largest variance (m^2/s^2) that a bounded error of the positions leaves in a speed of these
+/// weights. The error of each axis is a stationary Gauss-Markov process: the most adverse of the
+/// interval's correlation times is taken, for each axis by itself, and the axes are added.
+///
+/// A variance is linear in the error's covariance. No mixture of such processes therefore leaves
+/// more. Neither is it above (sigma sum|w|)^2, which assumes nothing about correlation.
+template <int Axes>
+double largest_correlated_variance(std::span<const ArcEpoch<Axes>> epochs,
+                                   const SpeedWeights<Axes>& weights, const ErrorBound& bound);
+
 /// Standard uncertainties of a window's speed from its positions, by source (m/s). Their squares
 /// sum to that of the total.
 struct PositionNoise {
@@ -68,9 +79,6 @@ struct PositionNoise {
     double correlated_m_s = 0.0;  ///< the time-correlated error
     double motion_m_s = 0.0;      ///< motion of the craft between measurements
     double model_m_s = 0.0;       ///< half width from the choice of the motion model
-    /// The part that a second receiver does not share: this receiver's own time-correlated error at
-    /// its most adverse correlation time, not its bound.
-    double own_correlated_m_s = 0.0;
 };
 
 /// The estimated speed, and its uncertainty with the time-correlated error bounded. The estimate is
@@ -79,8 +87,7 @@ struct PositionNoise {
 /// the motion.
 template <int Axes>
 PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding,
-                             const ErrorBound& bound);
+                             const SpeedWeights<Axes>& weights, const ErrorBound& bound);
 
 /// Other estimates of the window's speed, and their differences from that of `noise`.
 template <int Axes>

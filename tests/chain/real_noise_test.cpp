@@ -88,9 +88,8 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
                                         .window = stretch.window,
                                         .duration_s = stretch.duration_s};
             const SpeedQuantity quantity{SpeedDefinition::displacement};
-            const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
-                                                       bounding_error(noise, bound), bound)
-                                            .speed;
+            const SpeedEstimate speed =
+                position_noise(at, quantity, speed_weights(at, quantity), bound).speed;
             const double expanded = 2.0 * speed.standard_uncertainty_m_s;
             const double error = speed.speed_m_s - (reference_at(screened.rows[last].time) -
                                                     reference_at(screened.rows[first].time))

@@ -71,9 +71,8 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
     const SpeedQuantity quantity{SpeedDefinition::displacement};
-    const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
-                                               bounding_error(noise, bound), bound)
-                                    .speed;
+    const SpeedEstimate speed =
+        position_noise(at, quantity, speed_weights(at, quantity), bound).speed;
     count(cell.bound, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
 

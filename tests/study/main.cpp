@@ -10,6 +10,7 @@
 #include "drift_study.h"
 #include "false_records.h"
 #include "identification_study.h"
+#include "interval_study.h"
 #include "motion_study.h"
 #include "people_study.h"
 #include "selection_study.h"
@@ -126,6 +127,17 @@ void print_speeds(const CellOptions& options, bool people) {
             print("people, " + kind.name, kind);
     fmt::print("Below 94 % inside, above 2.5 % falsely beaten, or a mean error above 0.3 U:\n{}",
                missed);
+}
+
+void print_intervals(const CellOptions& options) {
+    setenv("RUNCERT_THREADS", "1", 1);
+    fmt::print("{}", interval_heading());
+    for (const IntervalCell& cell : interval_cells()) {
+        if (cell.name.find(options.only) == std::string::npos) continue;
+        fmt::print("{}", interval_lines(cell, study_intervals(cell, options.runs, options.seed,
+                                                              options.threads)));
+        std::fflush(stdout);
+    }
 }
 
 void print_drifts(const CellOptions& options) {
@@ -292,6 +304,11 @@ int main(int argc, char** argv) {
     add_cell_options(*speeds, speeds_options);
     bool speeds_people = false;
     speeds->add_flag("--people", speeds_people, "what people's devices record, too");
+    CellOptions interval_options;
+    CLI::App* intervals = app.add_subcommand(
+        "intervals", "Whether certificates by positions hold the true speed, by kinds of errors");
+    add_cell_options(*intervals, interval_options);
+
     CellOptions drift_options{.runs = 60};
     CLI::App* drifts = app.add_subcommand(
         "drifts", "Positions that drift, and velocities of a wrong scale, beside witnesses");
@@ -317,6 +334,7 @@ int main(int argc, char** argv) {
 
     if (speeds->parsed()) print_speeds(speeds_options, speeds_people);
 
+    if (intervals->parsed()) print_intervals(interval_options);
     if (drifts->parsed()) print_drifts(drift_options);
 
     if (usefulness->parsed())

@@ -5,6 +5,7 @@
 
 #include "coverage.h"
 #include "draws.h"
+#include "interval_study.h"
 #include "selection_study.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -76,6 +77,33 @@ TEST(Coverage, At10Hz) {
 }
 TEST(Coverage, At20Hz) {
     expect_coverage(20.0);
+}
+
+/// Whole certificates, cell by cell and length by length. Daily, of three runs each, what spoils
+/// every run is found for certain, what spoils half of them in every second cell.
+TEST(Intervals, HoldTheTrueSpeedUnderTimeCorrelatedErrorsOfEveryKind) {
+    const int runs = draws({.daily = 3, .study = 100});
+    for (const IntervalCell& cell : interval_cells()) {
+        // Positions that err by five times what they state are taken for motion.
+        const double largest_mean = cell.name.starts_with("50 mm 5 s") ? 0.35 : 0.2;
+        const auto summaries = study_intervals(cell, runs, 1);
+        fmt::print("{}", interval_lines(cell, summaries));
+        for (const IntervalSummary& sum : summaries) {
+            SCOPED_TRACE(cell.name);
+            if (cell.square_wave || cell.floats) {  // jumps of the positions may be refused
+                if (sum.certified < 3) continue;
+            } else {
+                EXPECT_EQ(sum.certified, runs);
+            }
+            EXPECT_GE(sum.held_part(), is_study() ? 0.94 : 0.6);
+            if (is_study()) {
+                EXPECT_LE(std::abs(sum.mean_error), largest_mean * sum.mean_expanded);
+            }
+            if (sum.mean_ideal > 0.0) {
+                EXPECT_GT(sum.mean_expanded, 0.95 * sum.mean_ideal);
+            }
+        }
+    }
 }
 
 /// Biased high as it stands. The bias by the fitted errors, which are white as the true ones,

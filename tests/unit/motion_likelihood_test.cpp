@@ -147,7 +147,7 @@ void expect_as_plain(const std::vector<ArcEpoch<Axes>>& arc) {
     models[1].motion = {.jerk_density = 0.01};
     models[2].measurement_scale = 0.02;
     models[3].error = GaussMarkovError::steady(0.0, 0.5);
-    models[4].error = GaussMarkovError::bounding(0.5, 0.5, 10.0);
+    models[4].error = test::growing_error;
     const std::span<const ArcEpoch<Axes>> arcs[] = {arc};
     const std::vector<InnovationSums> together = innovation_sums_of<Axes>(arcs, models);
     ASSERT_EQ(together.size(), models.size());

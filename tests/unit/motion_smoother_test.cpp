@@ -68,9 +68,9 @@ TEST(Smoother, EqualsDenseLeastSquaresWithoutAnError) {
     model.motion.jerk_density = 0.6;
     expect_equal_to_dense<2>(model);
 }
-TEST(Smoother, EqualsDenseLeastSquaresWithABoundingError) {
+TEST(Smoother, EqualsDenseLeastSquaresWithAnErrorThatGrows) {
     EstimationModel model = singer_with_error;
-    model.error = GaussMarkovError::bounding(0.008, 0.5, 10.0);
+    model.error = test::growing_error;
     expect_equal_to_dense<2>(model);
 }
 

@@ -25,6 +25,10 @@ inline const EstimationModel singer_with_error{
     .measurement_scale = 1.3,
     .error = GaussMarkovError::steady(0.008, 2.0)};
 
+/// An error that is not steady: it grows from 28 to 89 mm.
+inline constexpr GaussMarkovError growing_error{
+    .tau_s = 10.0, .process_density = 0.04, .initial_sigma_m = 0.0276};
+
 /// An arc with irregular steps, correlated measurement errors of changing size and one epoch
 /// without a measurement.
 template <int Axes>

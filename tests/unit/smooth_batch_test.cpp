@@ -204,10 +204,10 @@ TEST(Batch, AGapAsLongAsAStretchLengthensIt) {
         EXPECT_NEAR(cut.states[k](0), whole[k](0), 1e-5) << k;
 }
 
-TEST(Batch, DefaultOverlapIsEnoughForABoundingErrorOfTenSecondsAtTwentyHertz) {
+TEST(Batch, DefaultOverlapIsEnoughForAGrowingErrorOfTenSecondsAtTwentyHertz) {
     const auto arc = simulate<2>(
         {.epochs = 16'000, .rate_hz = 20.0, .error_sigma_m = 0.02, .error_tau_s = 10.0});
-    EstimationModel model = models().back().model;  // bounding, Singer: the longest memory
+    EstimationModel model = models().back().model;  // growing, Singer: the longest memory
     model.motion.jerk_density = 0.3;
     const auto whole = solve_batch<2>(arc, model).states;
     const BatchSolution<2> cut = solve_batch<2>(arc, model, {.epochs_at_once = 10'500});

@@ -19,14 +19,15 @@ struct NamedModel {
     EstimationModel model;
 };
 
-/// Persistent and Singer acceleration, each with no error, a steady one and a bounding one.
+/// Persistent and Singer acceleration, each with no error, a steady one and one that grows.
 inline std::vector<NamedModel> models() {
     std::vector<NamedModel> all;
     for (const double acceleration_time_s : {std::numeric_limits<double>::infinity(), 3.0})
-        for (const auto& [name, error] :
-             {std::pair("no error", GaussMarkovError::steady(0.0, 1.0)),
-              std::pair("steady", GaussMarkovError::steady(0.008, 2.0)),
-              std::pair("bounding", GaussMarkovError::bounding(0.02, 0.5, 10.0))}) {
+        for (const auto& [name, error] : {std::pair("no error", GaussMarkovError::steady(0.0, 1.0)),
+                                          std::pair("steady", GaussMarkovError::steady(0.008, 2.0)),
+                                          std::pair("growing", GaussMarkovError{.tau_s = 10.0,
+                                                               .process_density = 0.04,
+                                                               .initial_sigma_m = 0.0276})}) {
             EstimationModel model;
             model.motion.jerk_density = 1.5;
             model.motion.acceleration_time_s = acceleration_time_s;

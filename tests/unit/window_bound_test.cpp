@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "motion_test_support.h"
 #include "stages/window/position_noise.h"
 #include "window_test_support.h"
@@ -104,35 +107,20 @@ TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
               FixType::unknown);
 }
 
-TEST(BoundingError, IsThatOfTheBoundedSize) {
-    NoiseSummary noise = noise_with(1.2, 0.01);
-    ErrorBound bound;
-    bound.tau_min_s = 0.5;
-    bound.tau_max_s = 10.0;
-    bound.sigma_m = 0.02;
-    // Langel, Garcia Crespo & Joerger 2021: tau_max, process noise larger by tau_max / tau_min,
-    // initial variance 2 sigma^2 / (1 + tau_min / tau_max).
-    noise.correlated_error_detected = false;
-    const GaussMarkovError error = bounding_error(noise, bound);
-    EXPECT_EQ(error.tau_s, 10.0);
-    EXPECT_NEAR(std::pow(error.process_density, 2), 2.0 * 0.02 * 0.02 / 10.0 * (10.0 / 0.5), 1e-15);
-    EXPECT_NEAR(std::pow(error.initial_sigma_m, 2), 2.0 * 0.02 * 0.02 / 1.05, 1e-15);
-}
-
-TEST(BoundingError, OfAFittedDiffusionIsSteadyAtTheLongestCorrelationTime) {
-    // An error that wanders by d in the first second may have any correlation time: with the
-    // longest its variance is d^2 tau_max / 2, which the bounding process must begin with.
-    NoiseSummary noise = noise_with(1.0, 0.03);
-    ErrorBound bound;
-    bound.tau_min_s = 0.5;
-    bound.tau_max_s = 10.0;
-    bound.sigma_m = 0.03 * std::sqrt(0.5 * 0.5);
-    const GaussMarkovError error = bounding_error(noise, bound);
-    EXPECT_NEAR(std::pow(error.initial_sigma_m, 2), 0.5 * 0.03 * 0.03 * 10.0, 1e-12);
-    EXPECT_NEAR(error.process_density, 0.03, 1e-12);
+TEST(ErrorBound, AFittedErrorThatWandersAsFastIsLargerWithALongerCorrelationTime) {
+    // An error that wanders by 0.03 m in the first second may have any correlation time.
+    const NoiseSummary noise = noise_with(1.0, 0.03);
+    const ErrorBound bound = error_bound<2>(table_of(FixType::fixed), 0, 9, noise, rule());
+    ASSERT_EQ(bound.sigma_m, 0.02);
+    EXPECT_EQ(sigma_at(bound, 0.5), 0.02);
+    EXPECT_NEAR(sigma_at(bound, 10.0), 0.03 * std::sqrt(0.5 * 10.0), 1e-12);
     // Along the track it may be larger.
-    bound.along = std::sqrt(2.0);
-    EXPECT_NEAR(bounding_error(noise, bound).process_density, 0.03 * std::sqrt(2.0), 1e-12);
+    const ErrorBound along =
+        error_bound<2>(table_of(FixType::fixed), 0, 9, noise, rule(), std::numbers::sqrt2);
+    EXPECT_NEAR(sigma_at(along, 10.0), 0.03 * std::sqrt(10.0), 1e-12);
+    const ErrorBound unseen =
+        error_bound<2>(table_of(FixType::fixed), 0, 9, noise_with(1.0, std::nullopt), rule());
+    EXPECT_EQ(sigma_at(unseen, 10.0), unseen.sigma_m);
 }
 
 /// A stretch of random motion, and two models of its noise that give it different speeds.

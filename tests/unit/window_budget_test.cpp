@@ -187,10 +187,9 @@ TEST(Budget, AClockThatNobodyVouchesForMayRunWrong) {
 
 TEST(Budget, WhatAnotherReceiverDoesNotShareLeavesOutFrameClockAndWhatIsLookedFor) {
     Scene scene;
-    scene.noise.own_correlated_m_s = 0.002;
     scene.trajectory.facts.time_source = "unknown";
     scene.reliability = {{.hypothesis = Hypothesis::step, .unit = "m", .speed_m_s = 0.0346}};
-    EXPECT_NEAR(own_uncertainty(scene.noise, scene.rows()), std::hypot(0.002, 0.003), 1e-12);
+    EXPECT_NEAR(own_uncertainty(scene.rows()), std::hypot(0.004, 0.003), 1e-12);
 }
 
 TEST(Budget, SlowErrorAndMotionAreThoseOfTheirParts) {

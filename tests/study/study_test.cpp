@@ -43,8 +43,10 @@ void expect_coverage_of_each(double rate_hz) {
         EXPECT_GE(cell.known.fraction(), 0.93);
         EXPECT_LE(cell.known.fraction(), 0.97);
         EXPECT_GE(cell.fitted.fraction(), 0.90);
+        // The most adverse correlation time is held as often as the interval says: of 100 runs
+        // fewer than 90 with a probability of 1 %.
         if (!slow || noise.error_tau_s <= 10.0) {
-            EXPECT_GE(cell.bound.fraction(), 0.95);
+            EXPECT_GE(cell.bound.fraction(), 0.90);
         }
         if (slow) {
             EXPECT_LE(cell.bound.half_width_m_s, 0.025);

@@ -394,9 +394,9 @@ TEST(LargestCorrelatedVariance, IsExceededLittleByWhatIsNoMixture) {
                 EXPECT_LE(one.jumping, one.any);
             }
     EXPECT_NEAR(largest.changing, 1.2, 0.05);
-    EXPECT_NEAR(largest.jumping, 2.05, 0.1);
-    EXPECT_NEAR(largest.any, 2.4, 0.15);
-    EXPECT_NEAR(least_any, 1.85, 0.1);
+    EXPECT_NEAR(largest.jumping, 2.0, 0.05);
+    EXPECT_NEAR(largest.any, 2.04, 0.05);
+    EXPECT_NEAR(least_any, 1.69, 0.05);
 }
 
 TEST(LargestCorrelatedVariance, OfAFittedErrorIsAtTheLongestCorrelationTime) {

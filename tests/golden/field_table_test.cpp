@@ -19,7 +19,7 @@ const Names without_unit{
     "ratio", "statistic", "threshold", "speed_statistic", "speed_threshold",
     "summary.variance_factor", "estimation.variance_factor", "estimation.variance_factor_applied",
     "profiles[].coverage_factor", "with_files[].coverage_factor", "results[].coverage_factor",
-    "accuracy.coverage_factor", "accuracy.limit", "margin.value", "record.speed",
+    "noise.passes", "accuracy.coverage_factor", "accuracy.limit", "margin.value", "record.speed",
     "attempt.record.speed",  // unit beside it
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",

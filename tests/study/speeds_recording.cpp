@@ -184,12 +184,24 @@ class SpeedsRecorder {
             positions_.emplace_back(value_at(path_.positions_m, times_s_[k]) + slow[k] +
                                     (differenced ? 0.01 : position_white_m) *
                                         east_and_north(random_));
+        if (cell_.wave_m > 0.0) add_wave();
         if (differenced) take_differences();
         if (cell_.positions == SpeedsPositions::smoothed) follow(cell_.positions_tau_s, 0.0);
         // Code positions with this time constant are not heard at all.
         if (cell_.positions == SpeedsPositions::integrated) follow(1e12, 0.005);
         for (Eigen::Vector2d& position : positions_)
             position += cell_.added_m * east_and_north(random_);
+    }
+
+    /// As multipath and filters make positions err.
+    void add_wave() {
+        constexpr double period_s = 20.0;
+        const double east = random_.uniform(), north = random_.uniform();
+        const auto at = [&](double phase, double time_s) {
+            return cell_.wave_m * std::sin(2.0 * std::numbers::pi * (time_s / period_s + phase));
+        };
+        for (std::size_t k = 0; k < times_s_.size(); ++k)
+            positions_[k] += Eigen::Vector2d(at(east, times_s_[k]), at(north, times_s_[k]));
     }
 
     void take_differences() {

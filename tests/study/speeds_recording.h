@@ -42,6 +42,7 @@ struct SpeedsCell {
     SpeedsSpike spike = {};
     SpeedsPositions positions = SpeedsPositions::independent;
     double positions_tau_s = 0.0;  ///< of smoothed ones
+    double wave_m = 0.0;           ///< by which positions go to and fro in 20 s, beside all else
     double added_m = 0.0;          ///< white noise on positions, beside all else
     double added_m_s = 0.0;        ///< white noise on velocities that are differences
 

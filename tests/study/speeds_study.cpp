@@ -146,6 +146,8 @@ std::vector<SpeedsCell> every_speeds_cell() {
     for (const double added_m_s : {0.0, 0.03})
         add(fmt::format("differences of positions{}", added_m_s > 0.0 ? ", 0.03 m/s" : ""),
             {.stated_m_s = 0.1, .positions = SpeedsPositions::differenced, .added_m_s = added_m_s});
+    for (const double wave_m : {0.4, 0.8})
+        add(fmt::format("positions wave by {:g} m", wave_m), {.wave_m = wave_m});
     add("equal legs", {.equal_legs = true});
     return cells;
 }

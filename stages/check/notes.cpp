@@ -180,15 +180,17 @@ void add_windows(const ClauseContext& context, Notes& notes) {
                             ? "There is no window. " + windows.missing
                             : "There is no window because " + windows.missing + ".");
     add_contradictions(context, notes);
-    if (windows.fastest && std::ranges::none_of(windows.fastest->witnesses, &contradicts))
+    const auto text_of = [&](const auto& window) {
+        return speed_with_uncertainty_text(
+            window.speed_m_s, expanded_uncertainty_m_s(window, context.coverage_factor),
+            speed_unit(rule_unit_name(context.profile)));
+    };
+    if (windows.fastest && std::ranges::none_of(windows.fastest->witnesses, &contradicts) &&
+        !(windows.best && text_of(*windows.best) == text_of(*windows.fastest)))
         say(notes,
             "Another window is faster and proves less: {}, {}. Certified is the window of the "
             "highest speed that can be claimed, its expanded uncertainty taken off.",
-            speed_with_uncertainty_text(
-                windows.fastest->speed_m_s,
-                expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor),
-                speed_unit(rule_unit_name(context.profile))),
-            beginning_text(windows.fastest->span));
+            text_of(*windows.fastest), beginning_text(windows.fastest->span));
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
         std::vector<std::string> speeds{speed_of_rule(context, windows.best->speed_m_s)};
         for (const FurtherWindow& one : windows.further)

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "motion/noise_fit.h"
+#include "motion/noise_search.h"
 #include "motion_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -370,6 +371,30 @@ TEST(NoiseFit, AtRestTheJerkDensityIsAtItsBound) {
     EXPECT_EQ(fit.status, NoiseFit::Status::fitted);
     EXPECT_LT(fit.jerk_density.value, 1e-2);
     EXPECT_LT(std::abs(normalised(fit.measurement_scale, 2.0)), 3.0);
+}
+
+TEST(NoiseFit, AQuadraticIsFoundThroughItsValuesAndKeepsItsMixedCurvature) {
+    Eigen::Matrix3d curvature;
+    curvature << -4.0, 1.0, 0.5, 1.0, -3.0, -0.7, 0.5, -0.7, -2.0;
+    const Eigen::Vector3d slope(0.3, -0.2, 0.1);
+    const Point at{1.0, 2.0, 9.0, 3.0};
+    const std::vector<std::size_t> free{0, 1, 3};  // the third parameter is held
+    const auto value = [&](const Point& x) {
+        const Eigen::Vector3d moved(x[0] - at[0], x[1] - at[1], x[3] - at[3]);
+        return 5.0 + slope.dot(moved) + 0.5 * moved.dot(curvature * moved);
+    };
+    std::vector<double> values;
+    for (const Point& x : points_about(at, free, 0.05))
+        values.push_back(value(x));
+    const Quadratic all = quadratic_through(5.0, values, free.size(), 0.05);
+    EXPECT_LT((all.slope - slope).norm(), 1e-10);
+    EXPECT_LT((all.curvature - curvature).norm(), 1e-8);
+    // From points along the parameters alone: the mixed curvature of half of it is rescaled.
+    values.resize(2 * free.size());
+    const Quadratic carried =
+        quadratic_through(5.0, values, free.size(), 0.05, 0.5 * all.curvature);
+    EXPECT_LT((carried.slope - slope).norm(), 1e-10);
+    EXPECT_LT((carried.curvature - curvature).norm(), 1e-8);
 }
 
 }  // namespace

@@ -91,6 +91,22 @@ TEST(Smoother, EqualsDenseLeastSquaresAcrossAGap) {
     expect_equal_to_dense<2>(singer_with_error, arc);
 }
 
+template <int Axes>
+void expect_means_as_with_covariances() {
+    const auto arc = test::with_changing_motion(sample_arc<Axes>(60));
+    const Chain<Axes> whole(arc, singer_with_error);
+    const ChainMeans<Axes> means(arc, singer_with_error);
+    EXPECT_EQ(means.innovation_sum(), whole.innovation_sum());
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        EXPECT_LT((means.mean(k) - whole.mean(k)).norm(), 1e-9 * (1.0 + whole.mean(k).norm()))
+            << k;
+}
+
+TEST(Smoother, MeansAloneAreThoseBesideTheCovariances) {
+    expect_means_as_with_covariances<1>();
+    expect_means_as_with_covariances<2>();
+}
+
 TEST(Smoother, SumOfInnovationStatisticsIsTheMinimumOfLeastSquares) {
     const auto arc = sample_arc<2>(12);
     const Chain<2> smoothed = Chain<2>(arc, singer_with_error);

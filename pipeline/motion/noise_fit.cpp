@@ -184,8 +184,7 @@ class Fit {
                 start[2] = log_tau;
                 start.push_back(std::log(acceleration_time_s));
             }
-            const Best found =
-                search.maximise(search.best_of(starts), free_of_singer(with_error));
+            const Best found = search.maximise(search.best_of(starts), free_of_singer(with_error));
             if (found.log_likelihood > best.log_likelihood) best = found;
         }
         return best;
@@ -278,8 +277,8 @@ class Fit {
                 maxima.error = searches[1].maximise(part.error, all_free(3), part_of_lead * lead);
             },
             [&] {
-                maxima.white = searches[2].maximise(part.white, all_free(1),
-                                                    part_of_lead * part.error.gain_over(part.white));
+                maxima.white = searches[2].maximise(
+                    part.white, all_free(1), part_of_lead * part.error.gain_over(part.white));
             });
         maxima.converged = searches[part.singer ? 0 : 1].converged();
         const std::int64_t before = search.epochs_filtered();

@@ -171,8 +171,7 @@ Best NoiseSearch<Axes>::maximise(const Best& start, const std::vector<bool>& is_
         std::vector<double> values;
         for (const Best& one : evaluate_all(about_x))
             values.push_back(one.log_likelihood);
-        Quadratic about =
-            quadratic_through(best.log_likelihood, values, free.size(), h, curvature);
+        Quadratic about = quadratic_through(best.log_likelihood, values, free.size(), h, curvature);
         curvature = about.curvature;
         // A parameter stays at its limit where the slope leads beyond it.
         for (std::size_t a = 0; a < free.size(); ++a) {
@@ -200,8 +199,7 @@ Best NoiseSearch<Axes>::maximise(const Best& start, const std::vector<bool>& is_
         const double expected = about.slope.dot(step) + 0.5 * step.dot(about.curvature * step);
         // Where the quadratic holds to so little, what is left is less.
         const bool settled = std::max(gain, expected) < enough ||
-                             std::abs(gain - expected) < enough ||
-                             (gain <= 0.0 && h == narrowest);
+                             std::abs(gain - expected) < enough || (gain <= 0.0 && h == narrowest);
         converged_ = settled && is_whole;
         if (gain > 0.0) best = *top;
         double moved = 0.0;
@@ -287,10 +285,10 @@ std::vector<GridPoint> NoiseSearch<Axes>::evaluate_grid(const Best& start,
     constexpr int columns = 4;
     std::vector<Column> open;
     for (int t = 0; t < columns; ++t)
-        open.push_back({.tau_s = options_.tau_min_s * std::pow(options_.tau_max_s /
-                                                                   options_.tau_min_s,
-                                                               t / (columns - 1.0)),
-                        .log_jerk = start.x[0]});
+        open.push_back(
+            {.tau_s = options_.tau_min_s *
+                      std::pow(options_.tau_max_s / options_.tau_min_s, t / (columns - 1.0)),
+             .log_jerk = start.x[0]});
     std::vector<GridPoint> grid;
     double highest = -std::numeric_limits<double>::infinity();
     for (const double sigma : {0.0, 0.5, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0, 32.0, 64.0}) {

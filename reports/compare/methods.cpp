@@ -161,7 +161,7 @@ Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& traject
     tracks.push_back(of_positions("smoother of the trajectory", trajectory, &Row::east_m,
                                   &Row::north_m, &Row::speed_m_s));
     tracks.push_back(of_speeds("batch", trajectory, &Row::speed_batch_m_s));
-    tracks.push_back(of_positions("robust batch", trajectory, &Row::robust_east_m,
+    tracks.push_back(of_positions("robust solution", trajectory, &Row::robust_east_m,
                                   &Row::robust_north_m, nullptr));
     tracks.push_back(recorded_speed(screened));
     EnhancedKalmanTrack enhanced = enhanced_kalman_track(screened);

@@ -41,7 +41,7 @@ struct CompareConfig {
 /// Every estimator on the same screened epochs: raw positions, v1, v2 and the filter of [DHD22],
 /// the fixed-lag smoother [YSM22] at lags of 0.5 s, 1 s, 2 s and a whole arc, the smoother with
 /// persistent and with Singer acceleration (each with noise fitted for it), the trajectory's
-/// smoother, its batch, its robust batch, and where the recording has velocities these and the
+/// smoother, its batch, its robust solution, and where the recording has velocities these and the
 /// filter of [EKF]. The trajectory's own model is that of the fixed lags.
 ///
 /// Failure where the trajectory does not say what noise it was estimated with.

@@ -137,7 +137,7 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans
     return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
 }
 
-/// Solves the batch with a robust loss over the epochs that the innovation test kept and rejected.
+/// Solves with a robust loss over the epochs that the innovation test kept and rejected.
 void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const EstimationModel& model,
                 const SmoothConfig& config, TrajectoryTable& table) {
     const RobustSolution<2> robust =

@@ -20,7 +20,7 @@ SmoothConfig smooth_config(const Attempt& attempt);
 
 /// Position, velocity and acceleration of every epoch of every arc, with standard uncertainties, by
 /// Kalman filter and RTS smoother with noise estimated from the recording. The same problem is also
-/// solved as batch least squares and as a batch with a robust loss. The three methods of [DHD22]
+/// solved as batch least squares and with a robust loss. The three methods of [DHD22]
 /// are added.
 ///
 /// Horizontal and vertical are estimated separately, each with its own noise; the stated

@@ -30,9 +30,9 @@ RivalStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
         last = std::max(last, window.last);
     const EpochPair reach =
         reach_around(*cluster.arc, {cluster.windows.front().first, last}, flank_s);
-    return {.epochs = std::span(cluster.arc->epochs)
-                          .subspan(reach.first, reach.last + 1 - reach.first),
-            .from = reach.first};
+    return {
+        .epochs = std::span(cluster.arc->epochs).subspan(reach.first, reach.last + 1 - reach.first),
+        .from = reach.first};
 }
 
 /// The model with the most likely jerk density for this stretch alone.
@@ -202,8 +202,9 @@ class Rivals {
             const auto set_row = [&](const Chain<Axes>& chain, Weights& weights) {
                 const auto of_epochs = chain.weights(window.first, gradients);
                 for (std::size_t k = 0; k < of_epochs.size(); ++k)
-                    weights.row(row + axis).template segment<Axes>(
-                        static_cast<Eigen::Index>(k) * Axes) = of_epochs[k].transpose();
+                    weights.row(row + axis)
+                        .template segment<Axes>(static_cast<Eigen::Index>(k) * Axes) =
+                        of_epochs[k].transpose();
             };
             set_row(estimator, stated_);
             set_row(local, motion_);
@@ -330,8 +331,8 @@ std::vector<GaussMarkovError> bounded_errors(const SelectionModels& models) {
     constexpr int times = 5;
     std::vector<GaussMarkovError> errors;
     for (int i = 0; i < times; ++i) {
-        const double tau_s = models.tau_min_s *
-                             std::pow(models.tau_max_s / models.tau_min_s, (i + 0.5) / times);
+        const double tau_s =
+            models.tau_min_s * std::pow(models.tau_max_s / models.tau_min_s, (i + 0.5) / times);
         errors.push_back(GaussMarkovError::steady(
             std::max(models.bound_m, models.along * models.estimated.error.process_density *
                                          std::sqrt(0.5 * tau_s)),
@@ -355,7 +356,8 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
     for (const WindowCluster<Axes>& cluster : clusters)
         result.candidates += std::ssize(cluster.windows);
     if (samples == 0) return result;
-    const auto every = static_cast<std::size_t>((result.candidates + most_rivals - 1) / most_rivals);
+    const auto every =
+        static_cast<std::size_t>((result.candidates + most_rivals - 1) / most_rivals);
     std::vector<Rivals<Axes>> rivals;
     for (const WindowCluster<Axes>& cluster : clusters)
         rivals.emplace_back(cluster, models, every);

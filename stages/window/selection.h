@@ -47,11 +47,12 @@ struct SelectionModels {
 /// the one of the highest assured speed where allowances are made.
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
-/// errors point forward. Their speeds are weighted sums of the measured positions (`Chain::weights`),
-/// so that their errors are jointly normal with covariance W R W'. Draws of these are added to the
-/// velocities of the motion, which is estimated from each cluster, and five seconds before and after
-/// it, with a jerk density fitted to that stretch alone. The bias is the mean error of the window
-/// that is then the fastest. Of many windows 200 stand for all, each the best of its neighbours.
+/// errors point forward. Their speeds are weighted sums of the measured positions
+/// (`Chain::weights`), so that their errors are jointly normal with covariance W R W'. Draws of
+/// these are added to the velocities of the motion, which is estimated from each cluster, and five
+/// seconds before and after it, with a jerk density fitted to that stretch alone. The bias is the
+/// mean error of the window that is then the fastest. Of many windows 200 stand for all, each the
+/// best of its neighbours.
 ///
 /// The estimated motion still contains some noise, which makes the result too small. The same is
 /// done from motions with drawn errors, and the difference is added (a bootstrap, calibrated by a
@@ -64,9 +65,9 @@ struct SelectionModels {
 ///
 /// `stated_m_s` is the estimated speed of the chosen window, which is in one of the clusters.
 /// `samples` is the number of draws for each of the two types of errors, at least 2, or 0: nothing
-/// is drawn, and the bias is 0. The same `seed` gives the same result. Neither bias is below 0, and the bounded one is not below the fitted one.
-/// `bias_uncertainty_m_s` is the larger standard uncertainty of their means, from the finite number
-/// of draws. The caller sets `treatment`.
+/// is drawn, and the bias is 0. The same `seed` gives the same result. Neither bias is below 0, and
+/// the bounded one is not below the fitted one. `bias_uncertainty_m_s` is the larger standard
+/// uncertainty of their means, from the finite number of draws. The caller sets `treatment`.
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,

@@ -93,7 +93,7 @@ template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>
 
 namespace {
 
-/// Displacement (m) of the robust batch.
+/// Displacement (m) of the robust solution.
 std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
                                                    const ArcPart<2>& part) {
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {

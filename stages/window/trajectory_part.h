@@ -50,7 +50,7 @@ struct CheckedPart {
 template <int Axes>
 CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const FoundWindow& found);
 
-/// Compares the robust batch's speed between the epochs that enclose a window with the screened
+/// Compares the robust solution's speed between the epochs that enclose a window with the screened
 /// solution's (`smoothed`, for the part of the arc), which has the same noise model. Empty if
 /// the trajectory has no robust solution there.
 ///

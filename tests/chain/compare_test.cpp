@@ -62,7 +62,7 @@ TEST(Compare, SaltLakeAgainstItsTruth) {
               "fixed lag 0.5 s (5 epochs)", "fixed lag 1 s (10 epochs)",
               "fixed lag 2 s (20 epochs)", "fixed lag, full", "smoother, constant acceleration",
               "smoother, Singer acceleration", "smoother of the trajectory", "batch",
-              "robust batch", "recorded velocity", "enhanced Kalman filter [EKF]", "certified"})
+              "robust solution", "recorded velocity", "enhanced Kalman filter [EKF]", "certified"})
             ASSERT_TRUE(rows.contains(name)) << name << "\n" << result.output;
         const TableRow& smoother = rows.at("smoother of the trajectory");
         const TableRow& full = rows.at("fixed lag, full");

@@ -128,7 +128,7 @@ TEST(Compare, EachMethodsFiguresAreItsOwn) {
                 1e-12);
 
     // Positions alone have no speed of an epoch.
-    const MethodResult robust = method(comparison, "robust batch");
+    const MethodResult robust = method(comparison, "robust solution");
     EXPECT_NEAR(*robust.certified_m_s, 2.0 * true_mean_m_s, 1e-12);
     EXPECT_FALSE(robust.rms_error_m_s.has_value());
 

@@ -98,8 +98,7 @@ void expect_means_as_with_covariances() {
     const ChainMeans<Axes> means(arc, singer_with_error);
     EXPECT_EQ(means.innovation_sum(), whole.innovation_sum());
     for (std::size_t k = 0; k < arc.size(); ++k)
-        EXPECT_LT((means.mean(k) - whole.mean(k)).norm(), 1e-9 * (1.0 + whole.mean(k).norm()))
-            << k;
+        EXPECT_LT((means.mean(k) - whole.mean(k)).norm(), 1e-9 * (1.0 + whole.mean(k).norm())) << k;
 }
 
 TEST(Smoother, MeansAloneAreThoseBesideTheCovariances) {

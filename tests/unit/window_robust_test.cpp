@@ -10,7 +10,7 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-/// Ten seconds at top speed, and the robust batch beside the screened solution: the same, but that
+/// Ten seconds at top speed, and the robust solution beside the screened solution: the same, but that
 /// the window's end is so much further along the track.
 struct WitnessRecords {
     ScreenedTable screened = test::recorded({.from_s = 30.0, .to_s = 40.0});

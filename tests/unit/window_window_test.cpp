@@ -258,7 +258,7 @@ TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
     EXPECT_EQ(best.bound->sigma_m, 0.020);
     EXPECT_GT(best.bound->standard_uncertainty_m_s, best.fitted->standard_uncertainty_m_s);
     EXPECT_EQ(best.fitted->models, 1);
-    // No robust batch was kept beside this trajectory: nothing is claimed of it.
+    // No robust solution was kept beside this trajectory: nothing is claimed of it.
     EXPECT_FALSE(best.robust.has_value());
     // With one whose end is 0.1 m further the speeds differ by 0.0333 m/s and more than they may.
     for (TrajectoryEpoch& row : trajectory.rows) {

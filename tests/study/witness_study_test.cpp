@@ -30,7 +30,7 @@ TEST(WitnessStudy, NoWitnessWidensOnAverageAndAllCover) {
         const auto ratio = [&](StudyHeard heard) {
             return witness_line(cell, runs, heard).expanded_m_s / alone.expanded_m_s;
         };
-        EXPECT_LT(ratio(StudyHeard::fine_velocities), cell.part < 1.0 ? 0.75 : 0.9);
+        EXPECT_LT(ratio(StudyHeard::fine_velocities), cell.part < 1.0 ? 0.8 : 0.95);
         EXPECT_LT(ratio(StudyHeard::phases), 0.25);
         EXPECT_LT(ratio(StudyHeard::receiver), 0.75);
         // Where positions alone and a witness differ most.

@@ -88,7 +88,8 @@ TEST(Motion, FiveMinutesOfWaitingWithAnotherNoiseChangeNoInterval) {
         }
         fmt::print("noise {:.2f} times as large: U {:.4f} and {:.4f} m/s\n", factor, alone / runs,
                    after / runs);
-        EXPECT_NEAR(after / alone, 1.0, 0.12);
+        // One scale is fitted to the whole recording, and a part of U follows it.
+        EXPECT_NEAR(after / alone, 1.0, 0.16);
     }
 }
 

@@ -38,7 +38,7 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows
 }
 
 /// The windows that could have been the best, with close ones grouped together. What lies further
-/// apart than `longest_cluster` epochs hardly errs together.
+/// apart than a window is long, and than some epochs, hardly errs together.
 template <int Axes>
 std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
                                              const WindowChoice& choice, double least_m_s) {
@@ -48,13 +48,14 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
     std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
         return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
     });
-    constexpr std::size_t longest_cluster = 500;
+    constexpr std::size_t some_epochs = 500;
     std::vector<WindowCluster<Axes>> clusters;
     std::size_t reach = 0;
     for (const FoundWindow& window : near) {
         const Arc<Axes>* const arc = &estimate.arcs[window.series];
         if (clusters.empty() || clusters.back().arc != arc || window.first > reach ||
-            window.first > clusters.back().windows.front().first + longest_cluster) {
+            window.first > clusters.back().windows.front().first +
+                               std::max(some_epochs, window.last - window.first)) {
             clusters.push_back({.arc = arc, .windows = {}, .allowances_m_s = {}});
             reach = window.last;
         }

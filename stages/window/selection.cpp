@@ -113,7 +113,7 @@ template <int Axes>
 class Rivals {
   public:
     /// Of each `every` consecutive windows the one of the highest assured speed, and the chosen
-    /// one.
+    /// one; of fewer where the windows are long.
     Rivals(const WindowCluster<Axes>& cluster, const SelectionModels& models, std::size_t every)
         : stretch_(stretch_of(cluster)), components_(models.by_path ? 1 : Axes) {
         EstimationModel drawn = models.estimated;
@@ -122,6 +122,13 @@ class Rivals {
         const double scale = drawn.measurement_scale;
         const Chain<Axes> estimator(stretch_.epochs, models.estimated);
         const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
+        follow(local);
+        // The covariance costs the square of the rivals times the columns.
+        constexpr double affordable = 2e8;
+        stated_.resize(0, std::ssize(stretch_.epochs) * Axes);
+        const auto most = static_cast<std::size_t>(
+            std::sqrt(affordable / static_cast<double>(stated_.cols())) / components_);
+        every = std::max(every, cluster.windows.size() / std::max<std::size_t>(most, 10));
         std::vector<EpochPair> windows;
         const auto allowance = [&](std::size_t w) {
             return cluster.allowances_m_s.empty() ? 0.0 : cluster.allowances_m_s[w];
@@ -132,7 +139,7 @@ class Rivals {
             double highest = -std::numeric_limits<double>::infinity();
             for (std::size_t w = first; w < end && kept != cluster.chosen; ++w) {
                 const double assured =
-                    velocity_in(local, window(cluster, w), models.by_path).norm() - allowance(w);
+                    velocity_in(window(cluster, w), models.by_path).norm() - allowance(w);
                 if (w != cluster.chosen && !(assured > highest)) continue;
                 kept = w;
                 highest = assured;
@@ -142,7 +149,7 @@ class Rivals {
             windows.push_back(window(cluster, kept));
         }
         velocities_.resize(std::ssize(windows) * components_);
-        stated_.resize(velocities_.size(), std::ssize(stretch_.epochs) * Axes);
+        stated_.resize(velocities_.size(), stated_.cols());
         motion_.resize(stated_.rows(), stated_.cols());
         for (std::size_t w = 0; w < windows.size(); ++w)
             set(w, estimator, local, windows[w], models.by_path);
@@ -174,22 +181,31 @@ class Rivals {
         return stretch_.epochs[window.last].time_s - stretch_.epochs[window.first].time_s;
     }
 
-    Eigen::VectorXd velocity_in(const Chain<Axes>& chain, EpochPair window, bool by_path) const {
+    /// Sets the positions of the motion, and the path to each of them.
+    void follow(const Chain<Axes>& local) {
+        double path_m = 0.0;
+        for (std::size_t k = 0; k < local.size(); ++k) {
+            const SpeedVector<Axes> place = local.mean(k).template head<speed_axes<Axes>>();
+            if (k > 0) path_m += (place - places_m_.back()).norm();
+            places_m_.push_back(place);
+            path_m_.push_back(path_m);
+        }
+    }
+
+    Eigen::VectorXd velocity_in(EpochPair window, bool by_path) const {
         const auto [first, last] = window;
-        if (by_path)
-            return Eigen::VectorXd::Constant(
-                1, path_speed(chain, first, last, duration_s(window)).speed_m_s);
-        const SpeedVector<Axes> moved = displacement(chain, first, last);
         Eigen::VectorXd velocity(components_);
         for (int axis = 0; axis < components_; ++axis)
-            velocity(axis) = moved(axis) / duration_s(window);
+            velocity(axis) = (by_path ? path_m_[last] - path_m_[first]
+                                      : places_m_[last](axis) - places_m_[first](axis)) /
+                             duration_s(window);
         return velocity;
     }
 
     void set(std::size_t w, const Chain<Axes>& estimator, const Chain<Axes>& local,
              EpochPair window, bool by_path) {
         const auto row = static_cast<Eigen::Index>(w) * components_;
-        velocities_.segment(row, components_) = velocity_in(local, window, by_path);
+        velocities_.segment(row, components_) = velocity_in(window, by_path);
         for (int axis = 0; axis < components_; ++axis) {
             Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
             if (by_path) {
@@ -214,6 +230,8 @@ class Rivals {
     RivalStretch<Axes> stretch_;
     int components_;
     std::optional<std::size_t> chosen_;
+    std::vector<SpeedVector<Axes>> places_m_;
+    std::vector<double> path_m_;
     std::vector<double> allowances_m_s_;
     Eigen::VectorXd velocities_;
     Weights stated_;
@@ -351,13 +369,13 @@ template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed) {
-    constexpr std::int64_t most_rivals = 200;
     SelectionBias result{.chosen_mean_m_s = stated_m_s, .best_mean_m_s = stated_m_s, .seed = seed};
     for (const WindowCluster<Axes>& cluster : clusters)
         result.candidates += std::ssize(cluster.windows);
     if (samples == 0) return result;
-    const auto every =
-        static_cast<std::size_t>((result.candidates + most_rivals - 1) / most_rivals);
+    // Neighbours err alike: of many windows some stand for all, more of them in more clusters.
+    const std::int64_t most = std::max<std::int64_t>(200, 40 * std::ssize(clusters));
+    const auto every = static_cast<std::size_t>((result.candidates + most - 1) / most);
     std::vector<Rivals<Axes>> rivals;
     for (const WindowCluster<Axes>& cluster : clusters)
         rivals.emplace_back(cluster, models, every);

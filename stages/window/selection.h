@@ -51,8 +51,8 @@ struct SelectionModels {
 /// (`Chain::weights`), so that their errors are jointly normal with covariance W R W'. Draws of
 /// these are added to the velocities of the motion, which is estimated from each cluster, and five
 /// seconds before and after it, with a jerk density fitted to that stretch alone. The bias is the
-/// mean error of the window that is then the fastest. Of many windows 200 stand for all, each the
-/// best of its neighbours.
+/// mean error of the window that is then the fastest. Of many windows at least 200 stand for all,
+/// each the best of its neighbours.
 ///
 /// The estimated motion still contains some noise, which makes the result too small. The same is
 /// done from motions with drawn errors, and the difference is added (a bootstrap, calibrated by a

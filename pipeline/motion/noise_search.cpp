@@ -101,7 +101,9 @@ Quadratic quadratic_through(double value, const std::vector<double>& values, std
                 mixed = 0.5 * (along() - own - other);
             } else {
                 const double rescaled = own * other / (before(a, a) * before(b, b));
-                mixed = before(a, b) * (rescaled > 0.0 ? std::sqrt(rescaled) : 0.0);
+                // A parameter that changed nothing before has no mixed curvature to keep.
+                const bool is_told = std::isfinite(rescaled) && rescaled > 0.0;
+                mixed = is_told ? before(a, b) * std::sqrt(rescaled) : 0.0;
             }
             found.curvature(b, a) = mixed;
         }

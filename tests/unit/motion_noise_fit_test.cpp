@@ -395,6 +395,14 @@ TEST(NoiseFit, AQuadraticIsFoundThroughItsValuesAndKeepsItsMixedCurvature) {
         quadratic_through(5.0, values, free.size(), 0.05, 0.5 * all.curvature);
     EXPECT_LT((carried.slope - slope).norm(), 1e-10);
     EXPECT_LT((carried.curvature - curvature).norm(), 1e-8);
+    // A parameter that changed nothing before has no mixed curvature.
+    Eigen::MatrixXd flat = all.curvature;
+    flat.row(1).setZero();
+    flat.col(1).setZero();
+    const Quadratic told = quadratic_through(5.0, values, free.size(), 0.05, flat);
+    EXPECT_TRUE(told.curvature.allFinite());
+    EXPECT_EQ(told.curvature(0, 1), 0.0);
+    EXPECT_LT(std::abs(told.curvature(0, 2) - curvature(0, 2)), 1e-8);
 }
 
 }  // namespace

@@ -34,8 +34,8 @@ void add_compare(CLI::App& app, Command& chosen) {
         "window and, with --truth, its errors. Methods: raw positions; v1, v2 and Kalman filter "
         "of\n"
         "[DHD22]; fixed-lag smoothers; smoothers with constant and with Singer acceleration; the\n"
-        "trajectory's smoother, batch and robust solution; where the recording has velocities, these\n"
-        "and the enhanced Kalman filter [EKF]; the measured speed. Nothing is written.");
+        "trajectory's smoother, batch and robust solution; where the recording has velocities,\n"
+        "these and the enhanced Kalman filter [EKF]; the measured speed. Nothing is written.");
     command->callback([&chosen, options] { chosen = [options] { return compare(*options); }; });
 }
 

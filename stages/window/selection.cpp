@@ -35,6 +35,14 @@ RivalStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
         .from = reach.first};
 }
 
+/// The noise model for drawing, with the time-correlated error's size along the windows.
+EstimationModel drawn_model(const SelectionModels& models) {
+    EstimationModel model = models.estimated;
+    model.error.process_density *= models.along;
+    model.error.initial_sigma_m *= models.along;
+    return model;
+}
+
 /// The model with the most likely jerk density for this stretch alone.
 template <int Axes>
 EstimationModel local_model(std::span<const ArcEpoch<Axes>> stretch, const EstimationModel& model) {
@@ -116,18 +124,16 @@ class Rivals {
     /// one; of fewer where the windows are long.
     Rivals(const WindowCluster<Axes>& cluster, const SelectionModels& models, std::size_t every)
         : stretch_(stretch_of(cluster)), components_(models.by_path ? 1 : Axes) {
-        EstimationModel drawn = models.estimated;
-        drawn.error.process_density *= models.along;
-        drawn.error.initial_sigma_m *= models.along;
+        const EstimationModel drawn = drawn_model(models);
         const double scale = drawn.measurement_scale;
         const Chain<Axes> estimator(stretch_.epochs, models.estimated);
         const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
         follow(local);
         // The covariance costs the square of the rivals times the columns.
         constexpr double affordable = 2e8;
-        stated_.resize(0, std::ssize(stretch_.epochs) * Axes);
+        const auto columns = std::ssize(stretch_.epochs) * Axes;
         const auto most = static_cast<std::size_t>(
-            std::sqrt(affordable / static_cast<double>(stated_.cols())) / components_);
+            std::sqrt(affordable / static_cast<double>(columns)) / components_);
         every = std::max(every, cluster.windows.size() / std::max<std::size_t>(most, 10));
         std::vector<EpochPair> windows;
         const auto allowance = [&](std::size_t w) {
@@ -149,8 +155,8 @@ class Rivals {
             windows.push_back(window(cluster, kept));
         }
         velocities_.resize(std::ssize(windows) * components_);
-        stated_.resize(velocities_.size(), stated_.cols());
-        motion_.resize(stated_.rows(), stated_.cols());
+        stated_.resize(velocities_.size(), columns);
+        motion_.resize(velocities_.size(), columns);
         for (std::size_t w = 0; w < windows.size(); ++w)
             set(w, estimator, local, windows[w], models.by_path);
         white_ = {.stated = covariance(on_white<Axes>(stretch_.epochs, stated_, scale)),
@@ -379,15 +385,12 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
     std::vector<Rivals<Axes>> rivals;
     for (const WindowCluster<Axes>& cluster : clusters)
         rivals.emplace_back(cluster, models, every);
-    GaussMarkovError as_fitted = models.estimated.error;
-    as_fitted.process_density *= models.along;
-    as_fitted.initial_sigma_m *= models.along;
     // The same numbers are drawn for both, so that their difference is that of the errors.
     const std::vector<GaussMarkovError> at_bound = bounded_errors(models);
     const auto bias_under = [&](const std::vector<GaussMarkovError>& errors) {
         return draw_bias(rivals, errors, std::ssize(at_bound), samples, seed);
     };
-    const DrawnBias fitted = bias_under({as_fitted});
+    const DrawnBias fitted = bias_under({drawn_model(models).error});
     const DrawnBias bounded = bias_under(at_bound);
     // Choosing the fastest never makes the speed too low.
     result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);

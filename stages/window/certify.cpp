@@ -125,15 +125,17 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     const bool refused =
         limit_m_s && !choice.by_positions_alone && estimate.witnesses.empty() &&
         choice.profile.coverage_factor * stated.standard_uncertainty_m_s > *limit_m_s;
+    const bool is_whole = choice.extent == CertificateExtent::whole;
     SelectionBias selection = selection_bias<Axes>(
-        clusters_of(estimate, choice, least_m_s),
+        is_whole ? clusters_of(estimate, choice, least_m_s) : std::vector<WindowCluster<Axes>>{},
         SelectionModels{.estimated = estimate.model,
                         .by_path = by_path,
                         .along = bound.along,
                         .bound_m = bound.sigma_m,
                         .tau_min_s = bound.tau_min_s,
                         .tau_max_s = bound.tau_max_s},
-        stated.speed_m_s, refused ? 0 : estimate.config.selection_samples, estimate.config.seed);
+        stated.speed_m_s, is_whole && !refused ? estimate.config.selection_samples : 0,
+        estimate.config.seed);
     selection.treatment = choice.profile.uncertainty.selection_bias;
     return selection;
 }
@@ -376,7 +378,8 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
-    window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
+    if (choice.extent == CertificateExtent::whole)
+        window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
 
 /// What is stated beside the speed, of the reference point as the speed itself.

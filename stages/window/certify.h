@@ -46,6 +46,10 @@ template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config, const WitnessRecords& beside);
 
+/// How much of a certificate is made: all of it, or as much as comparing windows needs, without the
+/// bias of the choice, the Monte Carlo check and the other models' figures.
+enum class CertificateExtent { whole, to_compare };
+
 /// A window that was found, and the windows from which it was chosen.
 struct WindowChoice {
     const Profile& profile;
@@ -61,6 +65,7 @@ struct WindowChoice {
     bool files_answered = true;  ///< whether an official has answered for second files
     /// Where witnesses contradict other windows, which makes this one suspect.
     std::span<const Contradiction> contradictions = {};
+    CertificateExtent extent = CertificateExtent::whole;
 };
 
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its

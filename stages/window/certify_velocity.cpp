@@ -342,7 +342,8 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
 
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
                                         const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all) {
+                                        const std::vector<FoundWindow>& all,
+                                        CertificateExtent extent) {
     const TrajectoryTable& trajectory = estimate.trajectory;
     const ArcRows& arc = estimate.rows[found.series];
     CertifiableWindow window;
@@ -372,42 +373,12 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
     add_other_rows(estimate, profile, found, window.budget);
     window.budget.push_back(undetected_row(estimate.screened, profile, samples_of(found),
                                            errors.slow, window.witnesses.front()));
-    set_choice(estimate, profile, found, all, errors, window);
+    if (extent == CertificateExtent::whole)
+        set_choice(estimate, profile, found, all, errors, window);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     return window;
-}
-
-Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
-                             const FoundWindow& reference) {
-    struct OfArc {
-        std::vector<double> stated_m_s{0.0};  ///< running sums
-        std::vector<std::size_t> silent{0};
-    };
-    std::vector<OfArc> arcs;
-    for (const ArcRows& arc : estimate.rows) {
-        OfArc& sums = arcs.emplace_back();
-        for (const std::size_t row : arc.rows) {
-            const auto speed = recorded_speed(estimate.screened.rows[row], profile.dimension);
-            const bool states = speed && speed->standard_uncertainty_m_s;
-            sums.stated_m_s.push_back(sums.stated_m_s.back() +
-                                      (states ? *speed->standard_uncertainty_m_s : 0.0));
-            sums.silent.push_back(sums.silent.back() + (states ? 0 : 1));
-        }
-    }
-    return [arcs = std::move(arcs), of_reference = stated_accuracy(estimate, profile, reference),
-            noise = noise_of(estimate, profile.dimension, reference),
-            factor = profile.coverage_factor](const FoundWindow& found) {
-        const OfArc& sums = arcs[found.series];
-        if (sums.silent[found.last + 1] > sums.silent[found.first])
-            return std::numeric_limits<double>::infinity();
-        StatedSpeedAccuracy stated = of_reference;
-        stated.sigma_m_s = (sums.stated_m_s[found.last + 1] - sums.stated_m_s[found.first]) /
-                           (samples_of(found) + 1.0);
-        return factor *
-               speed_errors(noise, stated, duration_of(found), samples_of(found)).combined();
-    };
 }
 
 }  // namespace runcert

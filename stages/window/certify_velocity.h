@@ -1,6 +1,7 @@
 #pragma once
 
 #include "stages/window/best_window.h"
+#include "stages/window/certify.h"
 #include "stages/window/velocity_noise.h"
 #include "stages/window/window.h"
 #include "witness/certifiable.h"
@@ -28,12 +29,8 @@ struct VelocityEstimate {
 /// Failure if an epoch inside states no standard deviation of its velocity.
 CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const Profile& profile,
                                         const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all);
-
-/// Predicts the uncertainty of other windows from a certified one. Infinite if an epoch inside
-/// states no standard deviation.
-Allowance velocity_allowance(const VelocityEstimate& estimate, const Profile& profile,
-                             const FoundWindow& reference);
+                                        const std::vector<FoundWindow>& all,
+                                        CertificateExtent extent = CertificateExtent::whole);
 
 /// Whether every epoch of the window states the standard deviation of its velocity.
 bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,

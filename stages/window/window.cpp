@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <exception>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -14,7 +17,6 @@
 #include "core/parallel.h"
 #include "core/speed_unit.h"
 #include "reports/words/figures.h"
-#include "stages/window/allowance.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
 #include "stages/window/contradictions.h"
@@ -25,6 +27,7 @@
 #include "stages/window/stands.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/window_courses.h"
+#include "stages/window/window_quality.h"
 
 namespace runcert {
 namespace {
@@ -62,23 +65,26 @@ class Certifier {
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
     const std::vector<Stand>& stands() const { return horizontal_.stands; }
 
-    /// Predicts the uncertainty of other windows from a certified one.
-    Allowance allowance(const Profile& profile, const Reference& reference, bool files_answered,
-                        std::span<const Contradiction> contradictions) const {
-        if (profile.speed_source == SpeedSource::velocity)
-            return velocity_allowance(velocities_.at(profile.dimension), profile, reference.found);
-        return by_positions(profile, reference, AskedWitnesses::all, files_answered,
-                            contradictions);
+    /// The witnesses that cover a window: a bit for each that confirms, or that contradicts another
+    /// window (`contradicting`).
+    std::uint64_t covering(const Profile& profile, const FoundWindow& found, bool files_answered,
+                           std::uint64_t contradicting) const {
+        const std::vector<ElapsedTime>& times = horizontal_.times[found.series];
+        return witnesses_that(profile, files_answered, [&](const auto& one, std::uint64_t bit) {
+            return !one.is_copy && (one.confirms || (contradicting & bit) != 0) &&
+                   one.motion->between(times[found.first].seconds(), times[found.last].seconds());
+        });
     }
 
-    /// The same without witnesses that can only contradict a window: the same or less. Empty if
-    /// there are none of them.
-    Allowance least_allowance(const Profile& profile, const Reference& reference,
-                              bool files_answered) const {
-        if (profile.speed_source == SpeedSource::velocity ||
-            std::ranges::all_of(heard(horizontal_, files_answered), &HeardWitness<2>::confirms))
-            return {};
-        return by_positions(profile, reference, AskedWitnesses::those_that_confirm, files_answered);
+    /// The witnesses that contradict a certified window.
+    std::uint64_t contradicting(const Profile& profile, const CertifiableWindow& window,
+                                bool files_answered) const {
+        return witnesses_that(profile, files_answered, [&](const auto& witness, std::uint64_t) {
+            return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
+                return contradicts(one) && one.kind == witness.kind &&
+                       one.receiver == witness.receiver;
+            });
+        });
     }
 
     /// The trajectory in which a profile's windows are searched.
@@ -164,11 +170,14 @@ class Certifier {
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
                               const std::optional<SurveyedCourse>& gates, bool files_answered,
-                              std::span<const Contradiction> contradictions) const {
+                              std::span<const Contradiction> contradictions,
+                              CertificateExtent extent = CertificateExtent::whole) const {
         if (profile.speed_source == SpeedSource::velocity)
-            return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all);
+            return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all,
+                                         extent);
         if (profile.window_kind == WindowKind::course)
-            return certify_course(profile, found, all, *gates, files_answered, contradictions);
+            return certify_course(profile, found, all, *gates, files_answered, contradictions,
+                                  extent);
         const auto choice = [&](Dimension dimension) {
             return WindowChoice{.profile = profile,
                                 .found = found,
@@ -179,7 +188,8 @@ class Certifier {
                                 // one, and each budget counts its own share of it.
                                 .by_positions_alone = profile.dimension == Dimension::space,
                                 .files_answered = files_answered,
-                                .contradictions = contradictions};
+                                .contradictions = contradictions,
+                                .extent = extent};
         };
         if (profile.dimension == Dimension::vertical)
             return certified(*vertical_, choice(Dimension::vertical));
@@ -199,13 +209,18 @@ class Certifier {
     }
 
   private:
-    Allowance by_positions(const Profile& profile, const Reference& reference, AskedWitnesses asked,
-                           bool files_answered,
-                           std::span<const Contradiction> contradictions = {}) const {
-        static const HeardWitnesses<1> none;
-        return expected_allowance(
-            screened_, trajectory_, rows(), profile, reference, heard(horizontal_, files_answered),
-            vertical_ ? heard(*vertical_, files_answered) : none, asked, contradictions);
+    std::uint64_t witnesses_that(const Profile& profile, bool files_answered,
+                                 const auto& is) const {
+        const auto bits = [&](const auto& witnesses) {
+            std::uint64_t found = 0;
+            for (std::size_t i = 0; i < witnesses.size(); ++i)
+                if (const std::uint64_t bit = std::uint64_t{1} << i; is(witnesses[i], bit))
+                    found |= bit;
+            return found;
+        };
+        if (profile.speed_source == SpeedSource::velocity) return 0;
+        return profile.dimension == Dimension::vertical ? bits(heard(*vertical_, files_answered))
+                                                        : bits(heard(horizontal_, files_answered));
     }
 
     std::optional<CraftCorrection> craft_of(const Profile& profile, const FoundWindow& found,
@@ -228,7 +243,8 @@ class Certifier {
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
                                      std::vector<FoundWindow> all, const SurveyedCourse& gates,
                                      bool files_answered,
-                                     std::span<const Contradiction> contradictions) const {
+                                     std::span<const Contradiction> contradictions,
+                                     CertificateExtent extent) const {
         const auto same = [&](const FoundWindow& one) {
             return one.series == found.series && one.start == found.start && one.end == found.end;
         };
@@ -265,7 +281,8 @@ class Certifier {
                           .length_standard_uncertainty_m = gates.length_standard_uncertainty_m,
                           .craft = craft_of(profile, found, Dimension::horizontal),
                           .files_answered = files_answered,
-                          .contradictions = contradictions});
+                          .contradictions = contradictions,
+                          .extent = extent});
     }
 
     const ScreenedTable& screened_;
@@ -484,89 +501,178 @@ double proven_m_s(const std::vector<CertifiableWindow>& windows, const Profile& 
     return sum / static_cast<double>(windows.size());
 }
 
-double mean_assured_m_s(const std::vector<FoundWindow>& windows, const Allowance& allowance) {
+/// The same of windows as they were compared: by their own allowances.
+double assured_m_s(const std::vector<FoundWindow>& windows) {
     double sum = 0.0;
     for (const FoundWindow& window : windows)
-        sum += window.speed_m_s - allowance(window);
+        sum += window.assured_m_s();
     return sum / static_cast<double>(windows.size());
 }
 
-/// The windows with the highest assured speeds, if a witness contradicts the fastest, or if they
-/// are expected to prove more than the fastest by over a tenth of the fastest's stated uncertainty,
-/// the accuracy of such predictions. Empty otherwise.
-///
-/// `least`, where it is given, is never more than `allowance` and costs less. What a single window
-/// gains by the former is the most that one may gain.
-Choice better_proof(const Candidates& among, const Choice& fastest,
-                    const std::vector<CertifiableWindow>& certified, const Allowance& allowance,
-                    const Allowance& least) {
-    constexpr double worth_it = 0.1;
-    const double least_gain_m_s =
-        worth_it * (certified.front().speed_m_s - proven_m_s({certified.front()}, among.profile));
-    const double of_fastest_m_s = mean_assured_m_s(fastest.chosen, allowance);
-    const auto is_worth_it = [&](const Choice& proof, const Allowance& by) {
-        return mean_assured_m_s(proof.chosen, by) - of_fastest_m_s > least_gain_m_s;
-    };
-    const bool is_contradicted = contradicted(certified);
-    if (least && !is_contradicted && fastest.chosen.size() == 1 && among.profile.windows == 1) {
-        const Choice most = choose(among, least);
-        if (most.chosen.empty() || !is_worth_it(most, least)) return {};
-    }
-    Choice proof = choose(among, allowance);
-    if (proof.chosen.size() < fastest.chosen.size()) return {};
-    return is_contradicted || is_worth_it(proof, allowance) ? proof : Choice{};
-}
+/// The few windows that are certified in the search for the best proof, and what they tell of all
+/// others.
+class BestFew {
+  public:
+    BestFew(const Certifier& certifier, const Candidates& among)
+        : certifier_(certifier),
+          among_(among),
+          qualities_(among.screened, among.rows, among.profile) {}
 
-/// The fastest windows are not always the best proof. This also certifies those that promise the
-/// highest claimable speed, and takes whichever proves more. The fastest is then given beside it.
+    /// Where witnesses contradict windows certified so far.
+    const std::vector<Contradiction>& contradictions() const { return contradictions_; }
+
+    /// Adds a certified window. One that overlaps a contradicted one contains part of the fault,
+    /// and no speed is claimed for it. Others of the same motion are suspect.
+    void learn(const FoundWindow& found, const CertifiableWindow& window) {
+        const Profile& profile = among_.profile;
+        if (contradicted({window})) wrong_.push_back(found);
+        contradicting_ |= certifier_.contradicting(profile, window, among_.files_answered);
+        std::ranges::move(certifier_.contradictions_in(profile, found, window),
+                          std::back_inserter(contradictions_));
+        few_.push_back({.found = found,
+                        .quality = quality_of(found),
+                        .expanded_m_s = profile.coverage_factor * window.standard_uncertainty_m_s});
+    }
+
+    bool is_wrong(const FoundWindow& one) const {
+        return std::ranges::any_of(wrong_,
+                                   [&](const FoundWindow& other) { return overlap(one, other); });
+    }
+
+    /// Certifies the fastest of these windows, and those of lower speeds that may prove more: their
+    /// epochs are measured better than those of all faster ones, or these are in doubt. A window
+    /// proves no more than its speed, so that none counts that is not faster than `proven_m_s`.
+    void certify(const std::vector<FoundWindow>& all, double proven_m_s) {
+        constexpr int most = 20;
+        proven_m_s_ = proven_m_s;
+        std::vector<FoundWindow> fastest;
+        std::ranges::copy_if(all, std::back_inserter(fastest),
+                             [&](const FoundWindow& one) { return one.speed_m_s > proven_m_s; });
+        std::ranges::sort(fastest, preferred);
+        int certified = 0;
+        for (const FoundWindow& one : fastest) {
+            const WindowQuality quality = quality_of(one);
+            if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
+                    return is_like(quality, other);
+                }))
+                continue;
+            if (++certified > most) break;
+            learn(one,
+                  certifier_.certify(among_.profile, one, all, among_.gates, among_.files_answered,
+                                     contradictions_, CertificateExtent::to_compare));
+        }
+    }
+
+    /// The expanded uncertainty of a window as those certified tell it. Infinite where no speed can
+    /// be claimed, and where a certified one is as good and proves more.
+    double expanded_m_s(const FoundWindow& one) const {
+        constexpr double none = std::numeric_limits<double>::infinity();
+        double least_m_s = none, like_m_s = 0.0;
+        const bool is_slow = one.speed_m_s <= proven_m_s_;
+        const WindowQuality quality = is_slow ? WindowQuality{} : quality_of(one);
+        if (!is_slow && is_out(one, quality)) return none;
+        for (const Certified& other : few_) {
+            if (is_doubted(other)) continue;
+            least_m_s = std::min(least_m_s, other.expanded_m_s);
+            if (!is_slow && quality.no_better_than(other.quality))
+                like_m_s = std::max(like_m_s, other.expanded_m_s);
+        }
+        return like_m_s > 0.0 ? like_m_s : least_m_s;
+    }
+
+  private:
+    struct Certified {
+        FoundWindow found;
+        WindowQuality quality;
+        double expanded_m_s = 0.0;
+    };
+
+    WindowQuality quality_of(const FoundWindow& one) const {
+        WindowQuality quality = qualities_(one);
+        quality.witnesses =
+            certifier_.covering(among_.profile, one, among_.files_answered, contradicting_);
+        return quality;
+    }
+
+    /// Whether no speed can be claimed for a window, or a witness of another makes it suspect. One
+    /// that a contradicting witness does not cover must not avoid the contradiction.
+    bool is_out(const FoundWindow& one, const WindowQuality& quality) const {
+        return quality.silent || (contradicting_ & ~quality.witnesses) != 0 || is_wrong(one) ||
+               suspected_by(contradictions_, one, {});
+    }
+
+    bool is_doubted(const Certified& one) const {
+        return is_wrong(one.found) || suspected_by(contradictions_, one.found, {});
+    }
+
+    bool is_like(const WindowQuality& quality, const Certified& other) const {
+        return !is_doubted(other) && quality.no_better_than(other.quality);
+    }
+
+    const Certifier& certifier_;
+    const Candidates& among_;
+    WindowQualities qualities_;
+    double proven_m_s_ = 0.0;
+    std::uint64_t contradicting_ = 0;
+    std::vector<FoundWindow> wrong_;
+    std::vector<Contradiction> contradictions_;
+    std::vector<Certified> few_;
+};
+
+/// The fastest windows are not always the best proof. This also certifies those that may prove
+/// more, and takes them if they do by over a tenth of the fastest's uncertainty, or if a witness
+/// contradicts the fastest. The fastest is then given beside it.
 void certify_best(const Certifier& certifier, const Candidates& among, const Choice& fastest,
                   ProfileWindows& entry) {
+    constexpr double worth_it = 0.1;
+    constexpr int most_searches = 5;
     if (fastest.chosen.empty()) return;
     const Profile& profile = among.profile;
-    std::vector<CertifiableWindow> windows = certified_windows(certifier, among, fastest, {});
-    const CertifiableWindow first = windows.front();
-    const Reference reference{.window = first, .found = fastest.chosen.front()};
-    const Allowance least = certifier.least_allowance(profile, reference, among.files_answered);
-    // A window that overlaps one contradicted by a witness contains part of the fault, and no speed
-    // is claimed for it. Others of the same motion are suspect.
-    std::vector<FoundWindow> wrong;
-    std::vector<Contradiction> contradictions;
-    const auto is_wrong = [&](const FoundWindow& one) {
-        return std::ranges::any_of(wrong,
-                                   [&](const FoundWindow& other) { return overlap(one, other); });
+    BestFew few(certifier, among);
+    std::vector<CertifiableWindow> windows;
+    const auto certify_fastest = [&] {
+        windows = certified_windows(certifier, among, fastest, few.contradictions());
+        for (std::size_t i = 0; i < windows.size(); ++i)
+            few.learn(fastest.chosen[i], windows[i]);
     };
-    const auto learn = [&](const Choice& choice, const std::vector<CertifiableWindow>& from) {
-        for (std::size_t i = 0; i < from.size(); ++i) {
-            if (contradicted({from[i]})) wrong.push_back(choice.chosen[i]);
-            std::ranges::move(certifier.contradictions_in(profile, choice.chosen[i], from[i]),
-                              std::back_inserter(contradictions));
-        }
+    certify_fastest();
+    const auto least_proven_m_s = [&] {
+        double least_m_s = std::numeric_limits<double>::infinity();
+        for (const CertifiableWindow& window : windows)
+            least_m_s = std::min(least_m_s, proven_m_s({window}, profile));
+        // A pair may gain by a slower run that has a faster one in the opposite direction.
+        return contradicted(windows) || profile.opposite_runs_within_s ? 0.0 : least_m_s;
     };
-    learn(fastest, windows);
-    constexpr int most_searches = 5;
     for (int search = 0; search < most_searches; ++search) {
-        const Allowance expected =
-            certifier.allowance(profile, reference, among.files_answered, contradictions);
-        const Allowance allowance = [&](const FoundWindow& one) {
-            return is_wrong(one) ? one.speed_m_s : expected(one);
+        const std::size_t known = few.contradictions().size();
+        few.certify(fastest.all, least_proven_m_s());
+        if (few.contradictions().size() > known && !contradicted(windows)) certify_fastest();
+        const Choice proof =
+            choose(among, [&](const FoundWindow& one) { return few.expanded_m_s(one); });
+        if (proof.chosen.size() < fastest.chosen.size() ||
+            std::ranges::any_of(proof.chosen,
+                                [&](const FoundWindow& one) { return few.is_wrong(one); }))
+            break;
+        const auto gains = [&](double proof_m_s, double fastest_m_s) {
+            return contradicted(windows) ||
+                   proof_m_s - fastest_m_s > worth_it * (windows.front().speed_m_s - fastest_m_s);
         };
-        const Choice proof = better_proof(among, fastest, windows, allowance,
-                                          contradictions.empty() ? least : Allowance{});
-        if (proof.chosen.empty() || std::ranges::any_of(proof.chosen, is_wrong)) break;
+        std::vector<FoundWindow> compared = fastest.chosen;
+        for (std::size_t i = 0; i < compared.size(); ++i)
+            compared[i].allowance_m_s =
+                profile.coverage_factor * windows[i].standard_uncertainty_m_s;
+        if (!gains(assured_m_s(proof.chosen), assured_m_s(compared))) break;
         std::vector<CertifiableWindow> proving =
-            certified_windows(certifier, among, proof, contradictions);
+            certified_windows(certifier, among, proof, few.contradictions());
         if (contradicted(proving)) {
             // What was found there holds for the fastest, too.
-            learn(proof, proving);
-            if (!contradicted(windows)) {
-                windows = certified_windows(certifier, among, fastest, contradictions);
-                learn(fastest, windows);
-            }
+            for (std::size_t i = 0; i < proving.size(); ++i)
+                few.learn(proof.chosen[i], proving[i]);
+            if (!contradicted(windows)) certify_fastest();
             continue;
         }
         if (hear_the_contradicting(proving, windows) &&
-            (contradicted(windows) ||
-             proven_m_s(proving, profile) > proven_m_s(windows, profile))) {
+            gains(proven_m_s(proving, profile), proven_m_s(windows, profile))) {
             entry.fastest = beside(windows.front());
             windows = std::move(proving);
         }

@@ -214,20 +214,16 @@ TEST(VelocityBudget, CountsTheStepOfCoarseSpeeds) {
     EXPECT_NEAR(row_of(session.certified(), "r").contribution_m_s, 0.25 / std::sqrt(3.0), 1e-9);
 }
 
-TEST(VelocityAllowance, IsWhatAWindowWouldBeCertifiedWith) {
+TEST(CertificateExtent, LeavesOutTheChoiceAlone) {
     Session session;
     const VelocityEstimate estimate = session.estimate();
-    const Allowance allowance = velocity_allowance(estimate, session.profile, session.all[0]);
     const CertifiableWindow window = session.certified();
-    const double rows =
-        std::hypot(row_of(window, "w").contribution_m_s, row_of(window, "b").contribution_m_s,
-                   row_of(window, "u").contribution_m_s);
-    EXPECT_NEAR(allowance(session.all[0]), session.profile.coverage_factor * rows, 1e-12);
-    session.screened.rows[510].sigma_recorded_speed_m_s.reset();
-    EXPECT_TRUE(
-        std::isinf(velocity_allowance(estimate, session.profile, session.all[0])(session.all[2])));
-    EXPECT_FALSE(states_velocity_accuracy(session.screened, session.rows[0], session.profile,
-                                          session.all[2]));
+    const CertifiableWindow compared = certified_by_velocity(
+        estimate, session.profile, session.all[0], session.all, CertificateExtent::to_compare);
+    EXPECT_EQ(compared.budget.size() + 1, window.budget.size());
+    EXPECT_EQ(compared.bias_limit_m_s, 0.0);
+    for (const BudgetRow& row : compared.budget)
+        EXPECT_EQ(row.contribution_m_s, row_of(window, row.symbol.c_str()).contribution_m_s);
 }
 
 TEST(VelocityWindow, OfSpeedsThatThePositionsDoNotShowIsContradicted) {

@@ -4,7 +4,6 @@
 #include <memory>
 #include <numbers>
 
-#include "stages/window/allowance.h"
 #include "stages/window/budget.h"
 #include "stages/window/contradictions.h"
 #include "window_test_support.h"
@@ -155,32 +154,6 @@ TEST(Contradictions, BeginWithADifferenceBeyondThe95PercentOfBoth) {
     const Drifting sound(0.0, std::make_shared<const TrueMotion>(0.06));
     EXPECT_DOUBLE_EQ(sound.certified_from(420).evidence->fault_probability, 0.002);
     EXPECT_TRUE(sound.contradictions_from(420).empty());
-}
-
-// A search that did not know of it would always prefer the suspect window.
-TEST(Contradictions, CountInTheSearchForABetterProof) {
-    const Drifting run(0.4, std::make_shared<const TrueMotion>(0.06));
-    const auto found = run.contradictions_from(420);
-    const CertifiableWindow best = run.certified_from(420);
-    const FoundWindow at = run.from(420);
-    const HeardWitnesses<1> none;
-    const Reference reference{.window = best, .found = at};
-    const auto expected = [&](std::size_t first, std::span<const Contradiction> contradictions) {
-        return expected_allowance(run.screened, run.trajectory, run.estimate.rows, run.profile,
-                                  reference, run.estimate.witnesses, none, AskedWitnesses::all,
-                                  contradictions)(run.from(first));
-    };
-    EXPECT_DOUBLE_EQ(expected(600, found), expected(600, {}));
-    EXPECT_GT(expected(375, found), 1.2 * expected(375, {}));
-    // As it is certified, or refused.
-    const auto refused = [](const CertifiableWindow& window) {
-        return std::ranges::any_of(window.witnesses, &contradicts);
-    };
-    EXPECT_EQ(std::isinf(expected(375, found)), refused(run.certified_from(375, found)));
-    const CertifiableWindow sound = run.certified_from(600, found);
-    EXPECT_FALSE(refused(sound));
-    EXPECT_NEAR(expected(600, found), expanded_uncertainty_m_s(sound, 2.0),
-                0.15 * expanded_uncertainty_m_s(sound, 2.0));
 }
 
 // A calibrated wheel left the window just under its threshold: 0 of 60 inside, a fault's

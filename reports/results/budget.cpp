@@ -91,6 +91,7 @@ void add_source(Block& block, const BudgetRow& row, const CertifiableWindow& win
         "bar");
     added.share = static_cast<std::int64_t>(std::lround(100.0 * share));
     if (!row.note.empty()) added.further.push_back(row.note);
+    added.further.push_back(fmt::format("Touches {}", words_of(row.touches)));
     if (!row.correlation.empty()) added.further.push_back("Correlation: " + row.correlation);
 }
 

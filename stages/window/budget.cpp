@@ -14,14 +14,8 @@
 #include "witness/going_on.h"
 
 namespace runcert {
-namespace {
-
-const char* const joint = "with the other epochs; combined from their joint covariance";
-
-}  // namespace
-
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
-                      double sensitivity, std::string note) {
+                      double sensitivity, RowScope touches, std::string note) {
     const double uncertainty = rectangular_uncertainty(half_width);
     return {.symbol = std::move(symbol),
             .source = std::move(source),
@@ -33,7 +27,7 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
             .degrees_of_freedom = std::nullopt,
             .sensitivity = sensitivity,
             .contribution_m_s = uncertainty * std::abs(sensitivity),
-            .correlation = independent_of_other_rows,
+            .touches = touches,
             .note = std::move(note)};
 }
 
@@ -63,7 +57,7 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
         (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
     const double scale = fit.measurement_scale.value;
     BudgetRow white = speed_row(
-        "w", "white noise of the positions", "A", input.noise.white_m_s, joint,
+        "w", "white noise of the positions", "A", input.noise.white_m_s, RowScope::source,
         fmt::format("{:.3f} times the stated standard deviations, as the data show", scale));
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
@@ -71,7 +65,7 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     const bool fitted = input.bound.decided_by == BoundSource::fitted;
     BudgetRow slow =
         speed_row("b", "time-correlated error of the positions", fitted ? "A" : "B",
-                  input.noise.correlated_m_s, joint,
+                  input.noise.correlated_m_s, RowScope::slow,
                   fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                               "to {:g} s",
                               input.bound.sigma_m, to_text(input.bound.decided_by),
@@ -80,12 +74,14 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     rows.push_back(std::move(slow));
 
     BudgetRow motion = speed_row(
-        "j", "motion of the craft between the measurements", "A", input.noise.motion_m_s, joint,
+        "j", "motion of the craft between the measurements", "A", input.noise.motion_m_s,
+        RowScope::source,
         fmt::format("jerk density {:.4f} m s^-2.5 at the window", largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
     rows.push_back(bounded_row(
         "o", "choice of the model of the motion", input.noise.model_m_s, "m / s", 1.0,
+        RowScope::source,
         "other jerk densities, and the measured positions at the window's ends without a model"));
 }
 
@@ -129,7 +125,7 @@ BudgetRow time_row(const BudgetInput& input) {
     const double half_width_s = wanders ? wander_s : rounding_s;
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
-        -input.noise.speed.speed_m_s / input.duration_s,
+        -input.noise.speed.speed_m_s / input.duration_s, RowScope::source,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
         : wanders ? fmt::format("the steps lead, in sum, {:.4f} s away from the mean interval of "
@@ -146,6 +142,7 @@ BudgetRow clock_row(const BudgetInput& input) {
     BudgetRow row = bounded_row(
         "k", "rate of the clock that made the time stamps",
         unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_m_s,
+        RowScope::window,
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
                                : fmt::format("whose clock it is was not stated; bound by parameter "
@@ -162,6 +159,7 @@ BudgetRow resolution_row(const BudgetInput& input) {
     return bounded_row(
         "r", "resolution of the recorded coordinates",
         0.5 * resolution_m.value_or(0.0) * std::numbers::sqrt2, "m", 1.0 / input.duration_s,
+        RowScope::source,
         resolution_m
             ? fmt::format("coordinates in steps of {:.2g} m", *resolution_m)
             : std::string(
@@ -186,7 +184,7 @@ BudgetRow plane_row(const BudgetInput& input) {
     BudgetRow row = bounded_row(
         "m",
         georeferenced ? "local frame against the ground" : "scale of the engineering coordinates",
-        half_width, "1", speed_m_s, std::move(note));
+        half_width, "1", speed_m_s, RowScope::window, std::move(note));
     row.estimate = 1.0;
     return row;
 }
@@ -199,7 +197,7 @@ std::optional<BudgetRow> height_row(const BudgetInput& input) {
     const double bound_m = input.config.height_bound_m;
     return bounded_row(
         "h", "height of the course, as the attempt states it", bound_m, "m",
-        input.noise.speed.speed_m_s / earth_mean_radius_m,
+        input.noise.speed.speed_m_s / earth_mean_radius_m, RowScope::window,
         fmt::format("not measured; {:g} m allowed for, by parameter window.height_bound_m",
                     bound_m));
 }
@@ -212,14 +210,14 @@ BudgetRow plumb_row(const BudgetInput& input) {
     const double moved_m = std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
     return bounded_row(
         "m", "vertical of the ellipsoid against the plumb line", deflection_rad, "1",
-        moved_m / input.duration_s,
+        moved_m / input.duration_s, RowScope::window,
         fmt::format("{:.1f} m moved horizontally; one minute of arc allowed for", moved_m));
 }
 
 /// The relation between lengths in the local frame and lengths on the ground.
 BudgetRow frame_row(const BudgetInput& input) {
     if (input.length)
-        return bounded_row("m", "local frame against the ground", 0.0, "1", 0.0,
+        return bounded_row("m", "local frame against the ground", 0.0, "1", 0.0, RowScope::window,
                            "the length is the surveyed one");
     return input.vertical ? plumb_row(input) : plane_row(input);
 }
@@ -235,7 +233,7 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
             .degrees_of_freedom = std::nullopt,
             .sensitivity = 1.0 / duration_s,
             .contribution_m_s = length.standard_uncertainty_m / duration_s,
-            .correlation = independent_of_other_rows,
+            .touches = RowScope::window,
             .note = "as the attempt states it"};
 }
 
@@ -244,7 +242,7 @@ BudgetRow antenna_row(const BudgetInput& input) {
         return bounded_row("a", "motion of the antenna against the craft",
                            swing_bound_m_s(*motion, std::abs(input.noise.speed.speed_m_s),
                                            input.duration_s, input.by_path),
-                           "m / s", 1.0,
+                           "m / s", 1.0, RowScope::antenna,
                            fmt::format("antenna {:g} m above the craft, roll of at most {:g} and "
                                        "pitch of at most {:g} degrees, as the attempt states",
                                        motion->height_m, motion->roll_deg, motion->pitch_deg));
@@ -260,23 +258,21 @@ BudgetRow antenna_row(const BudgetInput& input) {
             arm->norm(), *rotation);
     }
     return bounded_row("a", "antenna against the craft's reference point", moved_m, "m",
-                       1.0 / input.duration_s, std::move(note));
+                       1.0 / input.duration_s, RowScope::antenna, std::move(note));
 }
 
 /// The rows of what an IMU says of antenna and reference point.
 void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) {
     rows.push_back(speed_row(
-        "a", "lever arm between antenna and reference point", "B", craft.arm_m_s,
-        independent_of_other_rows,
+        "a", "lever arm between antenna and reference point", "B", craft.arm_m_s, RowScope::antenna,
         fmt::format("each of its components known to {:.3f} m; the reference point is {:+.4f} "
                     "m/s faster than the antenna",
                     craft.arm_sigma_m, craft.speed_m_s)));
     rows.push_back(speed_row("y", "attitude of the craft", "A", craft.attitude_m_s,
-                             independent_of_other_rows,
-                             "by the joint covariance of IMU and positions"));
+                             RowScope::antenna, "by the joint covariance of IMU and positions"));
     BudgetRow lag =
         speed_row("z", "clock of the IMU against that of the positions", "B",
-                  craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), independent_of_other_rows,
+                  craft.lag_sigma_s * std::abs(craft.lag_m_s_per_s), RowScope::antenna,
                   craft.lag_sigma_s > 0.0 ? "not estimated: the motion would show a greater one"
                                           : "estimated with the attitude, and part of its row");
     lag.unit = std::string(1, 's');
@@ -290,14 +286,14 @@ BudgetRow undetected_row(const BudgetInput& input) {
     if (!input.fault.shown.empty())
         return speed_row(
             "d", "error of the positions that screening left, drifts included", "B",
-            input.fault.standard_uncertainty_m_s(), independent_of_other_rows,
+            input.fault.standard_uncertainty_m_s(), RowScope::fault,
             fmt::format("up to {:.2f} m/s: {}; the positions are taken to err with a probability "
                         "of {:.2g} %, as mean square",
                         input.fault.prior.largest_m_s, input.fault.shown,
                         100.0 * input.fault.prior.probability));
     return speed_row(
         "d", "error of the positions that screening left, drifts included", "B",
-        input.fault.standard_uncertainty_m_s(), independent_of_other_rows,
+        input.fault.standard_uncertainty_m_s(), RowScope::fault,
         input.reliability.empty()
             ? std::string("not quantified: the screened epochs do not state the largest "
                           "undetected error")
@@ -312,8 +308,7 @@ BudgetRow undetected_row(const BudgetInput& input) {
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
     if (selection.samples == 0)
-        return speed_row("f", "choice of the fastest of many windows", "A", 0.0,
-                         independent_of_other_rows,
+        return speed_row("f", "choice of the fastest of many windows", "A", 0.0, RowScope::window,
                          "not simulated: without it U exceeds the rule's limit already");
     return choice_row(fmt::format("{:.4f} m/s and {:.4f} m/s,", selection.fitted_bias_m_s,
                                   selection.bounded_bias_m_s),
@@ -328,8 +323,7 @@ BudgetRow selection_row(const BudgetInput& input) {
 BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
                      const std::optional<double>& subtracted_m_s, bool middle) {
     BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A", uncertainty_m_s,
-        independent_of_other_rows,
+        "f", "choice of the fastest of many windows", "A", uncertainty_m_s, RowScope::window,
         fmt::format("bias between {} {} could have been the fastest; {}", between,
                     candidates == 1 ? std::string("no other window")
                                     : fmt::format("{} windows", candidates),
@@ -344,7 +338,7 @@ BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::in
 }
 
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_m_s, std::string correlation, std::string note) {
+                    double contribution_m_s, RowScope touches, std::string note) {
     return {.symbol = std::move(symbol),
             .source = std::move(source),
             .estimate = 0.0,
@@ -355,7 +349,7 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
             .degrees_of_freedom = std::nullopt,
             .sensitivity = 1.0,
             .contribution_m_s = contribution_m_s,
-            .correlation = std::move(correlation),
+            .touches = touches,
             .note = std::move(note)};
 }
 
@@ -363,7 +357,7 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
     const auto& uncertainty_m_s = config.calibration_standard_uncertainty_m_s;
     if (!uncertainty_m_s) return std::nullopt;
     return speed_row("q", "calibration of the receiver", "B", *uncertainty_m_s,
-                     independent_of_other_rows,
+                     RowScope::calibration,
                      "half the expanded uncertainty (k = 2) that its certificate states, as the "
                      "attempt has it; added to the other rows, of which it reduces none");
 }
@@ -388,10 +382,14 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
 }
 
 double own_uncertainty(const std::vector<BudgetRow>& rows) {
-    constexpr std::string_view own_rows = "wbjotrayz";
+    return uncertainty_of(rows, {RowScope::source, RowScope::slow, RowScope::antenna});
+}
+
+double uncertainty_of(const std::vector<BudgetRow>& rows,
+                      std::initializer_list<RowScope> touching) {
     double square = 0.0;
     for (const BudgetRow& row : rows)
-        if (row.symbol.size() == 1 && own_rows.find(row.symbol) != std::string_view::npos)
+        if (std::ranges::find(touching, row.touches) != touching.end())
             square += row.contribution_m_s * row.contribution_m_s;
     return std::sqrt(square);
 }
@@ -400,7 +398,7 @@ CombinedUncertainty combine(const std::vector<BudgetRow>& rows) {
     std::vector<InputQuantity> inputs;
     double calibration_m_s = 0.0;
     for (const BudgetRow& row : rows)
-        if (row.symbol == "q")
+        if (row.touches == RowScope::calibration)
             calibration_m_s = row.contribution_m_s;
         else
             inputs.push_back({.standard_uncertainty = row.standard_uncertainty,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <initializer_list>
+
 #include "core/uncertainty.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/declared.h"
@@ -46,19 +48,16 @@ struct BudgetInput {
     double position_share = 1.0;
 };
 
-/// Text for a row without correlation to other rows.
-inline constexpr const char* independent_of_other_rows = "independent of the other rows";
-
 /// A row whose quantity is the speed itself (m/s), normally distributed with infinite degrees of
 /// freedom: estimate 0, sensitivity 1. `contribution_m_s` is its standard uncertainty. `type` is
 /// "A" or "B" as in [GUM] 4.2 and 4.3.
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_m_s, std::string correlation, std::string note);
+                    double contribution_m_s, RowScope touches, std::string note);
 
 /// A row of a quantity known to lie within a half width: rectangular distribution, type B, estimate
 /// 0.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
-                      double sensitivity, std::string note);
+                      double sensitivity, RowScope touches, std::string note);
 
 /// Row t: time stamps at the ends of a displacement.
 BudgetRow time_row(const BudgetInput& input);
@@ -90,18 +89,20 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 std::vector<BudgetRow> budget_of(const BudgetInput& input);
 
 /// The rows combined as independent quantities by the law of propagation of uncertainty ([GUM]
-/// (10)), in m/s, with effective degrees of freedom ([GUM] (G.2b)). Row q does not count in these:
-/// its infinite ones would make the coverage factor smaller, and a certificate that the claimant
-/// types may not make the expanded uncertainty smaller. Failure as for `combine` in
+/// (10)), in m/s, with effective degrees of freedom ([GUM] (G.2b)). Calibration does not count in
+/// these: its infinite ones would make the coverage factor smaller, and a certificate that the
+/// claimant types may not make the expanded uncertainty smaller. Failure as for `combine` in
 /// core/uncertainty.h.
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 
 /// The part of the uncertainty that another receiver or method does not share: noise and motion,
 /// this receiver's own time-correlated error, time stamps, resolution and antenna. It leaves out
 /// the frame and the clock rate, which both may have in common, and errors that the comparison is
-/// meant to reveal. Standard uncertainty in m/s: the root of the sum of squares of the rows w, b,
-/// j, o, t, r, a, y and z.
+/// meant to reveal. Standard uncertainty in m/s: the root of the sum of squares of these rows.
 double own_uncertainty(const std::vector<BudgetRow>& rows);
+
+/// Standard uncertainty (m/s) from the rows that touch one of these.
+double uncertainty_of(const std::vector<BudgetRow>& rows, std::initializer_list<RowScope> touching);
 
 /// Propagation of distributions through the measurement model [GUM-S1]. The speed is the length of
 /// the displacement, disturbed along and across its direction, over a time disturbed by its stamps,

@@ -230,15 +230,9 @@ double bias_beside(const SelectionBias& selection, double share, double differen
                                                                    selection.bounded_bias_m_s);
 }
 
-/// Standard uncertainty from effects common to positions and witnesses: frame, clock, height,
-/// course, antenna, calibration.
-double common_uncertainty(const std::vector<BudgetRow>& rows) {
-    double square = 0.0;
-    for (const BudgetRow& row : rows)
-        if (std::string_view("kmhcayzqf").find(row.symbol) != std::string_view::npos)
-            square += row.contribution_m_s * row.contribution_m_s;
-    return std::sqrt(square);
-}
+/// What positions and witnesses have in common: frame, clock, height, course, antenna, calibration.
+constexpr std::initializer_list<RowScope> common{RowScope::window, RowScope::antenna,
+                                                 RowScope::calibration};
 
 /// The budget of a window's speed combined with its witnesses, and the remaining bias to subtract.
 struct HeardBudget {
@@ -271,7 +265,8 @@ double uncertainty_with_fault(double times, const WindowFault& fault, PositionTe
                               std::vector<BudgetRow> rows) {
     terms.fault_m_s = fault.standard_uncertainty_m_s(times);
     for (BudgetRow& row : rows)
-        if (row.symbol == "d") row.contribution_m_s = row.standard_uncertainty = terms.fault_m_s;
+        if (row.touches == RowScope::fault)
+            row.contribution_m_s = row.standard_uncertainty = terms.fault_m_s;
     return combine(hear(terms, correlated_m_s, selection, witnesses, std::move(rows)).rows)
         .standard_uncertainty;
 }
@@ -288,7 +283,7 @@ HeardBudget hear_witnesses(const PositionNoise& noise, const WindowFault& fault,
     evidence.position_standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s);
     evidence.slow_standard_uncertainty_m_s = terms.slow_m_s;
     evidence.shared_standard_uncertainty_m_s =
-        std::hypot(evidence.shared_standard_uncertainty_m_s, common_uncertainty(alone));
+        std::hypot(evidence.shared_standard_uncertainty_m_s, uncertainty_of(alone, common));
     evidence.fault_probability = fault.prior.probability;
     evidence.chosen_fault_probability = fault.chosen_probability;
     evidence.fault_m_s = fault.prior.largest_m_s;
@@ -314,7 +309,7 @@ void widen_to_mixture(double factor, const std::vector<BudgetRow>& alone,
     if (least_m_s <= bias_m_s || lacking <= 0.0) return;
     window.budget.push_back(speed_row(
         "x", "fault that positions or witnesses may have beside their difference", "B",
-        std::sqrt(lacking), independent_of_other_rows,
+        std::sqrt(lacking), RowScope::window,
         fmt::format("raises the expanded uncertainty to {:.4f} m/s: within this the mixture of "
                     "faults holds the true speed with a probability of 95.45 %",
                     least_m_s)));

@@ -150,8 +150,7 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
                     CertifiableWindow& window) {
     std::vector<BudgetRow>& rows = window.budget;
     BudgetRow white = speed_row(
-        "w", "white noise of the recorded speeds", "A", errors.mean_white_m_s,
-        independent_of_other_rows,
+        "w", "white noise of the recorded speeds", "A", errors.mean_white_m_s, RowScope::source,
         fmt::format("{:.3f} m/s of one speed, by steps of their difference from the smoothed "
                     "motion; {}",
                     errors.white_m_s,
@@ -162,7 +161,7 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
     rows.push_back(std::move(white));
     BudgetRow brief = speed_row(
         "b", "errors of the recorded speeds shorter than 10 s", "A", errors.brief_m_s,
-        independent_of_other_rows,
+        RowScope::source,
         noise.over_window
             ? fmt::format(
                   "over the length of the window mean speeds and positions differ by "
@@ -180,7 +179,7 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
     const bool shown = errors.slow == SlowError::shown;
     BudgetRow slow =
         speed_row("u", "lasting errors of the recorded speeds", shown ? "A" : "B", errors.slow_m_s,
-                  independent_of_other_rows,
+                  RowScope::source,
                   "taken as one error throughout the window; " + slow_note(errors, noise, stated));
     if (shown) slow.degrees_of_freedom = noise.over_ten->independent;
     rows.push_back(std::move(slow));
@@ -190,8 +189,7 @@ void add_error_rows(const SpeedErrors& errors, const SpeedNoise& noise,
 BudgetRow scale_row(const std::optional<SpeedScale>& found, double speed_m_s) {
     const SpeedScale scale = found.value_or(SpeedScale{});
     BudgetRow row = speed_row(
-        "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s,
-        independent_of_other_rows,
+        "p", "scale of the recorded speeds", "A", scale.uncertainty * speed_m_s, RowScope::source,
         found
             ? fmt::format("beside the positions, over straight fast spans of 10 s, they are "
                           "{:+.3f} % too high, with a standard uncertainty of {:.3f} %; weighed "
@@ -225,8 +223,7 @@ BudgetRow undetected_row(const ScreenedTable& screened, const Profile& profile, 
     largest_m_s = std::min(largest_m_s, largest_error_beside(positions));
     return speed_row(
         "d", "undetected error of single samples", "B",
-        std::sqrt(burst_probability) * rectangular_uncertainty(largest_m_s),
-        independent_of_other_rows,
+        std::sqrt(burst_probability) * rectangular_uncertainty(largest_m_s), RowScope::fault,
         slow == SlowError::stated
             ? std::string("part of the stated value of one sample, which counts whole for the mean")
         : tested == all.end()
@@ -276,7 +273,7 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
     rows.push_back(std::move(stamps));
     BudgetRow delay =
         speed_row("l", "delay of the recorded speeds behind the positions", "B",
-                  sigma_of_delay(estimate.screened), independent_of_other_rows,
+                  sigma_of_delay(estimate.screened), RowScope::source,
                   by_places ? "it moves both ends of the window"
                             : "the window is of the moments of the speeds, whichever "
                               "they are: only a window whose ends are places changes");
@@ -288,7 +285,8 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
     rows.push_back(clock_row(input));
     const double step_m_s = resolution_m_s(estimate.compared);
     rows.push_back(bounded_row("r", "resolution of the recorded speeds", 0.5 * step_m_s, "m / s",
-                               1.0, fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
+                               1.0, RowScope::source,
+                               fmt::format("speeds in steps of {:.2g} m/s", step_m_s)));
     if (auto calibration = calibration_row(estimate.config))
         rows.push_back(*std::move(calibration));
 }

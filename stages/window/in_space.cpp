@@ -29,6 +29,7 @@ CertifiableWindow in_space(const CertifiableWindow& horizontal, const Certifiabl
                              .degrees_of_freedom = std::nullopt,
                              .sensitivity = 1.0,
                              .contribution_m_s = added,
+                             .touches = RowScope::source,
                              .correlation = "fully correlated with all other rows together; what "
                                             "it adds to them is given",
                              .note = fmt::format("its own standard uncertainty is {:.4f} m/s",

@@ -13,14 +13,6 @@
 namespace runcert {
 namespace {
 
-/// White noise, motion, its model, time stamps and resolution: errors of positions that no witness
-/// has. (Another receiver may also have their time-correlated error.)
-constexpr std::string_view rows_of_position = "wjotr";
-
-bool is_of(const BudgetRow& row, std::string_view symbols) {
-    return row.symbol.size() == 1 && symbols.find(row.symbol.front()) != std::string_view::npos;
-}
-
 /// A witness's terms, as `weigh` takes them.
 WitnessTerm term_of(const WitnessedSpeed& one, double correlated_m_s) {
     const bool receiver = one.kind == WitnessKind::receiver;
@@ -90,7 +82,7 @@ void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlate
     rest = std::max(0.0, rest);
     of_slow += rest;
     // What positions and phases share is part of the positions' own time-correlated error.
-    const auto slow = std::ranges::find(rows, "b", &BudgetRow::symbol);
+    const auto slow = std::ranges::find(rows, RowScope::slow, &BudgetRow::touches);
     const double slow_m_s = slow == rows.end() ? 0.0 : slow->contribution_m_s;
     const double common_m_s = of_phases > 0.0 ? std::min(shared_m_s, slow_m_s) : 0.0;
     const auto scale = [](BudgetRow& row, double factor) {
@@ -98,16 +90,15 @@ void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlate
         row.contribution_m_s *= factor;
     };
     for (BudgetRow& row : rows)
-        if (is_of(row, rows_of_position) || row.symbol == "d")
+        if (row.touches == RowScope::source || row.touches == RowScope::fault)
             scale(row, rest);
-        else if (row.symbol == "b" && slow_m_s > 0.0)
+        else if (row.touches == RowScope::slow && slow_m_s > 0.0)
             scale(row, of_slow * std::sqrt(1.0 - std::pow(common_m_s / slow_m_s, 2)));
     for (const WitnessedSpeed& one : witnesses) {
         if (one.share == 0.0) continue;
         const double own_m_s = term_of(one, correlated_m_s).own_m_s;
         BudgetRow own = speed_row(
-            "g", std::string(words_of(one.kind)), "B", one.share * own_m_s,
-            independent_of_other_rows,
+            "g", std::string(words_of(one.kind)), "B", one.share * own_m_s, RowScope::witness,
             fmt::format("{:.4f} m/s by them, {:.4f} m/s times {:.3f}; the rows of the positions "
                         "count by {:.3f}",
                         one.speed_m_s, own_m_s, one.share, rest));
@@ -117,14 +108,14 @@ void condition_on(const std::vector<WitnessedSpeed>& witnesses, double correlate
         rows.push_back(std::move(own));
     }
     rows.push_back(speed_row("e", "difference of positions and witness", "B",
-                             std::abs(remaining_difference_m_s), independent_of_other_rows,
+                             std::abs(remaining_difference_m_s), RowScope::witness,
                              "the speed stated is that of the positions, and not corrected"));
     if (of_phases == 0.0) return;
     rows.push_back(speed_row(
         "s", "time-correlated errors that positions and phases share", "B",
         std::hypot((of_slow + of_phases) * common_m_s,
                    of_phases * std::sqrt(shared_m_s * shared_m_s - common_m_s * common_m_s)),
-        independent_of_other_rows,
+        RowScope::witness,
         fmt::format("multipath disturbs both: {:g} m at either end of the window, independently",
                     shared_by_phases_m)));
 }
@@ -146,14 +137,9 @@ double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncert
 }
 
 PositionTerms position_terms(const std::vector<BudgetRow>& rows) {
-    PositionTerms terms;
-    for (const BudgetRow& row : rows) {
-        if (is_of(row, rows_of_position))
-            terms.own_m_s = std::hypot(terms.own_m_s, row.contribution_m_s);
-        if (row.symbol == "b") terms.slow_m_s = row.contribution_m_s;
-        if (row.symbol == "d") terms.fault_m_s = row.contribution_m_s;
-    }
-    return terms;
+    return {.own_m_s = uncertainty_of(rows, {RowScope::source}),
+            .slow_m_s = uncertainty_of(rows, {RowScope::slow}),
+            .fault_m_s = uncertainty_of(rows, {RowScope::fault})};
 }
 
 }  // namespace runcert

@@ -102,26 +102,27 @@ inline WindowSpan span(const Options& options, double start, double duration) {
 
 /// The rows combine to 0.002551 m/s; half of them contribute nothing.
 inline std::vector<BudgetRow> budget() {
-    const std::string joint = "with the other epochs; combined from their joint covariance";
-    const std::string alone = "independent of the other rows";
-    return {{"w", "white noise of the positions", 0.0, "m / s", 0.0013, "A", "normal", 739.64, 1.0,
-             0.0013, joint, "the data show 0.952 times the stated size"},
-            {"b", "time-correlated error of the positions", 0.0, "m / s", 0.0017, "B", "normal",
-             std::nullopt, 1.0, 0.0017, joint, "standard deviation 0.0100 m (stated)"},
-            {"j", "motion between the measurements", 0.0, "m / s", 0.000917, "A", "normal", 149.15,
-             1.0, 0.000917, joint, "jerk density 0.4300 m s^-2.5"},
-            {"t", "time stamps of the window's ends", 3.0, "s", 0.00002, "B", "rectangular",
-             std::nullopt, -20.000806, 0.0004, alone, "stamps are irregular"},
-            {"r", "resolution of the recorded coordinates", 0.0, "m", 0.0, "B", "rectangular",
-             std::nullopt, 0.333333, 0.0, alone, "not known of this recording"},
-            {"m", "engineering CRS against the ground", 1.0, "1", 0.0, "B", "rectangular",
-             std::nullopt, 60.002417, 0.0, alone, "0.0 km from the origin at most"},
-            {"a", "antenna against the craft's reference point", 0.0, "m", 0.0, "B", "rectangular",
-             std::nullopt, 0.333333, 0.0, alone, "no lever arm stated: the speed is the antenna's"},
-            {"d", "undetected step or outlier", 0.0, "m / s", 0.0004, "B", "rectangular",
-             std::nullopt, 1.0, 0.0004, alone, "an undetected step of 0.035 m before epoch 396"},
-            {"f", "choice of the fastest of many windows", 0.0, "m / s", 0.000876, "A", "normal",
-             std::nullopt, 1.0, 0.000876, alone, "bias over 118 windows, not subtracted"}};
+    using enum RowScope;
+    return {
+        {"w", "white noise of the positions", 0.0, "m / s", 0.0013, "A", "normal", 739.64, 1.0,
+         0.0013, source, "", "the data show 0.952 times the stated size"},
+        {"b", "time-correlated error of the positions", 0.0, "m / s", 0.0017, "B", "normal",
+         std::nullopt, 1.0, 0.0017, slow, "", "standard deviation 0.0100 m (stated)"},
+        {"j", "motion between the measurements", 0.0, "m / s", 0.000917, "A", "normal", 149.15, 1.0,
+         0.000917, source, "", "jerk density 0.4300 m s^-2.5"},
+        {"t", "time stamps of the window's ends", 3.0, "s", 0.00002, "B", "rectangular",
+         std::nullopt, -20.000806, 0.0004, source, "", "stamps are irregular"},
+        {"r", "resolution of the recorded coordinates", 0.0, "m", 0.0, "B", "rectangular",
+         std::nullopt, 0.333333, 0.0, source, "", "not known of this recording"},
+        {"m", "engineering CRS against the ground", 1.0, "1", 0.0, "B", "rectangular", std::nullopt,
+         60.002417, 0.0, window, "", "0.0 km from the origin at most"},
+        {"a", "antenna against the craft's reference point", 0.0, "m", 0.0, "B", "rectangular",
+         std::nullopt, 0.333333, 0.0, antenna, "",
+         "no lever arm stated: the speed is the antenna's"},
+        {"d", "undetected step or outlier", 0.0, "m / s", 0.0004, "B", "rectangular", std::nullopt,
+         1.0, 0.0004, fault, "", "an undetected step of 0.035 m before epoch 396"},
+        {"f", "choice of the fastest of many windows", 0.0, "m / s", 0.000876, "A", "normal",
+         std::nullopt, 1.0, 0.000876, window, "", "bias over 118 windows, not subtracted"}};
 }
 
 inline void fill_uncertainty(CertifiableWindow& best) {

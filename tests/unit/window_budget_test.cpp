@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "core/geodesy.h"
 #include "stages/window/budget.h"
@@ -83,7 +84,6 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
         symbols += row.symbol;
         EXPECT_FALSE(row.source.empty()) << row.symbol;
         EXPECT_FALSE(row.note.empty()) << row.symbol;
-        EXPECT_FALSE(row.correlation.empty()) << row.symbol;
         EXPECT_TRUE(row.type == "A" || row.type == "B") << row.symbol;
         EXPECT_NEAR(row.contribution_m_s, row.standard_uncertainty * std::abs(row.sensitivity),
                     1e-15)
@@ -92,6 +92,20 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
     EXPECT_EQ(symbols, "wbjotkrmadf");
     for (const char* symbol : {"j", "o", "t", "k", "r", "a", "d", "f"})
         EXPECT_EQ(Scene().row(symbol).contribution_m_s, 0.0) << symbol;
+}
+
+TEST(Budget, SaysWhatEachRowTouches) {
+    Scene scene;
+    scene.config.calibration_standard_uncertainty_m_s = 0.006;
+    std::map<RowScope, std::string> symbols;
+    for (const BudgetRow& row : scene.rows())
+        symbols[row.touches] += row.symbol;
+    EXPECT_EQ(symbols[RowScope::source], "wjotr");
+    EXPECT_EQ(symbols[RowScope::slow], "b");
+    EXPECT_EQ(symbols[RowScope::fault], "d");
+    EXPECT_EQ(symbols[RowScope::antenna], "a");
+    EXPECT_EQ(symbols[RowScope::window], "kmf");
+    EXPECT_EQ(symbols[RowScope::calibration], "q");
 }
 
 TEST(Budget, ACalibrationAddsItsStandardUncertaintyAndOnlyEnlarges) {

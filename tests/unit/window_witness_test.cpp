@@ -17,9 +17,10 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 std::vector<BudgetRow> rows_of(double white, double slow, double undetected, double frame) {
-    return {speed_row("w", "white", "A", white, "", ""), speed_row("b", "slow", "B", slow, "", ""),
-            speed_row("d", "undetected", "B", undetected, "", ""),
-            speed_row("m", "frame", "B", frame, "", "")};
+    return {speed_row("w", "white", "A", white, RowScope::source, ""),
+            speed_row("b", "slow", "B", slow, RowScope::slow, ""),
+            speed_row("d", "undetected", "B", undetected, RowScope::fault, ""),
+            speed_row("m", "frame", "B", frame, RowScope::window, "")};
 }
 
 // The budget beside a witness is that of the weighted mean, with the difference that is not

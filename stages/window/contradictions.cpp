@@ -18,10 +18,6 @@ bool is_by(const Contradiction& one, const auto& witness) {
     return one.kind == witness.kind && one.receiver == witness.receiver;
 }
 
-double sigma_of_difference(const WitnessedSpeed& one) {
-    return std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
-}
-
 /// Whether chance makes so large a difference of any of `count` witnesses in fewer than five of a
 /// hundred windows.
 bool doubts(const WitnessedSpeed& one, std::size_t count) {
@@ -46,6 +42,10 @@ bool shows_sound(const WitnessedSpeed& one, double drift_m_s, double window_s) {
 }
 
 }  // namespace
+
+double sigma_of_difference(const WitnessedSpeed& one) {
+    return std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+}
 
 template <int Axes>
 std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,

@@ -24,6 +24,9 @@ struct Contradiction {
     double sound_over_s = 0.0;
 };
 
+/// Standard uncertainty (m/s) of the difference of a window's speeds by positions and by a witness.
+double sigma_of_difference(const WitnessedSpeed& one);
+
 /// The contradictions in a certified window of an arc, and differences of more than the 95 % of all
 /// witnesses together. Before and after it, this looks for the nearest span a fifth longer than the
 /// window in which the same witness shows the positions sound: it agrees within the standard

@@ -529,9 +529,13 @@ class BestFew {
         contradicting_ |= certifier_.contradicting(profile, window, among_.files_answered);
         std::ranges::move(certifier_.contradictions_in(profile, found, window),
                           std::back_inserter(contradictions_));
-        few_.push_back({.found = found,
-                        .quality = quality_of(found),
-                        .expanded_m_s = profile.coverage_factor * window.standard_uncertainty_m_s});
+        few_.push_back(
+            {.found = found,
+             .quality = quality_of(found),
+             .expanded_m_s = profile.coverage_factor * window.standard_uncertainty_m_s,
+             .agrees = std::ranges::all_of(window.witnesses, [](const WitnessedSpeed& one) {
+                 return std::abs(one.difference_m_s) <= sigma_of_difference(one);
+             })});
     }
 
     bool is_wrong(const FoundWindow& one) const {
@@ -540,8 +544,9 @@ class BestFew {
     }
 
     /// Certifies the fastest of these windows, and those of lower speeds that may prove more: their
-    /// epochs are measured better than those of all faster ones, or these are in doubt. A window
-    /// proves no more than its speed, so that none counts that is not faster than `proven_m_s`.
+    /// epochs are measured better than those of all faster ones, or witnesses do not agree with
+    /// these within a standard uncertainty. A window proves no more than its speed, so that none
+    /// counts that is not faster than `proven_m_s`.
     void certify(const std::vector<FoundWindow>& all, double proven_m_s) {
         constexpr int most = 20;
         proven_m_s_ = proven_m_s;
@@ -553,7 +558,7 @@ class BestFew {
         for (const FoundWindow& one : fastest) {
             const WindowQuality quality = quality_of(one);
             if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
-                    return is_like(quality, other);
+                    return is_like(one, quality, other);
                 }))
                 continue;
             if (++certified > most) break;
@@ -563,8 +568,8 @@ class BestFew {
         }
     }
 
-    /// The expanded uncertainty of a window as those certified tell it. Infinite where no speed can
-    /// be claimed, and where a certified one is as good and proves more.
+    /// The expanded uncertainty (m/s) of a window as those certified tell it. Infinite where no
+    /// speed can be claimed.
     double expanded_m_s(const FoundWindow& one) const {
         constexpr double none = std::numeric_limits<double>::infinity();
         double least_m_s = none, like_m_s = 0.0;
@@ -573,8 +578,11 @@ class BestFew {
         if (!is_slow && is_out(one, quality)) return none;
         for (const Certified& other : few_) {
             if (is_doubted(other)) continue;
+            if (other.found.series == one.series && other.found.start == one.start &&
+                other.found.end == one.end)
+                return other.expanded_m_s;
             least_m_s = std::min(least_m_s, other.expanded_m_s);
-            if (!is_slow && quality.no_better_than(other.quality))
+            if (!is_slow && is_like(one, quality, other))
                 like_m_s = std::max(like_m_s, other.expanded_m_s);
         }
         return like_m_s > 0.0 ? like_m_s : least_m_s;
@@ -585,6 +593,7 @@ class BestFew {
         FoundWindow found;
         WindowQuality quality;
         double expanded_m_s = 0.0;
+        bool agrees = true;  ///< with all of its witnesses
     };
 
     WindowQuality quality_of(const FoundWindow& one) const {
@@ -605,8 +614,11 @@ class BestFew {
         return is_wrong(one.found) || suspected_by(contradictions_, one.found, {});
     }
 
-    bool is_like(const WindowQuality& quality, const Certified& other) const {
-        return !is_doubted(other) && quality.no_better_than(other.quality);
+    /// Whether the certified window tells what this one would be certified with, or with less.
+    bool is_like(const FoundWindow& one, const WindowQuality& quality,
+                 const Certified& other) const {
+        return !is_doubted(other) && quality.no_better_than(other.quality) &&
+               (other.agrees || overlap(one, other.found));
     }
 
     const Certifier& certifier_;

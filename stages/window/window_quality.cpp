@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "schemas/observations/stated_covariance.h"
 #include "stages/window/sample_series.h"
@@ -9,12 +10,16 @@
 namespace runcert {
 namespace {
 
-/// The stated variance of an epoch's position, in the dimension that the profile counts, m^2.
-double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
-    const double level = 0.5 * stated_covariance<2>(row).trace();
-    const double upright = stated_covariance<1>(row).trace();
-    if (dimension == Dimension::horizontal) return level;
-    return dimension == Dimension::vertical ? upright : std::max(level, upright);
+/// The stated variance of an epoch's position (m^2), in the dimension that the profile counts, and
+/// not below the square of the floor that it sets for the fix type.
+double stated_variance(const ScreenedEpoch& row, const Profile& profile) {
+    const auto floor = profile.uncertainty.error_floor_m.find(std::string(to_text(row.fix)));
+    const double least =
+        floor == profile.uncertainty.error_floor_m.end() ? 0.0 : floor->second * floor->second;
+    const double level = std::max(least, 0.5 * stated_covariance<2>(row).trace());
+    const double upright = std::max(least, stated_covariance<1>(row).trace());
+    if (profile.dimension == Dimension::horizontal) return level;
+    return profile.dimension == Dimension::vertical ? upright : std::max(level, upright);
 }
 
 /// The largest undetected error of a single epoch, or of a step just before it, m.
@@ -47,7 +52,7 @@ WindowQualities::WindowQualities(const ScreenedTable& screened, const std::vecto
             sums.silent += !states;
             sums.usable += states;
         } else if (row.usable) {
-            sums.stated += stated_variance(row, profile.dimension);
+            sums.stated += stated_variance(row, profile);
             sums.missed += std::pow(missed_at(row, profile.dimension), 2);
             ++sums.usable;
         }

@@ -12,7 +12,8 @@ namespace runcert {
 
 /// What the uncertainties of a rule's windows differ by, beside their lengths.
 struct WindowQuality {
-    double stated = 0.0;  ///< root mean square of the accuracy that its epochs state
+    /// Root mean square of the accuracy that its epochs state, or of the floor of their fix types.
+    double stated = 0.0;
     double missed = 0.0;  ///< the same of the largest errors that the tests of its epochs miss
     std::uint64_t witnesses = 0;  ///< a bit for each that covers it, set by the caller
     bool silent = false;          ///< an epoch states no accuracy of the recorded speed

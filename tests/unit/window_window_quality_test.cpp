@@ -40,7 +40,7 @@ double root_mean_square(const std::vector<double>& values) {
 }
 
 TEST(WindowQuality, IsThatOfTheEpochsWithinIt) {
-    const Epochs epochs;
+    Epochs epochs;
     const WindowQualities qualities(epochs.screened, epochs.arcs, {});
     const WindowQuality first = qualities(Epochs::window(0, 2, 4));
     EXPECT_NEAR(first.stated, root_mean_square({0.03, 0.04, 0.05}), 1e-12);
@@ -49,6 +49,13 @@ TEST(WindowQuality, IsThatOfTheEpochsWithinIt) {
     const WindowQuality second = qualities(Epochs::window(1, 1, 3));
     EXPECT_NEAR(second.stated, root_mean_square({0.09, 0.10, 0.11}), 1e-12);
     EXPECT_NEAR(second.missed, root_mean_square({0.1, 3.0, 0.1}), 1e-12);
+    Profile with_floor;
+    with_floor.uncertainty.error_floor_m["fixed"] = 0.04;
+    for (ScreenedEpoch& row : epochs.screened.rows)
+        row.fix = FixType::fixed;
+    EXPECT_NEAR(
+        WindowQualities(epochs.screened, epochs.arcs, with_floor)(Epochs::window(0, 2, 4)).stated,
+        root_mean_square({0.04, 0.04, 0.05}), 1e-12);
     Profile upright;
     upright.dimension = Dimension::vertical;
     EXPECT_NEAR(

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/statistics.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 namespace {
@@ -36,44 +39,25 @@ class WindowSpeeds {
     WindowSpeeds(const TrajectoryTable& trajectory, const MethodTrack& track, SpeedDefinition by)
         : trajectory_(trajectory), track_(track), by_(by) {}
 
-    /// Empty where a value is missing.
+    /// Empty where a value is missing. A course is not compared.
     std::optional<double> operator()(RowPair window) const {
-        switch (by_) {
-            case SpeedDefinition::mean_n_plus_1:
-                return mean_speed(window.first, window.last);
-            case SpeedDefinition::mean_n:
-                return mean_speed(window.first + 1, window.last);
-            case SpeedDefinition::path_length:
-                return length_over_time(window, 1);
-            case SpeedDefinition::displacement:
-                return length_over_time(window, window.last - window.first);
-            case SpeedDefinition::elapsed_time:  // over a course, which is not compared
-                break;
-        }
-        return std::nullopt;
+        if (by_ == SpeedDefinition::elapsed_time) return std::nullopt;
+        constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+        const SpeedTrack track{
+            [&](std::size_t i) -> Eigen::Vector2d {
+                return track_.positions[i].value_or(Eigen::Vector2d::Constant(missing));
+            },
+            [&](std::size_t i) -> Eigen::Vector2d {
+                return {track_.speeds_m_s[i].value_or(missing), 0.0};
+            }};
+        const double speed_m_s = speed_of(track, window,
+                                          trajectory_.rows[window.last].time.seconds() -
+                                              trajectory_.rows[window.first].time.seconds(),
+                                          {.definition = by_});
+        return std::isnan(speed_m_s) ? std::nullopt : std::optional(speed_m_s);
     }
 
   private:
-    std::optional<double> mean_speed(std::size_t first, std::size_t last) const {
-        double sum = 0.0;
-        for (std::size_t i = first; i <= last; ++i) {
-            if (!track_.speeds_m_s[i]) return std::nullopt;
-            sum += *track_.speeds_m_s[i];
-        }
-        return sum / static_cast<double>(last - first + 1);
-    }
-    std::optional<double> length_over_time(RowPair window, std::size_t stride) const {
-        double length_m = 0.0;
-        for (std::size_t i = window.first; i < window.last; i += stride) {
-            const auto& from = track_.positions[i];
-            const auto& to = track_.positions[i + stride];
-            if (!from || !to) return std::nullopt;
-            length_m += (*to - *from).norm();
-        }
-        return length_m / (trajectory_.rows[window.last].time.seconds() -
-                           trajectory_.rows[window.first].time.seconds());
-    }
-
     const TrajectoryTable& trajectory_;
     const MethodTrack& track_;
     SpeedDefinition by_;

@@ -8,13 +8,10 @@
 
 #include "core/failure.h"
 #include "stages/window/best_window_sums.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 namespace {
-
-bool is_mean(SpeedDefinition definition) {
-    return definition == SpeedDefinition::mean_n_plus_1 || definition == SpeedDefinition::mean_n;
-}
 
 void refuse(std::string_view what) {
     throw Failure("the rule of a window", std::string(what), "Correct the profile's rule");
@@ -51,52 +48,71 @@ bool overlap(const FoundWindow& a, const FoundWindow& b) {
     return a.series == b.series && a.start < b.end && b.start < a.end;
 }
 
-void append(const WindowSearch& more, WindowSearch& all) {
-    all.windows.insert(all.windows.end(), more.windows.begin(), more.windows.end());
-    all.steps += more.steps;
-}
+/// The series that a search goes through: at any instant, with the ends of windows as samples.
+class SearchedSeries {
+  public:
+    SearchedSeries(const std::vector<SampleSeries>& series, const WindowCriteria& rule)
+        : series_(series), rule_(rule), instants_(series.size()) {}
 
-std::vector<SummedSeries> summed_all(const std::vector<SampleSeries>& series) {
-    std::vector<SummedSeries> sums;
-    sums.reserve(series.size());
-    for (std::size_t k = 0; k < series.size(); ++k)
-        sums.push_back(summed(series[k], k));
-    return sums;
-}
+    WindowSearch windows() const {
+        WindowSearch all;
+        for (std::size_t s = 0; s < series_.size(); ++s) {
+            const WindowSearch more = windows_of(s);
+            all.windows.insert(all.windows.end(), more.windows.begin(), more.windows.end());
+            all.steps += more.steps;
+        }
+        return all;
+    }
 
-/// Windows that begin or end where a found one ends or begins, and overlap none of those found.
-WindowSearch free_beside(const std::vector<SummedSeries>& sums, const WindowCriteria& rule,
-                         const std::vector<FoundWindow>& found) {
-    WindowSearch beside = windows_beside(sums[found.back().series], rule, found.back());
-    std::erase_if(beside.windows, [&](const FoundWindow& window) {
-        return std::any_of(found.begin(), found.end(),
-                           [&](const FoundWindow& one) { return overlap(one, window); });
-    });
-    return beside;
-}
+    WindowSearch windows_of(std::size_t s) const {
+        if (rule_.ends == WindowEnds::epochs) return windows_in(summed(series_[s], s), rule_);
+        const SampleSeries dense = with_instants(series_[s], rule_, instants_[s]);
+        WindowSearch search = windows_in(summed(dense, s), rule_);
+        const auto& times = series_[s].times;
+        for (FoundWindow& window : search.windows) {
+            const auto after_start = std::ranges::upper_bound(times, window.start);
+            window.first = static_cast<std::size_t>(after_start - times.begin()) - 1;
+            window.last = static_cast<std::size_t>(std::ranges::lower_bound(times, window.end) -
+                                                   times.begin());
+        }
+        search.steps += static_cast<std::int64_t>(dense.times.size());
+        return search;
+    }
 
-WindowSearch all_windows(const std::vector<SummedSeries>& sums, const WindowCriteria& rule) {
-    WindowSearch all;
-    for (const SummedSeries& series : sums)
-        append(windows_in(series, rule), all);
-    return all;
-}
+    /// Lets windows begin and end where a found one does.
+    void add_ends(const FoundWindow& found) {
+        instants_[found.series].push_back(found.start);
+        instants_[found.series].push_back(found.end);
+    }
+
+  private:
+    const std::vector<SampleSeries>& series_;
+    const WindowCriteria& rule_;
+    std::vector<std::vector<ElapsedTime>> instants_;
+};
 
 /// The fastest of the allowed windows (`left`).
-WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums,
-                        const WindowCriteria& rule, std::size_t count,
-                        const Allowance& allowance = {}) {
+WindowSearch fastest_of(WindowSearch left, SearchedSeries series, const WindowCriteria& rule,
+                        std::size_t count, const Allowance& allowance = {}) {
     std::vector<FoundWindow> found;
     while (found.size() < count && !left.windows.empty()) {
         left.steps += static_cast<std::int64_t>(left.windows.size());
         found.push_back(*std::min_element(left.windows.begin(), left.windows.end(), preferred));
         if (found.size() == count) break;
-        std::erase_if(left.windows,
-                      [&](const FoundWindow& window) { return overlap(window, found.back()); });
-        if (rule.ends != WindowEnds::any) continue;
-        WindowSearch beside = free_beside(sums, rule, found);
-        make_allowances(beside.windows, allowance);
-        append(beside, left);
+        if (rule.ends == WindowEnds::any) {
+            series.add_ends(found.back());
+            WindowSearch again = series.windows_of(found.back().series);
+            make_allowances(again.windows, allowance);
+            std::erase_if(left.windows, [&](const FoundWindow& window) {
+                return window.series == found.back().series;
+            });
+            left.windows.insert(left.windows.end(), again.windows.begin(), again.windows.end());
+            left.steps += again.steps;
+        }
+        std::erase_if(left.windows, [&](const FoundWindow& window) {
+            return std::ranges::any_of(
+                found, [&](const FoundWindow& one) { return overlap(one, window); });
+        });
     }
     return {found, left.steps};
 }
@@ -112,8 +128,8 @@ bool preferred(const FoundWindow& one, const FoundWindow& other) {
 WindowSearch search_windows(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                             std::size_t count) {
     check_rule(rule);
-    const std::vector<SummedSeries> sums = summed_all(series);
-    return fastest_of(all_windows(sums, rule), sums, rule, count);
+    const SearchedSeries searched(series, rule);
+    return fastest_of(searched.windows(), searched, rule, count);
 }
 
 std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
@@ -132,14 +148,14 @@ void make_allowances(std::vector<FoundWindow>& windows, const Allowance& allowan
 AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                                 std::size_t count, const Allowance& allowance) {
     check_rule(rule);
-    const std::vector<SummedSeries> sums = summed_all(series);
-    AllowedWindows windows{.all = all_windows(sums, rule).windows, .best = {}};
+    const SearchedSeries searched(series, rule);
+    AllowedWindows windows{.all = searched.windows().windows, .best = {}};
     make_allowances(windows.all, allowance);
     // Avoids copying all windows if only one is requested.
     if (count == 1 && !windows.all.empty())
         windows.best = {*std::ranges::min_element(windows.all, preferred)};
     else
-        windows.best = fastest_of({windows.all, 0}, sums, rule, count, allowance).windows;
+        windows.best = fastest_of({windows.all, 0}, searched, rule, count, allowance).windows;
     return windows;
 }
 

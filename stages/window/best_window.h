@@ -66,6 +66,7 @@ struct FoundWindow {
     double allowance_m_s = 0.0;
 
     double assured_m_s() const { return speed_m_s - allowance_m_s; }
+    double duration_s() const { return end.seconds() - start.seconds(); }
 };
 
 /// The reduction of a window's speed. Infinite if no speed can be claimed.
@@ -121,9 +122,9 @@ bool window_allowed(const SampleSeries& series, std::size_t first, std::size_t l
 /// An end between samples must be enclosed by samples where a window may end. The window from the
 /// first to the last enclosing sample must contain no obstacle.
 ///
-/// The cost is linear in the samples for each of `count` windows. For the straight distance, and
-/// for any alpha, a sample costs at most as many steps as there are samples in `distance_m` of path
-/// (one on a straight course, for the distance).
+/// The cost is linear in the samples for each of `count` windows, but for the order of instants.
+/// For the straight distance, and for any alpha, a sample costs at most as many steps as there are
+/// samples in `distance_m` of path (one on a straight course, for the distance).
 ///
 /// Failure for any other rule: a mean speed other than in time between epochs, a displacement over
 /// a distance or an alpha at any instant, a course (`passages`), or a length that is not positive.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <optional>
 
@@ -16,11 +15,13 @@ void add(const std::optional<FoundWindow>& window, WindowSearch& search) {
     if (window) search.windows.push_back(*window);
 }
 
-WindowSearch time_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
+WindowSearch over_time(const SummedSeries& series, const WindowCriteria& rule) {
     constexpr double nanosecond_s = 1e-9;  // the ends are searched below the limit, not up to it
-    const auto ends = window_ends(
-        series.samples->times, rule.duration_s, rule.duration_tolerance_s,
-        rule.exact ? rule.duration_tolerance_s + nanosecond_s : rule.nominal_interval_s);
+    const double tolerance_s = rule.ends == WindowEnds::any ? 0.0 : rule.duration_tolerance_s;
+    const auto ends =
+        window_ends(series.samples->times, rule.duration_s, tolerance_s,
+                    rule.exact || rule.ends == WindowEnds::any ? tolerance_s + nanosecond_s
+                                                               : rule.nominal_interval_s);
     // One speed is no mean.
     const std::size_t least_steps = rule.definition == SpeedDefinition::mean_n ? 2 : 1;
     WindowSearch search;
@@ -31,47 +32,18 @@ WindowSearch time_between_epochs(const SummedSeries& series, const WindowCriteri
     return search;
 }
 
-std::int64_t duration_ns(const WindowCriteria& rule) {
-    return std::llround(rule.duration_s * 1e9);
-}
-
-/// The start times (ns) for which a window of this duration begins or ends at a sample.
-std::vector<std::int64_t> starts_at_any_instant(const SummedSeries& series,
-                                                std::int64_t window_ns) {
-    const auto& times = series.samples->times;
-    std::vector<std::int64_t> begins, ends, starts;
-    for (const ElapsedTime time : times) {
-        const std::int64_t t = time.nanoseconds;
-        if (t + window_ns <= times.back().nanoseconds) begins.push_back(t);
-        if (t - window_ns >= times.front().nanoseconds) ends.push_back(t - window_ns);
-    }
-    std::set_union(begins.begin(), begins.end(), ends.begin(), ends.end(),
-                   std::back_inserter(starts));
-    return starts;
-}
-
-WindowSearch time_at_any_instant(const SummedSeries& series, const WindowCriteria& rule) {
-    const std::int64_t window_ns = duration_ns(rule);
-    WindowSearch search;
-    SeriesInstant start, end;
-    for (const std::int64_t start_ns : starts_at_any_instant(series, window_ns)) {
-        start = instant_at_time(series, start_ns, start.after);
-        end = instant_at_time(series, start_ns + window_ns, end.after);
-        add(window_between(series, start, end, rule.definition), search);
-    }
-    search.steps += 2 * static_cast<std::int64_t>(series.size());
-    return search;
-}
-
-WindowSearch path_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
+WindowSearch over_path(const SummedSeries& series, const WindowCriteria& rule) {
     const double enough_m = rule.distance_m - path_rounding_m;
     WindowSearch search;
     std::size_t last = 0;
     for (std::size_t first = 0; first < series.size(); ++first) {
-        while (last < series.size() && series.path_m[last] - series.path_m[first] < enough_m)
+        while (last < series.size() && series.path_m()[last] - series.path_m()[first] < enough_m)
             ++last;
         if (last == series.size()) break;
-        add(window_between(series, first, last, rule.definition), search);
+        const bool longer =
+            series.path_m()[last] - series.path_m()[first] > rule.distance_m + path_rounding_m;
+        if (rule.ends == WindowEnds::epochs || !longer)
+            add(window_between(series, first, last, rule.definition), search);
     }
     search.steps += static_cast<std::int64_t>(last);
     return search;
@@ -81,12 +53,12 @@ WindowSearch path_between_epochs(const SummedSeries& series, const WindowCriteri
 /// much path.
 std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t first,
                                       std::size_t last, double enough_m, std::int64_t& steps) {
-    const std::vector<double>& path = series.path_m;
+    const std::vector<double>& path = series.path_m();
     const double longest_m = path[first] + 2.0 * (enough_m + path_rounding_m);
     while (last < path.size() && path[last] <= longest_m) {
         ++steps;
-        const double missing_m = enough_m - distance_between(series.samples->positions[first],
-                                                             series.samples->positions[last]);
+        const auto& positions = series.samples->positions;
+        const double missing_m = enough_m - (positions[last] - positions[first]).norm();
         if (missing_m <= 0.0) return last;
         // At least that much path is needed to get there.
         const double next_m = path[last] + missing_m - path_rounding_m;
@@ -96,12 +68,12 @@ std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t fi
     return std::nullopt;
 }
 
-WindowSearch straight_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
+WindowSearch over_straight(const SummedSeries& series, const WindowCriteria& rule) {
     const double enough_m = rule.distance_m - path_rounding_m;
     WindowSearch search;
     std::size_t last = 0;
     for (std::size_t first = 0; first < series.size(); ++first) {
-        while (last < series.size() && series.path_m[last] - series.path_m[first] < enough_m)
+        while (last < series.size() && series.path_m()[last] - series.path_m()[first] < enough_m)
             ++last;
         const auto end = far_enough(series, first, last, enough_m, search.steps);
         if (end) add(window_between(series, first, *end, rule.definition), search);
@@ -113,7 +85,7 @@ WindowSearch straight_between_epochs(const SummedSeries& series, const WindowCri
 /// Direction of travel at each sample, a unit vector (`direction_reach_m`). At the ends of the
 /// series it is one-sided. Zero where the craft turned round on the spot.
 std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series, double reach_m) {
-    const std::vector<double>& path = series.path_m;
+    const std::vector<double>& path = series.path_m();
     const auto& positions = series.samples->positions;
     std::vector<Eigen::Vector3d> directions;
     directions.reserve(path.size());
@@ -147,8 +119,8 @@ class AlphaEnds {
 
     bool meet(std::size_t first, std::size_t last) const {
         const Eigen::Vector3d &from = directions_[first], &to = directions_[last];
-        return distance_between(positions_[first], positions_[last]) <= proximity_m_ &&
-               !from.isZero(0.0) && !to.isZero(0.0) && from.dot(to) <= cosine_;
+        return (positions_[last] - positions_[first]).norm() <= proximity_m_ && !from.isZero(0.0) &&
+               !to.isZero(0.0) && from.dot(to) <= cosine_;
     }
 
   private:
@@ -158,7 +130,7 @@ class AlphaEnds {
 };
 
 WindowSearch longest_alphas(const SummedSeries& series, const WindowCriteria& rule) {
-    const std::vector<double>& path = series.path_m;
+    const std::vector<double>& path = series.path_m();
     const AlphaEnds ends(series, rule, direction_reach_m);
     WindowSearch search;
     std::size_t first = 0;
@@ -183,7 +155,7 @@ double longest_time_s(const std::vector<FoundWindow>& alphas, double distance_m)
 }
 
 WindowSearch alphas_of_any_length(const SummedSeries& series, const WindowCriteria& rule) {
-    const std::vector<double>& path = series.path_m;
+    const std::vector<double>& path = series.path_m();
     const auto& times = series.samples->times;
     const AlphaEnds ends(series, rule, any_direction_reach_m);
     WindowSearch search = longest_alphas(series, rule);
@@ -217,91 +189,14 @@ WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
                                           : longest_alphas(series, rule);
 }
 
-/// The end of a path of this length, searched from a sample on. Empty if beyond the series.
-std::optional<SeriesInstant> end_of_path(const SummedSeries& series, SeriesInstant start,
-                                         double distance_m, std::size_t from) {
-    const double path_m = path_at(series, start) + distance_m;
-    if (path_m > series.path_m.back() + path_rounding_m) return std::nullopt;
-    return first_instant_at_path(series, std::min(path_m, series.path_m.back()), from);
-}
-
-/// The start of a path of this length, searched from a sample on. Empty if before the series.
-std::optional<SeriesInstant> start_of_path(const SummedSeries& series, SeriesInstant end,
-                                           double distance_m, std::size_t from) {
-    const double path_m = path_at(series, end) - distance_m;
-    if (path_m < -path_rounding_m) return std::nullopt;
-    return last_instant_at_path(series, std::max(path_m, 0.0), from);
-}
-
-bool same_ends(const FoundWindow& a, const FoundWindow& b) {
-    return a.start == b.start && a.end == b.end;
-}
-
-WindowSearch path_at_any_instant(const SummedSeries& series, const WindowCriteria& rule) {
-    WindowSearch begins, ends, all;
-    SeriesInstant start, end;
-    for (std::size_t k = 0; k < series.size(); ++k) {
-        const SeriesInstant sample{k, 0.0};
-        if (const auto found = end_of_path(series, sample, rule.distance_m, end.after)) {
-            end = *found;
-            add(window_between(series, sample, end, rule.definition), begins);
-        }
-        if (const auto found = start_of_path(series, sample, rule.distance_m, start.after)) {
-            start = *found;
-            add(window_between(series, start, sample, rule.definition), ends);
-        }
-    }
-    std::merge(begins.windows.begin(), begins.windows.end(), ends.windows.begin(),
-               ends.windows.end(), std::back_inserter(all.windows), earlier);
-    all.windows.erase(std::unique(all.windows.begin(), all.windows.end(), same_ends),
-                      all.windows.end());
-    all.steps = begins.steps + ends.steps + 2 * static_cast<std::int64_t>(series.size());
-    return all;
-}
-
-WindowSearch times_beside(const SummedSeries& series, const WindowCriteria& rule,
-                          const FoundWindow& found) {
-    const auto& times = series.samples->times;
-    const std::int64_t window_ns = duration_ns(rule);
-    WindowSearch search;
-    for (const std::int64_t start_ns : {found.start.nanoseconds - window_ns, found.end.nanoseconds})
-        if (start_ns >= times.front().nanoseconds &&
-            start_ns + window_ns <= times.back().nanoseconds)
-            add(window_between(series, instant_at_time(series, start_ns, 0),
-                               instant_at_time(series, start_ns + window_ns, 0), rule.definition),
-                search);
-    return search;
-}
-
-WindowSearch paths_beside(const SummedSeries& series, const WindowCriteria& rule,
-                          const FoundWindow& found) {
-    WindowSearch search;
-    const SeriesInstant end = instant_at_time(series, found.start.nanoseconds, 0);
-    if (const auto start = start_of_path(series, end, rule.distance_m, 0))
-        add(window_between(series, *start, end, rule.definition), search);
-    const SeriesInstant start = instant_at_time(series, found.end.nanoseconds, 0);
-    if (const auto found_end = end_of_path(series, start, rule.distance_m, 0))
-        add(window_between(series, start, *found_end, rule.definition), search);
-    return search;
-}
-
 }  // namespace
 
 WindowSearch windows_in(const SummedSeries& series, const WindowCriteria& rule) {
     if (series.size() < 2) return {};
-    const bool any = rule.ends == WindowEnds::any;
-    if (rule.kind == WindowKind::time)
-        return any ? time_at_any_instant(series, rule) : time_between_epochs(series, rule);
+    if (rule.kind == WindowKind::time) return over_time(series, rule);
     if (rule.kind == WindowKind::alpha) return alphas(series, rule);
-    if (any) return path_at_any_instant(series, rule);
-    return rule.definition == SpeedDefinition::path_length ? path_between_epochs(series, rule)
-                                                           : straight_between_epochs(series, rule);
-}
-
-WindowSearch windows_beside(const SummedSeries& series, const WindowCriteria& rule,
-                            const FoundWindow& found) {
-    return rule.kind == WindowKind::time ? times_beside(series, rule, found)
-                                         : paths_beside(series, rule, found);
+    return rule.definition == SpeedDefinition::path_length ? over_path(series, rule)
+                                                           : over_straight(series, rule);
 }
 
 }  // namespace runcert

@@ -1,73 +1,81 @@
 #include "stages/window/best_window_sums.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
+#include "witness/window_speed.h"
+
 namespace runcert {
 namespace {
-
-double step_s(const SummedSeries& series, std::size_t after) {
-    const auto& times = series.samples->times;
-    return static_cast<double>(times[after + 1].nanoseconds - times[after].nanoseconds) * 1e-9;
-}
-
-double elapsed_s(const SummedSeries& series, SeriesInstant start, SeriesInstant end) {
-    const auto& times = series.samples->times;
-    double elapsed = times[end.after].seconds() - times[start.after].seconds();
-    if (end.fraction > 0.0) elapsed += end.fraction * step_s(series, end.after);
-    if (start.fraction > 0.0) elapsed -= start.fraction * step_s(series, start.after);
-    return elapsed;
-}
-
-Eigen::Vector3d position_at(const SummedSeries& series, SeriesInstant instant) {
-    const auto& positions = series.samples->positions;
-    const Eigen::Vector3d& before = positions[instant.after];
-    if (instant.fraction == 0.0) return before;
-    return before + instant.fraction * (positions[instant.after + 1] - before);
-}
-
-/// Length and speed of a window between two instants.
-struct Measured {
-    double length_m = 0.0;
-    double speed_m_s = 0.0;
-};
-
-Measured mean_speed(const SummedSeries& series, std::size_t first, std::size_t last, double time_s,
-                    SpeedDefinition definition) {
-    const auto steps = static_cast<double>(last - first);
-    const double later_speeds = series.speed_sum[last] - series.speed_sum[first];
-    const double speed_m_s =
-        definition == SpeedDefinition::mean_n
-            ? later_speeds / steps
-            : (later_speeds + series.samples->speeds_m_s[first]) / (steps + 1.0);
-    return {speed_m_s * time_s, speed_m_s};
-}
-
-Measured measure(const SummedSeries& series, SeriesInstant start, SeriesInstant end,
-                 SpeedDefinition definition) {
-    const double time_s = elapsed_s(series, start, end);
-    double length_m = 0.0;
-    switch (definition) {
-        case SpeedDefinition::displacement:
-            length_m = distance_between(position_at(series, start), position_at(series, end));
-            break;
-        case SpeedDefinition::path_length:
-            length_m = path_at(series, end) - path_at(series, start);
-            break;
-        case SpeedDefinition::mean_n_plus_1:
-        case SpeedDefinition::mean_n:
-            return mean_speed(series, start.after, end.after, time_s, definition);
-        case SpeedDefinition::elapsed_time:  // over a course, for which there is no search
-            break;
-    }
-    return {length_m, length_m / time_s};
-}
 
 bool may_bound(const SampleSeries& series, std::size_t sample) {
     return series.bounds.empty() || series.bounds[sample];
 }
 
+/// The place of a value on an increasing scale: a step, and the fraction of it. The first or the
+/// last such place where the scale stands still.
+struct Place {
+    std::size_t before = 0;
+    double fraction = 0.0;
+};
+template <class Value>
+Place place_on(const std::vector<Value>& scale, Value value, bool last) {
+    const auto at =
+        last ? std::ranges::upper_bound(scale, value) : std::ranges::lower_bound(scale, value);
+    const auto after = std::clamp<std::ptrdiff_t>(at - scale.begin(), 1, std::ssize(scale) - 1);
+    const auto k = static_cast<std::size_t>(after);
+    return {k - 1, static_cast<double>(value - scale[k - 1]) /
+                       static_cast<double>(scale[k] - scale[k - 1])};
+}
+
+double between(const std::vector<double>& values, Place at) {
+    return values[at.before] + at.fraction * (values[at.before + 1] - values[at.before]);
+}
+
+/// The instants (ns) at which windows end that begin at `from_ns`, or begin that end there.
+class OtherEnds {
+  public:
+    OtherEnds(const SummedSeries& series, const WindowCriteria& rule)
+        : path_m_(series.path_m()), rule_(rule) {
+        for (const ElapsedTime time : series.samples->times)
+            times_ns_.push_back(time.nanoseconds);
+    }
+
+    const std::vector<std::int64_t>& times_ns() const { return times_ns_; }
+
+    std::optional<std::int64_t> of(std::int64_t from_ns, bool later) const {
+        const double sign = later ? 1.0 : -1.0;
+        if (rule_.kind == WindowKind::time) {
+            const auto other_ns = from_ns + std::llround(sign * rule_.duration_s * 1e9);
+            if (other_ns < times_ns_.front() || other_ns > times_ns_.back()) return std::nullopt;
+            return other_ns;
+        }
+        const double other_m =
+            between(path_m_, place_on(times_ns_, from_ns, true)) + sign * rule_.distance_m;
+        if (other_m < -path_rounding_m || other_m > path_m_.back() + path_rounding_m)
+            return std::nullopt;
+        const auto [k, fraction] =
+            place_on(path_m_, std::clamp(other_m, 0.0, path_m_.back()), !later);
+        return times_ns_[k] +
+               std::llround(fraction * static_cast<double>(times_ns_[k + 1] - times_ns_[k]));
+    }
+
+  private:
+    std::vector<std::int64_t> times_ns_;
+    const std::vector<double>& path_m_;
+    const WindowCriteria& rule_;
+};
+
 }  // namespace
+
+double SpeedSums::speed_m_s(EpochPair window, double duration_s, SpeedDefinition definition) const {
+    const auto [first, last] = window;
+    if (!is_mean(definition)) return (path_m[last] - path_m[first]) / duration_s;
+    const std::size_t before = definition == SpeedDefinition::mean_n ? first + 1 : first;
+    return (speeds_m_s[last] - (before > 0 ? speeds_m_s[before - 1] : 0.0)) /
+           static_cast<double>(last + 1 - before);
+}
 
 bool window_allowed(const SampleSeries& series, std::size_t first, std::size_t last) {
     return may_bound(series, first) && may_bound(series, last) &&
@@ -79,89 +87,61 @@ SummedSeries summed(const SampleSeries& series, std::size_t index) {
     assert(series.speeds_m_s.empty() || series.speeds_m_s.size() == series.times.size());
     assert(series.obstacles.empty() || series.obstacles.size() == series.times.size());
     assert(series.bounds.empty() || series.bounds.size() == series.times.size());
-    SummedSeries sums{&series, index, {}, {}};
-    sums.path_m.reserve(series.times.size());
-    double path_m = 0.0;
-    for (std::size_t k = 0; k < series.times.size(); ++k) {
-        assert(k == 0 || series.times[k - 1] < series.times[k]);
-        if (!series.path_m.empty())
-            path_m = series.path_m[k];
-        else if (k > 0)
-            path_m += distance_between(series.positions[k - 1], series.positions[k]);
-        sums.path_m.push_back(path_m);
-    }
-    sums.speed_sum.reserve(series.speeds_m_s.size());
-    double speed = 0.0;
+    SummedSeries result{.samples = &series, .index = index};
+    std::vector<double>& path_m = result.sums.path_m;
+    path_m = series.path_m;
+    for (std::size_t k = path_m.size(); k < series.times.size(); ++k)
+        path_m.push_back(
+            k == 0 ? 0.0 : path_m.back() + (series.positions[k] - series.positions[k - 1]).norm());
+    double sum_m_s = 0.0;
     for (const double speed_m_s : series.speeds_m_s)
-        sums.speed_sum.push_back(speed += speed_m_s);
-    return sums;
+        result.sums.speeds_m_s.push_back(sum_m_s += speed_m_s);
+    return result;
 }
 
-double distance_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-    return std::hypot(std::hypot(b.x() - a.x(), b.y() - a.y()), b.z() - a.z());
-}
-
-SeriesInstant instant_at_time(const SummedSeries& series, std::int64_t time_ns, std::size_t from) {
-    const auto& times = series.samples->times;
-    std::size_t after = from;
-    while (after + 1 < times.size() && times[after + 1].nanoseconds <= time_ns)
-        ++after;
-    const std::int64_t beyond_ns = time_ns - times[after].nanoseconds;
-    if (beyond_ns == 0 || after + 1 == times.size()) return {after, 0.0};
-    return {after, static_cast<double>(beyond_ns) * 1e-9 / step_s(series, after)};
-}
-
-SeriesInstant last_instant_at_path(const SummedSeries& series, double path_m, std::size_t from) {
-    const std::vector<double>& path = series.path_m;
-    std::size_t after = from;
-    while (after + 1 < path.size() && path[after + 1] <= path_m)
-        ++after;
-    if (after + 1 == path.size()) return {after, 0.0};
-    return {after, (path_m - path[after]) / (path[after + 1] - path[after])};
-}
-
-SeriesInstant first_instant_at_path(const SummedSeries& series, double path_m, std::size_t from) {
-    const std::vector<double>& path = series.path_m;
-    std::size_t next = from;
-    while (next + 1 < path.size() && path[next] < path_m)
-        ++next;
-    if (next == 0 || path[next] <= path_m) return {next, 0.0};
-    return {next - 1, (path_m - path[next - 1]) / (path[next] - path[next - 1])};
-}
-
-std::int64_t time_of(const SummedSeries& series, SeriesInstant instant) {
-    const std::int64_t before_ns = series.samples->times[instant.after].nanoseconds;
-    if (instant.fraction == 0.0) return before_ns;
-    return before_ns + std::llround(instant.fraction * step_s(series, instant.after) * 1e9);
-}
-
-double path_at(const SummedSeries& series, SeriesInstant instant) {
-    const double before_m = series.path_m[instant.after];
-    if (instant.fraction == 0.0) return before_m;
-    return before_m + instant.fraction * (series.path_m[instant.after + 1] - before_m);
-}
-
-std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInstant start,
-                                          SeriesInstant end, SpeedDefinition definition) {
-    const SampleSeries& samples = *series.samples;
-    const ElapsedTime from{time_of(series, start)};
-    const ElapsedTime to{time_of(series, end)};
-    // An end that rounds to a sample is at that sample, even if the sums place it on the other
-    // side.
-    const bool starts_at_next = start.fraction > 0.0 && from == samples.times[start.after + 1];
-    const bool ends_at_sample = end.fraction == 0.0 || to == samples.times[end.after];
-    const std::size_t first = start.after + (starts_at_next ? 1 : 0);
-    const std::size_t last = end.after + (ends_at_sample ? 0 : 1);
-    if (last <= first || from >= to || !window_allowed(samples, first, last)) return std::nullopt;
-    if (from > samples.times[first] && !may_bound(samples, first + 1)) return std::nullopt;
-    if (to < samples.times[last] && !may_bound(samples, last - 1)) return std::nullopt;
-    const Measured measured = measure(series, start, end, definition);
-    return FoundWindow{series.index, first, last, from, to, measured.length_m, measured.speed_m_s};
+SampleSeries with_instants(const SampleSeries& series, const WindowCriteria& rule,
+                           const std::vector<ElapsedTime>& instants) {
+    if (series.times.size() < 2) return series;
+    const SummedSeries sums = summed(series, 0);
+    const OtherEnds ends(sums, rule);
+    std::vector<std::int64_t> all = ends.times_ns();
+    for (const ElapsedTime instant : instants)
+        all.push_back(instant.nanoseconds);
+    for (std::size_t i = 0, given = all.size(); i < given; ++i)
+        for (const bool later : {false, true})
+            if (const auto other = ends.of(all[i], later)) all.push_back(*other);
+    std::ranges::sort(all);
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    SampleSeries dense;
+    for (const std::int64_t time_ns : all) {
+        const Place at = place_on(ends.times_ns(), time_ns, false);
+        const std::size_t a = at.before, b = a + 1;
+        const std::size_t nearest = at.fraction == 0.0 ? a : b;
+        const bool is_sample = at.fraction == 0.0 || at.fraction == 1.0;
+        dense.times.push_back({time_ns});
+        dense.positions.push_back(
+            is_sample ? series.positions[nearest]
+                      : Eigen::Vector3d(series.positions[a] +
+                                        at.fraction * (series.positions[b] - series.positions[a])));
+        dense.path_m.push_back(is_sample ? sums.path_m()[nearest] : between(sums.path_m(), at));
+        dense.bounds.push_back(is_sample ? may_bound(series, nearest)
+                                         : window_allowed(series, a, b));
+        if (!series.obstacles.empty()) dense.obstacles.push_back(series.obstacles[nearest]);
+    }
+    return dense;
 }
 
 std::optional<FoundWindow> window_between(const SummedSeries& series, std::size_t first,
                                           std::size_t last, SpeedDefinition definition) {
-    return window_between(series, SeriesInstant{first, 0.0}, SeriesInstant{last, 0.0}, definition);
+    const SampleSeries& samples = *series.samples;
+    if (last <= first || !window_allowed(samples, first, last)) return std::nullopt;
+    const ElapsedTime from = samples.times[first], to = samples.times[last];
+    const double time_s = to.seconds() - from.seconds();
+    const double speed_m_s =
+        definition == SpeedDefinition::displacement
+            ? (samples.positions[last] - samples.positions[first]).norm() / time_s
+            : series.sums.speed_m_s({first, last}, time_s, definition);
+    return FoundWindow{series.index, first, last, from, to, speed_m_s * time_s, speed_m_s};
 }
 
 }  // namespace runcert

@@ -8,7 +8,6 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
-#include "motion/speed.h"
 #include "stages/window/budget.h"
 #include "stages/window/contradictions.h"
 #include "stages/window/instants.h"
@@ -68,19 +67,6 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
         cluster.allowances_m_s.push_back(window.allowance_m_s);
     }
     return clusters;
-}
-
-/// The speed of a window between two states by all four definitions, corrected by what they lack.
-/// With heights alone they are vertical.
-template <int Axes>
-SpeedDefinitions definitions_of(const Chain<Axes>& smoothed, EpochPair window, double duration_s,
-                                double lacking_m_s) {
-    const auto [first, last] = window;
-    const auto with = [lacking_m_s](const SpeedEstimate& by) { return by.speed_m_s + lacking_m_s; };
-    return {.displacement_m_s = with(displacement_speed(smoothed, first, last, duration_s)),
-            .path_length_m_s = with(path_speed(smoothed, first, last, duration_s)),
-            .mean_n_plus_1_m_s = with(mean_speed(smoothed, first, last)),
-            .mean_n_m_s = with(mean_speed(smoothed, first + 1, last))};
 }
 
 /// The same estimates with every speed raised by `by_m_s`.
@@ -492,7 +478,11 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     CertifiableWindow window;
     set_place(estimate, found, window);
     window.methods = methods_of(estimate, found);
-    window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s, lacking_m_s);
+    window.definitions = definitions_of(smoothed_track(smoothed_at), at.window, stretch.duration_s);
+    for (double* const speed :
+         {&window.definitions.displacement_m_s, &window.definitions.path_length_m_s,
+          &window.definitions.mean_n_plus_1_m_s, &window.definitions.mean_n_m_s})
+        *speed += lacking_m_s;
     window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
     window.fitted->speed_m_s += lacking_m_s;
     window.estimates =
@@ -510,8 +500,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     window.reliability =
         undetected_errors<Axes>(estimate.screened, at.arc, stretch,
                                 std::span(weights).subspan(stretch.first, stretch.epochs.size()));
-    const SpeedEstimate searched =
-        displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
+    const SpeedEstimate searched = smoothed_speed(smoothed_at, at.window, stretch.duration_s, {});
     window.selection =
         selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, noise.speed);
     set_speed(estimate, choice, estimated, noise, window);

@@ -5,11 +5,11 @@
 
 #include "stages/window/best_window.h"
 #include "stages/window/craft_speeds.h"
-#include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 

@@ -19,41 +19,6 @@
 namespace runcert {
 namespace {
 
-/// The speed by all four definitions, from the smoothed trajectory.
-SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows& arc,
-                                const Profile& profile, const FoundWindow& found) {
-    const Eigen::Vector3d axes = axes_of_speed(profile.dimension);
-    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return trajectory.rows[arc.rows[k]];
-    };
-    const auto position = [&](std::size_t k) -> Eigen::Vector3d {
-        return axes.cwiseProduct(
-            Eigen::Vector3d(*row(k).east_m, *row(k).north_m, row(k).up_m.value_or(0.0)));
-    };
-    const auto speed = [&](std::size_t k) {
-        return axes
-            .cwiseProduct(Eigen::Vector3d(*row(k).velocity_east_m_s, *row(k).velocity_north_m_s,
-                                          row(k).velocity_up_m_s.value_or(0.0)))
-            .norm();
-    };
-    double path_m = 0.0;
-    double later_m_s = 0.0;
-    for (std::size_t k = found.first + 1; k <= found.last; ++k) {
-        path_m += (position(k) - position(k - 1)).norm();
-        later_m_s += speed(k);
-    }
-    const double duration_s = found.end.seconds() - found.start.seconds();
-    const auto steps = static_cast<double>(found.last - found.first);
-    return {.displacement_m_s = (position(found.last) - position(found.first)).norm() / duration_s,
-            .path_length_m_s = path_m / duration_s,
-            .mean_n_plus_1_m_s = (later_m_s + speed(found.first)) / (steps + 1.0),
-            .mean_n_m_s = later_m_s / steps};
-}
-
-double duration_of(const FoundWindow& found) {
-    return found.end.seconds() - found.start.seconds();
-}
-
 /// Number of samples' errors that are averaged in a window.
 double samples_of(const FoundWindow& found) {
     return static_cast<double>(found.last - found.first);
@@ -88,13 +53,13 @@ StatedSpeedAccuracy stated_accuracy(const VelocityEstimate& estimate, const Prof
 SpeedNoise noise_of(const VelocityEstimate& estimate, Dimension dimension,
                     const FoundWindow& found) {
     return speed_noise(estimate.compared, estimate.screened, dimension, found.start.seconds(),
-                       duration_of(found), samples_of(found));
+                       found.duration_s(), samples_of(found));
 }
 
 /// The window by its positions as a witness, so that no velocities are certified that the positions
 /// do not confirm. The uncertainty assumed for the velocities is at most what receivers of all
 /// types have been seen to err by.
-WitnessedSpeed by_positions(const TrackSpeed& track, double speed_m_s, double duration_s,
+WitnessedSpeed by_positions(const SpeedEstimate& track, double speed_m_s, double duration_s,
                             double error_m_s) {
     constexpr double largest_of_velocities_m_s = 0.5;
     WitnessedSpeed witnessed;
@@ -259,14 +224,14 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
         .selection = no_selection,
         .first_row = arc.rows[found.first],
         .last_row = arc.rows[found.last],
-        .duration_s = duration_of(found),
+        .duration_s = found.duration_s(),
         .mean_interval_s = estimate.screened.basis.time.interval_s.value_or(0.0)};
     const bool by_places = profile.window_kind == WindowKind::alpha;
     const auto recorded = [&](std::size_t k) {
         return recorded_speed(estimate.screened.rows[arc.rows[k]], profile.dimension)->speed_m_s;
     };
     const double changes_m_s2 =
-        by_places ? (recorded(found.last) - recorded(found.first)) / duration_of(found) : 0.0;
+        by_places ? (recorded(found.last) - recorded(found.first)) / found.duration_s() : 0.0;
     BudgetRow stamps = time_row(input);
     stamps.sensitivity = changes_m_s2;
     stamps.contribution_m_s = stamps.standard_uncertainty * std::abs(changes_m_s2);
@@ -291,11 +256,6 @@ void add_other_rows(const VelocityEstimate& estimate, const Profile& profile,
         rows.push_back(*std::move(calibration));
 }
 
-MeanOf mean_of(SpeedDefinition definition) {
-    if (definition == SpeedDefinition::mean_n_plus_1) return MeanOf::samples;
-    return definition == SpeedDefinition::mean_n ? MeanOf::samples_after_first : MeanOf::path;
-}
-
 /// Subtracts the bias of the choice from the speed, and adds its row.
 void set_choice(const VelocityEstimate& estimate, const Profile& profile, const FoundWindow& found,
                 const std::vector<FoundWindow>& all, const SpeedErrors& errors,
@@ -307,7 +267,7 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
             of_arc.push_back(estimate.trajectory.rows[row].time);
     }
     const SpeedChoiceBias bias = speed_choice_bias(
-        times, all, found, mean_of(profile.definition),
+        times, all, found, profile.definition,
         {.white_m_s = errors.white_m_s, .brief_m_s = errors.brief_m_s, .slow_m_s = errors.slow_m_s},
         selection_width * errors.combined(), estimate.config.selection_samples,
         estimate.config.seed);
@@ -351,7 +311,8 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
     window.arc = arc.number;
     window.speed_m_s = found.speed_m_s;
     window.length_m = found.length_m;
-    window.definitions = definitions_of(trajectory, arc, profile, found);
+    window.definitions = definitions_of(SmoothedTrack(trajectory, arc, profile.dimension),
+                                        {found.first, found.last}, found.duration_s());
     window.displacement_m =
         std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
     window.position_r95_m = 2.45 * std::max({*first.sigma_east_m, *first.sigma_north_m,
@@ -359,11 +320,11 @@ CertifiableWindow certified_by_velocity(const VelocityEstimate& estimate, const 
 
     const StatedSpeedAccuracy stated = stated_accuracy(estimate, profile, found);
     const SpeedNoise noise = noise_of(estimate, profile.dimension, found);
-    SpeedErrors errors = speed_errors(noise, stated, duration_of(found), samples_of(found));
+    SpeedErrors errors = speed_errors(noise, stated, found.duration_s(), samples_of(found));
     if (noise.scale) window.speed_m_s *= 1.0 - noise.scale->value;
     window.witnesses.push_back(
         by_positions(track_speed(estimate.screened, trajectory, arc, profile, found),
-                     window.speed_m_s, duration_of(found), errors.combined()));
+                     window.speed_m_s, found.duration_s(), errors.combined()));
     errors.brief_m_s = std::hypot(errors.brief_m_s,
                                   beyond_usual_m_s(noise, window.witnesses.front().difference_m_s));
     add_error_rows(errors, noise, stated, found, window);

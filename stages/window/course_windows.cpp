@@ -73,7 +73,7 @@ std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
                            .end = finish.time,
                            .length_m = gates.length_m};
         if (!window_allowed(series[window.series], window.first, window.last)) continue;
-        window.speed_m_s = gates.length_m / (window.end.seconds() - window.start.seconds());
+        window.speed_m_s = gates.length_m / window.duration_s();
         windows.push_back(window);
     }
     std::ranges::stable_sort(windows, preferred);

@@ -4,35 +4,18 @@
 #include <cmath>
 #include <numbers>
 
+#include "witness/window_speed.h"
+
 namespace runcert {
 namespace {
 
-/// The components of motion that a rule counts.
-Eigen::Vector3d counted(const Eigen::Vector3d& vector, Dimension dimension) {
-    switch (dimension) {
-        case Dimension::horizontal:
-            return {vector.x(), vector.y(), 0.0};
-        case Dimension::vertical:
-            return {0.0, 0.0, vector.z()};
-        case Dimension::space:
-            return vector;
-    }
-    return vector;
-}
-
-/// The epochs of a solution that enclose a span.
-struct SpanEpochs {
-    std::size_t first = 0;
-    std::size_t last = 0;
-};
-
 constexpr double same_instant_s = 1e-7;
 
-std::optional<SpanEpochs> epochs_of(const InertialSolution& solution, const PointSpan& span) {
+std::optional<EpochPair> epochs_of(const InertialSolution& solution, const PointSpan& span) {
     if (!solution.consistency.consistent() || solution.epochs.empty()) return std::nullopt;
     const auto found = solution.enclosing(span.from_s, span.to_s);
     if (!found || solution.bridged_between(found->first, found->second)) return std::nullopt;
-    return SpanEpochs{found->first, found->second};
+    return EpochPair{found->first, found->second};
 }
 
 /// A speed as a function of a point's motion at the epochs that enclose its span.
@@ -41,117 +24,54 @@ struct PointSpeed {
     std::vector<PointGradient> gradients;
 };
 
-const PointMotion& motion_at(const InertialSolution& solution, std::size_t epoch,
-                             CraftPoint point) {
-    const InertialEpoch& at = solution.epochs[epoch];
-    return point == CraftPoint::antenna ? at.antenna : at.reference_point;
+/// The speed of a point over a span. An end between two epochs lies on the cubic through both, and
+/// its errors are shared between them. A mean is one of the epochs that lie in the span.
+PointSpeed point_speed(const InertialSolution& solution, EpochPair at, const PointSpan& span,
+                       CraftPoint point, SpeedDefinition definition) {
+    const Eigen::Vector3d axes = axes_of_speed(span.dimension);
+    const auto epoch = [&](std::size_t k) -> const InertialEpoch& { return solution.epochs[k]; };
+    const auto before = [&](std::size_t k) { return k == at.last ? k - 1 : k; };
+    const auto instant_s = [&](std::size_t k) {
+        return k == at.first ? span.from_s : k == at.last ? span.to_s : epoch(k).time_s;
+    };
+    const SpeedTrack track{
+        [&](std::size_t k) -> Eigen::Vector3d {
+            return axes.cwiseProduct(
+                position_between(epoch(before(k)), epoch(before(k) + 1), instant_s(k), point));
+        },
+        [&](std::size_t k) -> Eigen::Vector3d {
+            return axes.cwiseProduct(
+                (point == CraftPoint::antenna ? epoch(k).antenna : epoch(k).reference_point)
+                    .velocity_m_s);
+        }};
+    EpochPair window = at;
+    if (is_mean(definition)) {
+        if (epoch(at.first).time_s < span.from_s - same_instant_s) ++window.first;
+        if (epoch(at.last).time_s > span.to_s + same_instant_s) --window.last;
+    }
+    PointSpeed speed{.gradients = std::vector<PointGradient>(at.last - at.first + 1)};
+    speed.m_s = speed_of(
+        track, window, span.to_s - span.from_s, {.definition = definition},
+        [&](std::size_t k, const Eigen::Vector3d& derivative) {
+            const double from_s = epoch(before(k)).time_s, to_s = epoch(before(k) + 1).time_s;
+            const double share = std::clamp((instant_s(k) - from_s) / (to_s - from_s), 0.0, 1.0);
+            PointGradient* const gradients = &speed.gradients[before(k) - at.first];
+            gradients[0].position += (1.0 - share) * derivative;
+            gradients[1].position += share * derivative;
+        },
+        [&](std::size_t k, const Eigen::Vector3d& derivative) {
+            speed.gradients[k - at.first].velocity += derivative;
+        });
+    return speed;
 }
 
-/// The speeds of a point over a span.
-class PointSpeeds {
-  public:
-    PointSpeeds(const InertialSolution& solution, SpanEpochs at, const PointSpan& span,
-                CraftPoint point)
-        : solution_(solution), at_(at), span_(span), point_(point) {}
-
-    PointSpeed by(SpeedDefinition definition) const {
-        switch (definition) {
-            case SpeedDefinition::path_length:
-                return by_position(true);
-            case SpeedDefinition::mean_n_plus_1:
-                return mean(first_inside());
-            case SpeedDefinition::mean_n:
-                return mean(first_inside() + 1);
-            case SpeedDefinition::displacement:
-            case SpeedDefinition::elapsed_time:
-                break;
-        }
-        return by_position(false);
-    }
-
-  private:
-    /// An instant of the span, and how its position hangs on those of two epochs.
-    struct Knot {
-        std::size_t before = 0;
-        double share_after = 0.0;
-        Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-    };
-
-    Knot knot(std::size_t before, double time_s) const {
-        const InertialEpoch& from = solution_.epochs[before];
-        const InertialEpoch& to = solution_.epochs[before + 1];
-        const double share = (time_s - from.time_s) / (to.time_s - from.time_s);
-        return {before, std::clamp(share, 0.0, 1.0), position_between(from, to, time_s, point_)};
-    }
-
-    std::vector<Knot> knots(bool all) const {
-        std::vector<Knot> knots{knot(at_.first, span_.from_s)};
-        for (std::size_t k = at_.first + 1; all && k < at_.last; ++k)
-            knots.push_back({k, 0.0, motion_at(solution_, k, point_).position_m});
-        knots.push_back(knot(at_.last - 1, span_.to_s));
-        return knots;
-    }
-
-    void add(const Knot& knot, const Eigen::Vector3d& gradient, PointSpeed& speed) const {
-        const std::size_t k = knot.before - at_.first;
-        speed.gradients[k].position += (1.0 - knot.share_after) * gradient;
-        if (knot.share_after > 0.0) speed.gradients[k + 1].position += knot.share_after * gradient;
-    }
-
-    /// Length of the displacement, or of the path, over time.
-    PointSpeed by_position(bool path) const {
-        PointSpeed speed{.m_s = 0.0,
-                         .gradients = std::vector<PointGradient>(at_.last - at_.first + 1)};
-        const double duration_s = span_.to_s - span_.from_s;
-        const std::vector<Knot> all = knots(path);
-        for (std::size_t i = 1; i < all.size(); ++i) {
-            const Eigen::Vector3d step =
-                counted(all[i].position_m - all[i - 1].position_m, span_.dimension);
-            const double step_m = step.norm();
-            if (!(step_m > 0.0)) continue;
-            speed.m_s += step_m / duration_s;
-            add(all[i], step / (step_m * duration_s), speed);
-            add(all[i - 1], -step / (step_m * duration_s), speed);
-        }
-        return speed;
-    }
-
-    /// The first epoch that lies in the span.
-    std::size_t first_inside() const {
-        return solution_.epochs[at_.first].time_s < span_.from_s - same_instant_s ? at_.first + 1
-                                                                                  : at_.first;
-    }
-
-    /// Mean of the speeds of the epochs from `first` on.
-    PointSpeed mean(std::size_t first) const {
-        const bool beyond = solution_.epochs[at_.last].time_s > span_.to_s + same_instant_s;
-        const std::size_t last = beyond ? at_.last - 1 : at_.last;
-        PointSpeed speed{.m_s = 0.0,
-                         .gradients = std::vector<PointGradient>(at_.last - at_.first + 1)};
-        if (last < first) return speed;
-        const double share = 1.0 / static_cast<double>(last - first + 1);
-        for (std::size_t k = first; k <= last; ++k) {
-            const Eigen::Vector3d velocity =
-                counted(motion_at(solution_, k, point_).velocity_m_s, span_.dimension);
-            const double norm = velocity.norm();
-            speed.m_s += share * norm;
-            if (norm > 0.0) speed.gradients[k - at_.first].velocity = share * velocity / norm;
-        }
-        return speed;
-    }
-
-    const InertialSolution& solution_;
-    SpanEpochs at_;
-    const PointSpan& span_;
-    CraftPoint point_;
-};
-
 /// By how much the lever's own motion along the track differs at the two ends, over time.
-double lag_effect(const InertialSolution& solution, SpanEpochs at, const PointSpan& span) {
+double lag_effect(const InertialSolution& solution, EpochPair at, const PointSpan& span) {
     const InertialEpoch& first = solution.epochs[at.first];
     const InertialEpoch& last = solution.epochs[at.last];
     const Eigen::Vector3d moved =
-        counted(last.antenna.position_m - first.antenna.position_m, span.dimension);
+        axes_of_speed(span.dimension)
+            .cwiseProduct(last.antenna.position_m - first.antenna.position_m);
     if (!(moved.norm() > 0.0)) return 0.0;
     const auto swings = [](const InertialEpoch& epoch) -> Eigen::Vector3d {
         return epoch.reference_point.velocity_m_s - epoch.antenna.velocity_m_s;
@@ -161,26 +81,25 @@ double lag_effect(const InertialSolution& solution, SpanEpochs at, const PointSp
 
 }  // namespace
 
-std::optional<std::pair<std::size_t, std::size_t>> epochs_within(const InertialSolution& solution,
-                                                                 const WindowSpan& span) {
-    const auto at = epochs_of(solution, {.from_s = span.start.seconds(),
-                                         .to_s = span.start.seconds() + span.duration.seconds()});
-    if (!at) return std::nullopt;
-    return std::pair(at->first, at->last);
+std::optional<EpochPair> epochs_within(const InertialSolution& solution, const WindowSpan& span) {
+    return epochs_of(solution, {.from_s = span.start.seconds(),
+                                .to_s = span.start.seconds() + span.duration.seconds()});
 }
 
 std::optional<CraftCorrection> craft_correction(const InertialSolution& solution,
                                                 const PointSpan& span) {
     const auto at = epochs_of(solution, span);
     if (!at) return std::nullopt;
-    const PointSpeeds of_reference(solution, *at, span, CraftPoint::reference_point);
-    const PointSpeeds of_antenna(solution, *at, span, CraftPoint::antenna);
-    const auto faster = [&](SpeedDefinition definition) {
-        return of_reference.by(definition).m_s - of_antenna.by(definition).m_s;
+    const auto of = [&](CraftPoint point, SpeedDefinition definition) {
+        return point_speed(solution, *at, span, point, definition);
     };
-    const PointVariance variance =
-        solution.difference_variance(at->first, of_reference.by(span.definition).gradients,
-                                     of_antenna.by(span.definition).gradients);
+    const auto faster = [&](SpeedDefinition definition) {
+        return of(CraftPoint::reference_point, definition).m_s -
+               of(CraftPoint::antenna, definition).m_s;
+    };
+    const PointVariance variance = solution.difference_variance(
+        at->first, of(CraftPoint::reference_point, span.definition).gradients,
+        of(CraftPoint::antenna, span.definition).gradients);
     // Antenna and reference point were each measured from the IMU. The estimator's uncertainty is
     // that of the antenna alone.
     constexpr double of_both = std::numbers::sqrt2;
@@ -242,7 +161,7 @@ CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profil
     if (!at) return speeds;
     const CraftCorrection correction = *craft_correction(solution, stretch);
     const PointSpeed by_imu =
-        PointSpeeds(solution, *at, stretch, CraftPoint::reference_point).by(profile.definition);
+        point_speed(solution, *at, stretch, CraftPoint::reference_point, profile.definition);
     if (profile.speed_of == SpeedOf::reference_point) {
         speeds.antenna_speed_m_s = speed_m_s - correction.speed_m_s;
         speeds.reference_point_speed_m_s = speed_m_s;
@@ -263,20 +182,12 @@ CraftSpeeds craft_speeds(const InertialSolution& solution, const Profile& profil
 
 void add_craft_speeds(const InertialSolution& solution, const std::vector<Profile>& profiles,
                       Windows& windows) {
-    for (auto* const list : {&windows.profiles, &windows.with_files})
-        for (ProfileWindows& found : *list) {
-            const auto profile = std::ranges::find(profiles, found.profile, &Profile::id);
-            if (profile == profiles.end()) continue;
-            const auto set = [&](auto& window) {
-                window.points =
-                    craft_speeds(solution, *profile, window.span, window.speed_m_s,
-                                 2.0 * window.standard_uncertainty_m_s + window.bias_limit_m_s);
-            };
-            if (found.best) set(*found.best);
-            if (found.fastest) set(*found.fastest);
-            for (FurtherWindow& further : found.further)
-                set(further);
-        }
+    for_each_window(windows, [&](auto& window, const std::string& id) {
+        const auto profile = std::ranges::find(profiles, id, &Profile::id);
+        if (profile == profiles.end()) return;
+        window.points = craft_speeds(solution, *profile, window.span, window.speed_m_s,
+                                     2.0 * window.standard_uncertainty_m_s + window.bias_limit_m_s);
+    });
 }
 
 }  // namespace runcert

@@ -1,19 +1,30 @@
 #pragma once
 
 #include <optional>
-#include <utility>
 
 #include "inertial/inertial_smoother.h"
 #include "schemas/profile/profile.h"
 #include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
+#include "witness/certifiable.h"
 
 namespace runcert {
 
+/// Calls `set` with each window found, and the id of its profile.
+template <class Set>
+void for_each_window(Windows& windows, const Set& set) {
+    for (auto* const list : {&windows.profiles, &windows.with_files})
+        for (ProfileWindows& found : *list) {
+            if (found.best) set(*found.best, found.profile);
+            if (found.fastest) set(*found.fastest, found.profile);
+            for (FurtherWindow& further : found.further)
+                set(further, found.profile);
+        }
+}
+
 /// The epochs of an inertial solution that enclose a window. None where the solution is not
 /// consistent, does not reach both ends, or only the IMU bridges a part of it.
-std::optional<std::pair<std::size_t, std::size_t>> epochs_within(const InertialSolution& solution,
-                                                                 const WindowSpan& span);
+std::optional<EpochPair> epochs_within(const InertialSolution& solution, const WindowSpan& span);
 
 /// A stretch of time (s) over which the speeds of two points of the craft are compared, and by
 /// which definition.

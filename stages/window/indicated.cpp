@@ -166,12 +166,9 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, const Window
                                            : fmt::format("{} jumps", window.jumps.size()),
                                        instant(*window.rows[window.jumps.front()])));
     if (profile.speed_source == SpeedSource::velocity)
-        if (std::string refused = refused_speeds(screened, window, profile.dimension);
-            !refused.empty())
-            refusals.push_back(std::move(refused));
-    if (profile.speed_source == SpeedSource::velocity)
-        if (std::string late = late_refusal(screened, window); !late.empty())
-            refusals.push_back(std::move(late));
+        for (const std::string& refusal :
+             {refused_speeds(screened, window, profile.dimension), late_refusal(screened, window)})
+            if (!refusal.empty()) refusals.push_back(refusal);
     if (const LongestStep step = longest_step(window.rows); step.after != nullptr)
         if (std::string gap = gap_refusal(screened, step, profile, config); !gap.empty())
             refusals.push_back(std::move(gap));
@@ -201,8 +198,7 @@ double stated_uncertainty(const ScreenedTable& screened,
         const double of_position = profile.dimension == Dimension::horizontal ? level
                                    : profile.dimension == Dimension::vertical ? upright
                                                                               : level + upright;
-        const double duration_s = found.end.seconds() - found.start.seconds();
-        return of_position / (duration_s * duration_s);
+        return of_position / (found.duration_s() * found.duration_s());
     };
     return 2.0 * std::sqrt(variance(found.first) + variance(found.last));
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "stages/window/speed_by_definition.h"
 
 namespace runcert {
 namespace {
@@ -39,6 +38,35 @@ double lateness_s(const Chain<2>& smoothed, std::size_t k, const SurveyedLine& g
 }  // namespace
 
 template <int Axes>
+EpochPair reach_around(const Arc<Axes>& arc, EpochPair window, double margin_s) {
+    const auto& epochs = arc.epochs;
+    const double from_s = epochs[window.first].time_s - margin_s;
+    const double to_s = epochs[window.last].time_s + margin_s;
+    std::size_t first = window.first;
+    while (first > 0 && epochs[first - 1].time_s >= from_s)
+        --first;
+    while (!epochs[first].measurement)
+        ++first;
+    std::size_t last = window.last;
+    while (last + 1 < epochs.size() && epochs[last + 1].time_s <= to_s)
+        ++last;
+    return {first, last};
+}
+
+template <int Axes>
+WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s) {
+    const auto& epochs = arc.epochs;
+    const auto [first, last] = reach_around(arc, window, margin_s);
+    WindowStretch<Axes> stretch;
+    stretch.epochs.assign(epochs.begin() + static_cast<std::ptrdiff_t>(first),
+                          epochs.begin() + static_cast<std::ptrdiff_t>(last) + 1);
+    stretch.window = {window.first - first, window.last - first};
+    stretch.duration_s = epochs[window.last].time_s - epochs[window.first].time_s;
+    stretch.first = first;
+    return stretch;
+}
+
+template <int Axes>
 ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
                                     ElapsedTime start, ElapsedTime end) {
     ArcWithInstants<Axes> result{.arc = arc, .window = {}};
@@ -71,9 +99,13 @@ CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTim
     return crossings;
 }
 
-template ArcWithInstants<1> with_instants<1>(const Arc<1>&, const std::vector<ElapsedTime>&,
-                                             ElapsedTime, ElapsedTime);
-template ArcWithInstants<2> with_instants<2>(const Arc<2>&, const std::vector<ElapsedTime>&,
-                                             ElapsedTime, ElapsedTime);
+#define RUNCERT_INSTANTIATE(AXES)                                                        \
+    template EpochPair reach_around<AXES>(const Arc<AXES>&, EpochPair, double);          \
+    template WindowStretch<AXES> cut_stretch<AXES>(const Arc<AXES>&, EpochPair, double); \
+    template ArcWithInstants<AXES> with_instants<AXES>(                                  \
+        const Arc<AXES>&, const std::vector<ElapsedTime>&, ElapsedTime, ElapsedTime);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -7,6 +7,23 @@
 
 namespace runcert {
 
+/// A window within a stretch of an arc, cut so that everything relevant is included.
+template <int Axes>
+struct WindowStretch {
+    std::vector<ArcEpoch<Axes>> epochs;
+    EpochPair window;  ///< indices into the epochs
+    double duration_s = 0.0;
+    std::size_t first = 0;  ///< index of the arc's epoch at which the stretch begins
+};
+
+/// The first and the last epoch of the arc within `margin_s` of a window; the first one measured.
+template <int Axes>
+EpochPair reach_around(const Arc<Axes>& arc, EpochPair window, double margin_s);
+
+/// The window with up to `margin_s` of its arc before and after. It begins with a measured epoch.
+template <int Axes>
+WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s);
+
 /// An arc with epochs, without a measurement, added at the two ends of a window, so that it has
 /// smoothed states at these instants. An end at an existing epoch uses that epoch.
 template <int Axes>

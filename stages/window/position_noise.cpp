@@ -14,12 +14,14 @@
 namespace runcert {
 namespace {
 
-/// Displacement from the measured position at one end of the window to that at the other.
+/// The measured positions as a track, which has no velocities.
 template <int Axes>
-PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs,
-                                          EpochPair window) {
-    return epochs[window.last].measurement.value().position -
-           epochs[window.first].measurement.value().position;
+auto measured_track(std::span<const ArcEpoch<Axes>> epochs) {
+    return SpeedTrack{
+        [epochs](std::size_t k) -> PositionVector<Axes> {
+            return epochs[k].measurement.value().position;
+        },
+        [](std::size_t) -> PositionVector<Axes> { return PositionVector<Axes>::Zero(); }};
 }
 
 }  // namespace
@@ -92,14 +94,12 @@ template <int Axes>
 SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
     if (quantity.of_samples) {
         SpeedWeights<Axes> weights(at.epochs.size(), PositionVector<Axes>::Zero());
-        const PositionVector<Axes> per_second =
-            sampled_displacement(at.epochs, at.window).normalized() / at.duration_s;
-        weights[at.window.first] = -per_second;
-        weights[at.window.last] = per_second;
+        speed_of(measured_track<Axes>(at.epochs), at.window, at.duration_s, quantity,
+                 [&](std::size_t k, const PositionVector<Axes>& weight) { weights[k] += weight; });
         return weights;
     }
-    const auto [from, gradients] = speed_gradients(at.smoothed, at.window, at.duration_s, quantity);
-    return at.smoothed.weights(from, gradients);
+    return at.smoothed.weights(at.window.first,
+                               speed_gradients(at.smoothed, at.window, at.duration_s, quantity));
 }
 
 namespace {
@@ -178,10 +178,11 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
     const double correlated = largest_correlated_variance<Axes>(at.epochs, weights, bound);
     double motion = 0.0;
     if (quantity.of_samples) {
-        noise.displacement_m = sampled_displacement(at.epochs, at.window).norm();
-        noise.speed.speed_m_s = noise.displacement_m / at.duration_s;
+        noise.speed.speed_m_s =
+            speed_of(measured_track<Axes>(at.epochs), at.window, at.duration_s, quantity);
+        noise.displacement_m = noise.speed.speed_m_s * at.duration_s;
     } else {
-        noise.speed = speed_by_definition(at.smoothed, at.window, at.duration_s, quantity);
+        noise.speed = smoothed_speed(at.smoothed, at.window, at.duration_s, quantity);
         noise.displacement_m = displacement(at.smoothed, at.window.first, at.window.last).norm();
         motion = noise.speed.standard_uncertainty_m_s * noise.speed.standard_uncertainty_m_s -
                  white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
@@ -232,8 +233,7 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
                   std::span<const ArcEpoch<Axes>> epochs, double density_factor) {
     EstimationModel model = at.model;
     model.motion.jerk_density *= density_factor;
-    return speed_by_definition(Chain<Axes>(epochs, model), at.window, at.duration_s, quantity)
-        .speed_m_s;
+    return speed_of(smoothed_track(Chain<Axes>(epochs, model)), at.window, at.duration_s, quantity);
 }
 
 /// Whether the window begins and ends at measured epochs.
@@ -270,7 +270,8 @@ OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuant
     SpeedWeights<Axes> difference = speed_weights(at, of_samples);
     for (std::size_t k = 0; k < difference.size(); ++k)
         difference[k] -= weights[k];
-    other.chord_m_s = sampled_displacement(at.epochs, at.window).norm() / at.duration_s;
+    other.chord_m_s =
+        speed_of(measured_track<Axes>(at.epochs), at.window, at.duration_s, of_samples);
     other.chord_difference_uncertainty_m_s =
         std::sqrt(weighted_variance<Axes>(at.epochs, at.model.measurement_scale, difference));
     other.half_width_m_s =
@@ -287,8 +288,8 @@ FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
     double square = 0.0;  // of the deviation from the first model's speed
     double first = 0.0;
     for (std::size_t i = 0; i < models.size(); ++i) {
-        const SpeedEstimate one = speed_by_definition(Chain<Axes>(stretch.epochs, models[i].model),
-                                                      stretch.window, stretch.duration_s, quantity);
+        const SpeedEstimate one = smoothed_speed(Chain<Axes>(stretch.epochs, models[i].model),
+                                                 stretch.window, stretch.duration_s, quantity);
         if (i == 0) first = one.speed_m_s;
         const double deviation = one.speed_m_s - first;
         weight += models[i].weight;

@@ -6,8 +6,9 @@
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
-#include "stages/window/speed_by_definition.h"
+#include "stages/window/instants.h"
 #include "witness/arcs.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 

@@ -2,7 +2,7 @@
 
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
-#include "stages/window/speed_by_definition.h"
+#include "stages/window/instants.h"
 
 namespace runcert {
 

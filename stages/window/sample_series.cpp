@@ -7,6 +7,7 @@
 #include "stages/window/velocity_moment.h"
 #include "witness/going_on.h"
 #include "witness/recorded_velocities.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 namespace {
@@ -14,15 +15,10 @@ namespace {
 /// The position on the axes that the profile counts, zero on the others.
 Eigen::Vector3d counted(const Eigen::Vector3d& position, ElapsedTime time, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
-    switch (profile.dimension) {
-        case Dimension::horizontal:
-            return {position.x(), position.y(), 0.0};
-        case Dimension::vertical:
-            return {0.0, 0.0, position.z() + fall_at_m(origin, time, position.x(), position.y())};
-        case Dimension::space:
-            break;
-    }
-    return position;
+    Eigen::Vector3d counted = axes_of_speed(profile.dimension).cwiseProduct(position);
+    if (profile.dimension == Dimension::vertical)
+        counted.z() += fall_at_m(origin, time, position.x(), position.y());
+    return counted;
 }
 
 double smoothed_speed(const TrajectoryEpoch& row, const Profile& profile) {
@@ -209,9 +205,7 @@ std::optional<double> longest_step_of(const Profile& profile, double nominal_int
     for (const Clause& clause : profile.clauses)
         if (clause.decided_by == Computation::sampling_rate && clause.limit && *clause.limit > 0.0)
             longest_s = 1.0 / *clause.limit + rounding_s;
-    const bool mean = profile.definition == SpeedDefinition::mean_n ||
-                      profile.definition == SpeedDefinition::mean_n_plus_1;
-    if (mean)
+    if (is_mean(profile.definition))
         longest_s = std::min(longest_s.value_or(regular * nominal_interval_s),
                              regular * nominal_interval_s);
     return longest_s;

@@ -9,8 +9,9 @@
 #include "core/statistics.h"
 #include "motion/chain.h"
 #include "motion/likelihood.h"
-#include "motion/speed.h"
-#include "stages/window/speed_by_definition.h"
+#include "stages/window/best_window_sums.h"
+#include "stages/window/instants.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 namespace {
@@ -194,17 +195,18 @@ class Rivals {
             const SpeedVector<Axes> place = local.mean(k).template head<speed_axes<Axes>>();
             if (k > 0) path_m += (place - places_m_.back()).norm();
             places_m_.push_back(place);
-            path_m_.push_back(path_m);
+            sums_.path_m.push_back(path_m);
         }
     }
 
     Eigen::VectorXd velocity_in(EpochPair window, bool by_path) const {
-        const auto [first, last] = window;
+        if (by_path)
+            return Eigen::VectorXd::Constant(
+                1, sums_.speed_m_s(window, duration_s(window), SpeedDefinition::path_length));
         Eigen::VectorXd velocity(components_);
         for (int axis = 0; axis < components_; ++axis)
-            velocity(axis) = (by_path ? path_m_[last] - path_m_[first]
-                                      : places_m_[last](axis) - places_m_[first](axis)) /
-                             duration_s(window);
+            velocity(axis) =
+                (places_m_[window.last](axis) - places_m_[window.first](axis)) / duration_s(window);
         return velocity;
     }
 
@@ -215,8 +217,8 @@ class Rivals {
         for (int axis = 0; axis < components_; ++axis) {
             Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
             if (by_path) {
-                gradients =
-                    path_speed_gradients(local, window.first, window.last, duration_s(window));
+                gradients = speed_gradients(local, window, duration_s(window),
+                                            {.definition = SpeedDefinition::path_length});
             } else {
                 gradients.front()(axis) = -1.0 / duration_s(window);
                 gradients.back()(axis) = 1.0 / duration_s(window);
@@ -237,7 +239,7 @@ class Rivals {
     int components_;
     std::optional<std::size_t> chosen_;
     std::vector<SpeedVector<Axes>> places_m_;
-    std::vector<double> path_m_;
+    SpeedSums sums_;
     std::vector<double> allowances_m_s_;
     Eigen::VectorXd velocities_;
     Weights stated_;

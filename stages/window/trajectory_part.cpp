@@ -10,7 +10,8 @@
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
-#include "motion/speed.h"
+#include "stages/window/instants.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 
@@ -113,8 +114,7 @@ std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
-    const SpeedEstimate screened =
-        displacement_speed(smoothed, window.first, window.last, duration_s);
+    const SpeedEstimate screened = smoothed_speed(smoothed, window, duration_s, {});
     const auto displacement = robust_displacement(trajectory, part);
     if (!displacement) return std::nullopt;
     RobustSpeed robust;

@@ -9,13 +9,39 @@
 #include "schemas/trajectory/declared.h"
 #include "stages/window/best_window.h"
 #include "witness/certifiable.h"
+#include "witness/window_speed.h"
 
 // Positions at the moments of recorded velocities, which may be delayed relative to them.
 
 namespace runcert {
 
-/// 1 for each of east, north and up that counts in a speed of this dimension, otherwise 0.
-Eigen::Vector3d axes_of_speed(Dimension dimension);
+/// A position on a track between samples, and the velocity there.
+struct TrackPoint {
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
+    Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+};
+
+/// The smoothed track of an arc along the axes that a rule counts; the samples are the arc's rows.
+class SmoothedTrack {
+  public:
+    SmoothedTrack(const TrajectoryTable& trajectory, const ArcRows& arc, Dimension dimension)
+        : trajectory_(trajectory), arc_(arc), axes_(axes_of_speed(dimension)) {}
+
+    const TrajectoryEpoch& row(std::size_t k) const { return trajectory_.rows[arc_.rows[k]]; }
+    double time_s(std::size_t k) const { return row(k).time.seconds(); }
+
+    Eigen::Vector3d position(std::size_t k) const;
+    Eigen::Vector3d velocity(std::size_t k) const;
+
+    /// The track at a time, on the cubic through both neighbouring samples. Before the first
+    /// sample and after the last one, it is that sample.
+    TrackPoint at(double time_s) const;
+
+  private:
+    const TrajectoryTable& trajectory_;
+    const ArcRows& arc_;
+    Eigen::Vector3d axes_;
+};
 
 /// The delay of the recorded velocities relative to the positions, as far as screening determined
 /// it, otherwise 0.
@@ -44,12 +70,6 @@ std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& sc
                                                          const TrajectoryTable& trajectory,
                                                          const ArcRows& arc, Dimension dimension);
 
-/// A speed over a window by the smoothed track, with its standard uncertainty.
-struct TrackSpeed {
-    double speed_m_s = 0.0;
-    double standard_uncertainty_m_s = 0.0;
-};
-
 /// The speed by the rule's definition from the smoothed positions at the moments of a window's
 /// recorded speeds. A path follows the cubics through positions and velocities, so that turns
 /// between epochs are not cut short. Its excess over the chords is a bound on its error.
@@ -57,7 +77,7 @@ struct TrackSpeed {
 /// The uncertainty is that of both ends, or that of the velocities if it is smaller, and always for
 /// means of speeds. It includes the rule's floor for time-correlated errors at either end, and the
 /// change of the speed within the uncertainty of the delay.
-TrackSpeed track_speed(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                       const ArcRows& arc, const Profile& profile, const FoundWindow& found);
+SpeedEstimate track_speed(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                          const ArcRows& arc, const Profile& profile, const FoundWindow& found);
 
 }  // namespace runcert

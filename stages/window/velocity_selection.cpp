@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "stages/window/best_window_sums.h"
 
 namespace runcert {
 namespace {
@@ -76,22 +77,20 @@ void add_gauss_markov(const std::vector<double>& time_s, double sigma, double ta
 }
 
 /// The error of each candidate's speed.
-std::vector<double> window_errors(const Search& search, MeanOf mean_of,
+std::vector<double> window_errors(const Search& search, SpeedDefinition definition,
                                   const std::vector<double>& errors) {
-    std::vector<double> sums(errors.size() + 1, 0.0);
-    for (std::size_t k = 0; k < errors.size(); ++k)
-        sums[k + 1] = sums[k] + (mean_of != MeanOf::path ? errors[k]
-                                 : k > 0 ? 0.5 * (search.time_s[k] - search.time_s[k - 1]) *
-                                               (errors[k] + errors[k - 1])
-                                         : 0.0);
-    std::vector<double> of_windows;
-    for (const auto& [first, last, assured, leg] : search.candidates) {
-        const double of_all = mean_of == MeanOf::samples ? 1.0 : 0.0;
-        const double over = mean_of == MeanOf::path ? search.time_s[last] - search.time_s[first]
-                                                    : static_cast<double>(last - first) + of_all;
-        const std::size_t begin = mean_of == MeanOf::samples ? first : first + 1;
-        of_windows.push_back((sums[last + 1] - sums[begin]) / over);
+    SpeedSums sums;
+    double path_m = 0.0, sum_m_s = 0.0;
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        if (k > 0)
+            path_m += 0.5 * (search.time_s[k] - search.time_s[k - 1]) * (errors[k] + errors[k - 1]);
+        sums.path_m.push_back(path_m);
+        sums.speeds_m_s.push_back(sum_m_s += errors[k]);
     }
+    std::vector<double> of_windows;
+    for (const auto& [first, last, assured, leg] : search.candidates)
+        of_windows.push_back(
+            sums.speed_m_s({first, last}, search.time_s[last] - search.time_s[first], definition));
     return of_windows;
 }
 
@@ -158,7 +157,7 @@ struct BothLikely {
     Likely white, all;
 };
 
-Draw draw_from(const Search& search, const BothLikely& likely, MeanOf mean_of,
+Draw draw_from(const Search& search, const BothLikely& likely, SpeedDefinition definition,
                const DrawnSpeedErrors& errors, double brief_sd_m_s, double slow_tau_s,
                const std::vector<double>& normals) {
     const std::size_t count = search.time_s.size();
@@ -168,10 +167,10 @@ Draw draw_from(const Search& search, const BothLikely& likely, MeanOf mean_of,
         std::vector<double> samples(count);
         for (std::size_t k = 0; k < count; ++k)
             samples[k] = errors.white_m_s * at[k];
-        white[i] = window_errors(search, mean_of, samples);
+        white[i] = window_errors(search, definition, samples);
         add_gauss_markov(search.time_s, brief_sd_m_s, brief_tau_s, at + count, samples);
         add_gauss_markov(search.time_s, errors.slow_m_s, slow_tau_s, at + 2 * count, samples);
-        all[i] = window_errors(search, mean_of, samples);
+        all[i] = window_errors(search, definition, samples);
     }
     return {.white_m_s = likely.white.calibrated(search, white[0], white[1]),
             .all_m_s = likely.all.calibrated(search, all[0], all[1])};
@@ -190,15 +189,15 @@ double gauss_markov_mean_sd(std::size_t samples, double step_s, double tau_s) {
 
 SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& times,
                                   const std::vector<FoundWindow>& all, const FoundWindow& chosen,
-                                  MeanOf mean_of, const DrawnSpeedErrors& errors, double reach_m_s,
-                                  std::int64_t samples, std::int64_t seed) {
+                                  SpeedDefinition definition, const DrawnSpeedErrors& errors,
+                                  double reach_m_s, std::int64_t samples, std::int64_t seed) {
     constexpr std::int64_t most_numbers = 4'000'000;
     constexpr std::int64_t fewest_draws = 100;
     const Search search = search_of(times, all, chosen, reach_m_s);
     SpeedChoiceBias bias{.candidates = std::ssize(search.candidates)};
     if (search.candidates.size() < 2) return bias;
     const auto steps = static_cast<double>(chosen.last - chosen.first);
-    const double step_s = (chosen.end.seconds() - chosen.start.seconds()) / steps;
+    const double step_s = chosen.duration_s() / steps;
     const double brief_sd_m_s =
         errors.brief_m_s / gauss_markov_mean_sd(chosen.last - chosen.first, step_s, brief_tau_s);
     const std::size_t numbers = 6 * search.time_s.size();
@@ -216,7 +215,7 @@ SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& t
         const double slow_tau_s =
             slow_tau_min_s * std::pow(slow_tau_max_s / slow_tau_min_s,
                                       (static_cast<double>(i) + 0.5) / static_cast<double>(draws));
-        return draw_from(search, likely, mean_of, errors, brief_sd_m_s, slow_tau_s, normals);
+        return draw_from(search, likely, definition, errors, brief_sd_m_s, slow_tau_s, normals);
     });
     std::vector<double> white, every;
     for (const Draw& one : drawn) {

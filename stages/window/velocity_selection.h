@@ -26,9 +26,6 @@ struct SpeedChoiceBias {
     double uncertainty_m_s = 0.0;  ///< standard uncertainty of either, from the number of draws
 };
 
-/// How a window's speed is computed from its samples.
-enum class MeanOf { samples, samples_after_first, path };
-
 /// Simulates the choice of the fastest window. Windows whose assured speed is at most `reach_m_s`
 /// below that of the chosen one are searched repeatedly, with errors drawn onto their recorded
 /// speeds. The recorded speeds already contain errors, which separate the windows and make the
@@ -42,8 +39,8 @@ enum class MeanOf { samples, samples_after_first, path };
 /// which is not below 0.
 SpeedChoiceBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& times,
                                   const std::vector<FoundWindow>& all, const FoundWindow& chosen,
-                                  MeanOf mean_of, const DrawnSpeedErrors& errors, double reach_m_s,
-                                  std::int64_t samples, std::int64_t seed);
+                                  SpeedDefinition definition, const DrawnSpeedErrors& errors,
+                                  double reach_m_s, std::int64_t samples, std::int64_t seed);
 
 /// Standard deviation of the mean of `samples` values, one step apart, of a first-order
 /// Gauss-Markov process with variance 1.

@@ -27,18 +27,6 @@ std::optional<CourseDirections> course_between(const PlaceFrames& frames,
                             .geodesic_end_deg = angles->geodesic_end.degrees()};
 }
 
-/// Calls `set` for each window that has a course.
-template <class Set>
-void for_each_window(Windows& windows, const Set& set) {
-    for (auto* const list : {&windows.profiles, &windows.with_files})
-        for (ProfileWindows& found : *list) {
-            if (found.best) set(*found.best);
-            if (found.fastest) set(*found.fastest);
-            for (FurtherWindow& further : found.further)
-                set(further);
-        }
-}
-
 }  // namespace
 
 void set_courses(const TrajectoryTable& trajectory, Windows& windows) {
@@ -51,7 +39,7 @@ void set_courses(const TrajectoryTable& trajectory, Windows& windows) {
     if (first == rows.end()) return;
     windows.course = course_between(frames, *first, *last);
     const RowsByEpoch by_epoch(rows);
-    for_each_window(windows, [&](auto& window) {
+    for_each_window(windows, [&](auto& window, const std::string&) {
         const auto* const begin = by_epoch.find(window.span.first_epoch);
         const auto* const end = by_epoch.find(window.span.last_epoch);
         if (begin && end && known(*begin) && known(*end))
@@ -60,11 +48,11 @@ void set_courses(const TrajectoryTable& trajectory, Windows& windows) {
 }
 
 void add_headings(const InertialSolution& solution, Windows& windows) {
-    for_each_window(windows, [&](auto& window) {
+    for_each_window(windows, [&](auto& window, const std::string&) {
         const auto within = epochs_within(solution, window.span);
         if (!window.course || !within) return;
         Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-        for (std::size_t k = within->first; k <= within->second; ++k) {
+        for (std::size_t k = within->first; k <= within->last; ++k) {
             const double heading = solution.epochs[k].attitude.heading;
             sum += Eigen::Vector2d(std::sin(heading), std::cos(heading));
         }

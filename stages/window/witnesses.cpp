@@ -188,11 +188,6 @@ std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& 
                        words_of(witness.kind), profile, witness_entry(witness.kind).unconfirming);
 }
 
-bool counts_path(SpeedDefinition definition) {
-    return definition == SpeedDefinition::path_length || definition == SpeedDefinition::mean_n ||
-           definition == SpeedDefinition::mean_n_plus_1;
-}
-
 template <int Axes>
 double displacement_ratio(const WitnessedMotion<Axes>& moved,
                           const PositionFigures<Axes>& positions) {
@@ -276,31 +271,10 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
 }
 
 template <int Axes>
-PositionVector<Axes> ArcMotion<Axes>::position_at(double time_s) const {
-    const auto position = [](const TrajectoryEpoch& at) {
-        if constexpr (Axes == 1) return PositionVector<1>(*at.up_m);
-        if constexpr (Axes == 2) return PositionVector<2>(*at.east_m, *at.north_m);
-    };
-    const auto velocity = [](const TrajectoryEpoch& at) {
-        if constexpr (Axes == 1) return PositionVector<1>(*at.velocity_up_m_s);
-        if constexpr (Axes == 2)
-            return PositionVector<2>(*at.velocity_east_m_s, *at.velocity_north_m_s);
-    };
-    const auto after = std::ranges::upper_bound(
-        arc_->rows, time_s, {}, [&](std::size_t k) { return trajectory_->rows[k].time.seconds(); });
-    const std::size_t k = std::min(static_cast<std::size_t>(after - arc_->rows.begin()), last());
-    if (k == 0) return position(row(0));
-    const TrajectoryEpoch &a = row(k - 1), &b = row(k);
-    const double step_s = b.time.seconds() - a.time.seconds();
-    const double s = (time_s - a.time.seconds()) / step_s, r = 1.0 - s;
-    return r * r * ((1.0 + 2.0 * s) * position(a) + s * step_s * velocity(a)) +
-           s * s * ((1.0 + 2.0 * r) * position(b) - r * step_s * velocity(b));
-}
-
-template <int Axes>
 std::optional<PositionVector<Axes>> ArcMotion<Axes>::between(double from_s, double to_s) const {
-    if (from_s < covered().first_s || to_s > covered().last_s) return std::nullopt;
-    return PositionVector<Axes>(position_at(to_s) - position_at(from_s));
+    if (from_s < covered_.first_s || to_s > covered_.last_s) return std::nullopt;
+    const Eigen::Vector3d moved = track_.at(to_s).position - track_.at(from_s).position;
+    return PositionVector<Axes>(Axes == 1 ? moved.tail<Axes>() : moved.head<Axes>());
 }
 
 template <int Axes>

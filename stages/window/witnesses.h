@@ -9,11 +9,12 @@
 #include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/combination.h"
-#include "stages/window/speed_by_definition.h"
+#include "stages/window/velocity_moment.h"
 #include "witness/certifiable.h"
 #include "witness/phase_motion.h"
 #include "witness/recorded_velocities.h"
 #include "witness/roster.h"
+#include "witness/window_speed.h"
 
 namespace runcert {
 
@@ -65,9 +66,6 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
 std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& span,
                               const std::string& profile);
 
-/// Whether a definition's speed corresponds to a witness's path, rather than its displacement.
-bool counts_path(SpeedDefinition definition);
-
 /// How far a contradicting witness shows another motion than the positions over the whole
 /// recording, and by how many seconds a clock may be off. Empty if it does not, and for phases,
 /// about which screening reports.
@@ -111,19 +109,16 @@ template <int Axes>
 class ArcMotion {
   public:
     ArcMotion(const TrajectoryTable& trajectory, const ArcRows& arc)
-        : trajectory_(&trajectory), arc_(&arc) {}
+        : track_(trajectory, arc, Axes == 1 ? Dimension::vertical : Dimension::horizontal),
+          covered_{track_.time_s(0), track_.time_s(arc.rows.size() - 1)} {}
 
-    TimeSpan covered() const { return {row(0).time.seconds(), row(last()).time.seconds()}; }
+    TimeSpan covered() const { return covered_; }
     /// The displacement between two instants (s). Empty if the arc does not hold both.
     std::optional<PositionVector<Axes>> between(double from_s, double to_s) const;
 
   private:
-    std::size_t last() const { return arc_->rows.size() - 1; }
-    const TrajectoryEpoch& row(std::size_t k) const { return trajectory_->rows[arc_->rows[k]]; }
-    PositionVector<Axes> position_at(double time_s) const;
-
-    const TrajectoryTable* trajectory_;
-    const ArcRows* arc_;
+    SmoothedTrack track_;
+    TimeSpan covered_;
 };
 
 /// A comparison of positions and a witness over a span.

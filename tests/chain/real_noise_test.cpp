@@ -5,8 +5,8 @@
 
 #include "motion/speed.h"
 #include "real_support.h"
+#include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
-#include "stages/window/speed_by_definition.h"
 
 // What the noise estimated from real recordings is worth.
 

@@ -28,9 +28,8 @@ void count(Coverage& coverage, double error_m_s, double standard_uncertainty_m_s
 
 void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
                  double true_m_s) {
-    const SpeedEstimate speed =
-        speed_by_definition(Chain<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
-                            {SpeedDefinition::displacement});
+    const SpeedEstimate speed = smoothed_speed(Chain<2>(stretch.epochs, model), stretch.window,
+                                               stretch.duration_s, {SpeedDefinition::displacement});
     count(coverage, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
 

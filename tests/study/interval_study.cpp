@@ -151,8 +151,9 @@ double ideal_of(const IntervalCell& cell, const ScreenedTable& screened,
                 std::ranges::find(arc.rows, static_cast<std::size_t>(epoch) - 1) -
                 arc.rows.begin());
         };
-        return 2.0 * displacement_speed(Chain<Axes>(arc.epochs, model), at(window.span.first_epoch),
-                                        at(window.span.last_epoch), window.span.duration.seconds())
+        return 2.0 * smoothed_speed(Chain<Axes>(arc.epochs, model),
+                                    {at(window.span.first_epoch), at(window.span.last_epoch)},
+                                    window.span.duration.seconds(), {})
                          .standard_uncertainty_m_s;
     }
     return 0.0;

@@ -183,7 +183,7 @@ SimulatedAttempt::Optimum SimulatedAttempt::optimum() const {
     const SpeedQuantity quantity{SpeedDefinition::displacement};
     const SpeedWeights<2> weights = speed_weights(at, quantity);
     const double all_m_s =
-        speed_by_definition(smoothed, at.window, at.duration_s, quantity).standard_uncertainty_m_s;
+        smoothed_speed(smoothed, at.window, at.duration_s, quantity).standard_uncertainty_m_s;
     const double white = weighted_variance<2>(arc.epochs, known.measurement_scale, weights);
     const double slow = weighted_variance<2>(arc.epochs, known.error, weights);
     return {.white_m_s = std::sqrt(white),

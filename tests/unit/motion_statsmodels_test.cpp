@@ -155,7 +155,9 @@ void expect_same_displacement(const Chain<2>& ours, const Json& theirs, double d
                                        between.transpose();
     const Eigen::Vector2d u = displacement.normalized();
     const double variance = u.dot(covariance.topLeftCorner<2, 2>() * u) / (duration_s * duration_s);
-    const SpeedEstimate speed = displacement_speed(ours, start, end, duration_s);
+    const SpeedEstimate speed =
+        horizontal_speed(runcert::displacement(ours, start, end) / duration_s,
+                         displacement_covariance(ours, start, end) / (duration_s * duration_s));
     EXPECT_NEAR(speed.speed_m_s / (displacement.norm() / duration_s), 1.0, 1e-9);
     EXPECT_NEAR(std::pow(speed.standard_uncertainty_m_s, 2) / variance, 1.0, 1e-9);
     Gradients<2> gradients(end - start + 1, StateVector<2>::Zero());

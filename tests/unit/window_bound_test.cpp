@@ -138,7 +138,7 @@ struct Scene {
         stretch.duration_s = 3.0;
     }
     SpeedEstimate by(const EstimationModel& model) const {
-        return displacement_speed(Chain<2>(stretch.epochs, model), 15, 45, 3.0);
+        return smoothed_speed(Chain<2>(stretch.epochs, model), {15, 45}, 3.0, {});
     }
 };
 

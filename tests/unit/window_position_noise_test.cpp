@@ -168,9 +168,9 @@ TEST(PositionNoise, TheRestIsTheMotions) {
     const auto variance = [&](double factor) {
         EstimationModel model = fitted_model();
         model.motion.jerk_density *= std::sqrt(factor);
-        const double u = displacement_speed(Chain<2>(stretch.epochs, model), stretch.window.first,
-                                            stretch.window.last, stretch.duration_s)
-                             .standard_uncertainty_m_s;
+        const double u =
+            smoothed_speed(Chain<2>(stretch.epochs, model), stretch.window, stretch.duration_s, {})
+                .standard_uncertainty_m_s;
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
@@ -537,7 +537,7 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
         const Chain<2> smoothed = Chain<2>(run.arc, model);
         for (std::size_t d = 0; d < definitions.size(); ++d) {
             const SpeedEstimate speed =
-                speed_by_definition(smoothed, stretch.window, 3.0, {definitions[d]});
+                smoothed_speed(smoothed, stretch.window, 3.0, {definitions[d]});
             errors[d].push_back(speed.speed_m_s - true_speed(run, stretch, definitions[d]));
             stated[d] += speed.standard_uncertainty_m_s / static_cast<double>(draws);
         }
@@ -561,11 +561,10 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
     EXPECT_EQ(stretch.epochs.size(), 1231U);
     EXPECT_EQ(stretch.window.first, 600U);
     EXPECT_EQ(stretch.window.last, 630U);
-    const SpeedEstimate cut =
-        speed_by_definition(Chain<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
-                            {SpeedDefinition::displacement});
-    const SpeedEstimate whole = speed_by_definition(Chain<2>(arc.epochs, model), window, 3.0,
-                                                    {SpeedDefinition::displacement});
+    const SpeedEstimate cut = smoothed_speed(Chain<2>(stretch.epochs, model), stretch.window,
+                                             stretch.duration_s, {SpeedDefinition::displacement});
+    const SpeedEstimate whole =
+        smoothed_speed(Chain<2>(arc.epochs, model), window, 3.0, {SpeedDefinition::displacement});
     EXPECT_NEAR(cut.speed_m_s, whole.speed_m_s, 1e-7);
     EXPECT_NEAR(cut.standard_uncertainty_m_s, whole.standard_uncertainty_m_s,
                 1e-6 * whole.standard_uncertainty_m_s);

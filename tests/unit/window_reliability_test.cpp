@@ -53,8 +53,8 @@ std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<
 }
 
 double speed_of(const WindowStretch<2>& stretch, SpeedDefinition definition) {
-    return speed_by_definition(Chain<2>(stretch.epochs, estimate_model()), stretch.window,
-                               stretch.duration_s, {definition})
+    return smoothed_speed(Chain<2>(stretch.epochs, estimate_model()), stretch.window,
+                          stretch.duration_s, {definition})
         .speed_m_s;
 }
 

@@ -10,8 +10,8 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-/// Ten seconds at top speed, and the robust solution beside the screened solution: the same, but that
-/// the window's end is so much further along the track.
+/// Ten seconds at top speed, and the robust solution beside the screened solution: the same, but
+/// that the window's end is so much further along the track.
 struct WitnessRecords {
     ScreenedTable screened = test::recorded({.from_s = 30.0, .to_s = 40.0});
     EstimationModel model;
@@ -37,7 +37,7 @@ struct WitnessRecords {
         return robust_speed(trajectory, part, smoothed, model_m_s).value();
     }
     double uncertainty() const {
-        return displacement_speed(smoothed, 30, 60, 3.0).standard_uncertainty_m_s;
+        return smoothed_speed(smoothed, {30, 60}, 3.0, {}).standard_uncertainty_m_s;
     }
 };
 

@@ -3,8 +3,9 @@
 #include <numeric>
 
 #include "core/failure.h"
-#include "stages/window/best_window.h"
+#include "stages/window/best_window_sums.h"
 #include "window_search_support.h"
+#include "witness/window_speed.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -264,6 +265,35 @@ TEST(RuleSearch, NothingToSearchIsNothingFound) {
             best_windows({steady(10.0, 1)}, over_distance(5.0, path_length, ends), 1).empty());
     }
     EXPECT_TRUE(best_windows({steady(10.0, 1)}, alpha(500.0), 1).empty());
+}
+
+// The running sums of the search are a shorter way to the same speed.
+TEST(RuleSearch, HasTheSpeedsOfTheirDefinition) {
+    RandomGenerator random(7);
+    for (std::uint64_t number = 0; number < 20; ++number) {
+        const SearchTrack track = random_track(options_of(number));
+        const SampleSeries& series = track.series.front();
+        const SpeedTrack samples{[&](std::size_t k) { return series.positions[k]; },
+                                 [&](std::size_t k) -> Eigen::Vector3d {
+                                     return {series.speeds_m_s[k], 0.0, 0.0};
+                                 }};
+        SampleSeries open = series;
+        open.obstacles.clear();
+        open.bounds.clear();
+        const SummedSeries sums = summed(open, 0);
+        for (int i = 0; i < 50; ++i) {
+            const auto first = static_cast<std::size_t>(random.uniform() * 0.5 *
+                                                        static_cast<double>(series.times.size()));
+            const std::size_t last = first + 2 + static_cast<std::size_t>(i);
+            if (last >= series.times.size()) continue;
+            const double duration_s = series.times[last].seconds() - series.times[first].seconds();
+            for (const SpeedDefinition definition :
+                 {displacement, path_length, SpeedDefinition::mean_n_plus_1,
+                  SpeedDefinition::mean_n})
+                EXPECT_NEAR(window_between(sums, first, last, definition).value().speed_m_s,
+                            speed_of(samples, {first, last}, duration_s, {definition}), 1e-9);
+        }
+    }
 }
 
 }  // namespace

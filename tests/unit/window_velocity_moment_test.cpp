@@ -43,7 +43,7 @@ struct Circle {
         window.start.nanoseconds = 10'000'000'000;
         window.end.nanoseconds = 40'000'000'000;
     }
-    TrackSpeed speed() const { return track_speed(screened, trajectory, arc, profile, window); }
+    SpeedEstimate speed() const { return track_speed(screened, trajectory, arc, profile, window); }
 };
 
 TEST(TrackSpeed, OfATurnIsNotCutShort) {

@@ -35,11 +35,11 @@ FoundWindow window_at(std::size_t series, std::size_t first, double speed_m_s,
 }
 
 SpeedChoiceBias bias_of(const std::vector<FoundWindow>& all, const DrawnSpeedErrors& errors,
-                        double reach_m_s, MeanOf mean_of = MeanOf::samples_after_first,
+                        double reach_m_s, SpeedDefinition definition = SpeedDefinition::mean_n,
                         std::int64_t draws = 2000) {
     static const auto of_samples = times();
     const auto chosen = std::ranges::max_element(all, {}, &FoundWindow::speed_m_s);
-    return speed_choice_bias(of_samples, all, *chosen, mean_of, errors, reach_m_s, draws, 1);
+    return speed_choice_bias(of_samples, all, *chosen, definition, errors, reach_m_s, draws, 1);
 }
 
 TEST(GaussMarkovMean, HasTheVarianceOfItsSum) {
@@ -81,7 +81,7 @@ TEST(SpeedChoice, IsInTheMeanWhatTheLargestErrorIs) {
             for (std::size_t i = 0; i < windows; ++i)
                 all.push_back(window_at(i % 2, 100 + 2000 * i, 15.0 + sigma_m_s * random.normal()));
             const SpeedChoiceBias bias =
-                bias_of(all, {.white_m_s = white_m_s}, 1.0, MeanOf::samples_after_first, 400);
+                bias_of(all, {.white_m_s = white_m_s}, 1.0, SpeedDefinition::mean_n, 400);
             EXPECT_EQ(bias.least_m_s, bias.most_m_s);
             estimates.push_back(bias.least_m_s);
         }
@@ -118,9 +118,9 @@ TEST(SpeedChoice, IsOfTheSamplesThatTheRuleCounts) {
     const std::vector<FoundWindow> all{window_at(0, 100, 15.0, 1), window_at(0, 900, 15.0, 1),
                                        window_at(1, 50, 15.0, 1)};
     const DrawnSpeedErrors errors{.white_m_s = 0.1};
-    const double one = bias_of(all, errors, 1.0, MeanOf::samples_after_first).most_m_s;
-    const double both = bias_of(all, errors, 1.0, MeanOf::samples).most_m_s;
-    const double path = bias_of(all, errors, 1.0, MeanOf::path).most_m_s;
+    const double one = bias_of(all, errors, 1.0, SpeedDefinition::mean_n).most_m_s;
+    const double both = bias_of(all, errors, 1.0, SpeedDefinition::mean_n_plus_1).most_m_s;
+    const double path = bias_of(all, errors, 1.0, SpeedDefinition::path_length).most_m_s;
     EXPECT_NEAR(both, one / std::sqrt(2.0), 0.1 * one);
     EXPECT_NEAR(path, both, 0.1 * one);
 }

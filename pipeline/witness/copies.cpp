@@ -83,9 +83,10 @@ double white_noise_m(Positions rows, int last_order = 6) {
         if (order < first_order) continue;
         std::vector<double> values;
         for (const auto& each : current)
-            if (each) values.insert(values.end(), {each->x() * step_s, each->y() * step_s});
-        if (values.size() < 2 * least_rows) break;
-        noise_m = std::min(noise_m, robust_scatter(std::move(values)) / std::sqrt(gain));
+            if (each) values.push_back(step_s * each->norm());
+        if (values.size() < least_rows) break;
+        noise_m = std::min(
+            noise_m, median(std::move(values)) / std::sqrt(chi_squared_quantile(0.5, 2) * gain));
     }
     return std::isfinite(noise_m) ? noise_m : 0.0;
 }
@@ -241,11 +242,11 @@ VelocityOrigin made_from(std::span<const TimedValue> speeds, Positions positions
     bool compared = false, unclear = false;
     for (const std::size_t either_side : {1U, 2U, 5U, 10U, 32U}) {
         // More weights follow rougher motion, and only what they do not follow is noise to them.
-        const int last_order = 4 + 2 * static_cast<int>(std::min<std::size_t>(either_side, 3));
-        const double noise_m = white_noise_m(positions, last_order);
+        const bool few = either_side <= 2;
+        const double noise_m = white_noise_m(positions, few ? 6 : 10);
         const Regression regression = regression_of(positions, beside, either_side, least_m_s);
         for (const int order : {0, 3}) {
-            if (order > 0 && either_side <= 2) continue;  // rough motion would stay
+            if (few && order > 0) continue;  // rough motion would stay
             const Fit fit = fitted(regression, order);
             if (fit.residual_m_s == 0.0 && fit.weights.isZero()) continue;
             const double gain =

@@ -274,7 +274,7 @@ TEST(VelocityOriginRecorded, OfEveryRecordingThatHasVelocities) {
         // Positions as smooth as their rounding: a difference is as good as a speed.
         {"windsurf_loggers/head_left.oao", VelocityOrigin::unclear},
         {"windsurf_loggers/head_right.oao", VelocityOrigin::independent},
-        {"ubx_walk/rover.ubx", VelocityOrigin::unclear},
+        {"ubx_walk/rover.ubx", VelocityOrigin::independent},
         {"speed_skydive/flysight1_good.csv", VelocityOrigin::independent},
         {"speed_skydive/flysight2_track.csv", VelocityOrigin::independent},
     };

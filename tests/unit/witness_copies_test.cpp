@@ -106,7 +106,7 @@ TEST(Copies, MeasuredSpeedsAreNeverTakenForDifferences) {
         for (const double white_m : {0.01, 0.02, 0.3, 2.0}) {
             const Recorded recorded{.rate_hz = rate_hz, .white_m = white_m};
             const Rows rows = written(positions_of(recorded), recorded.step_m);
-            for (const double sigma_m_s : {0.01, 0.1})
+            for (const double sigma_m_s : {0.03, 0.1})
                 for (const double delay_steps : {0.0, 0.5})
                     for (const double step_m_s : {0.0, kilometre_an_hour_tenth}) {
                         const auto speeds =
@@ -308,6 +308,24 @@ TEST(Copies, AnExactWheelBesideWanderingPositionsIsNone) {
                 EXPECT_NE(made_from(exact, rows), VelocityOrigin::positions);
                 EXPECT_FALSE(made_from(integrated(exact), 0.0, 0.1, rows));
             }
+}
+
+// Positions that are integrated speeds, straight ahead: the other axis has no errors at all.
+TEST(Copies, SpeedsAreFoundInTheirIntegral) {
+    RandomGenerator random(1);
+    Rows rows;
+    Speeds others, copies;
+    Vector2d place = Vector2d::Zero();
+    for (int k = 0; k < 1200; ++k) {
+        const double true_m_s = 30.0 + 5.0 * std::sin(0.02 * k);
+        const double speed_m_s = true_m_s + 0.03 * random.normal();
+        place.y() += 0.1 * speed_m_s;
+        rows.push_back({.time_s = 0.1 * k, .position = place});
+        copies.push_back({0.1 * k, rounded(speed_m_s / 1.02, 1e-4)});
+        others.push_back({0.1 * k, true_m_s + 0.02 * random.normal()});
+    }
+    EXPECT_EQ(made_from(copies, rows), VelocityOrigin::positions);
+    EXPECT_EQ(made_from(others, rows), VelocityOrigin::independent);
 }
 
 TEST(Copies, TheStepOfWrittenSpeedsIsSeen) {

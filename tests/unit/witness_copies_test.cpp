@@ -228,7 +228,7 @@ TEST(Copies, SpeedsSmoothedFromThePositionsAreToldFromMeasuredOnes) {
             SCOPED_TRACE(either_side);
             const Speeds made = smoothed_from(rows, either_side, smooth);
             EXPECT_EQ(made_from(made, rows), VelocityOrigin::positions);
-            // Of another scale, late by what is known, and with a slow error added as a disguise.
+            // Of another scale, late by what is known, and with a smooth wave added as a disguise.
             Speeds disguised = made;
             for (TimedValue& one : disguised) {
                 one.value = 1.02 * one.value + 0.2 * std::sin(0.1 * one.time_s);

@@ -48,6 +48,23 @@ double scale_of(double squared_norm, double probability) {
     return std::sqrt(squared_norm / chi_squared_quantile(probability, 2));
 }
 
+Delay delay_of(const std::function<double(double)>& mean_square, double middle_s, double range_s,
+               double step_s, double independent) {
+    Delay found{.delay_s = std::nullopt, .sigma_s = std::numeric_limits<double>::infinity()};
+    const auto steps = static_cast<int>(std::lround(range_s / step_s));
+    std::vector<double> profile;
+    for (int k = -steps; k <= steps; ++k)
+        profile.push_back(mean_square(middle_s + k * step_s));
+    const auto least = std::ranges::min_element(profile);
+    if (least == profile.begin() || least + 1 == profile.end()) return found;
+    const double left = *(least - 1), right = *(least + 1), bend = left - 2.0 * *least + right;
+    if (!(bend > 0.0 && std::isfinite(bend))) return found;
+    const double place = static_cast<double>(least - profile.begin()) - steps;
+    found.delay_s = middle_s + (place + 0.5 * (left - right) / bend) * step_s;
+    found.sigma_s = step_s * std::sqrt(2.0 * *least / (bend * independent));
+    return found;
+}
+
 namespace {
 
 /// One comparison as a function of the delay: its difference and derivative there.
@@ -184,23 +201,18 @@ Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector
     if (comparisons.size() < least_comparisons) return undetermined;
     const CoarseDelay coarse = coarse_delay(knots, comparisons, limit_s);
     if (coarse.at_limit) return undetermined;
-    double delay_s = coarse.delay_s;
-    std::vector<DelayTerm> terms;
-    for (int iteration = 0; iteration < 50; ++iteration) {
-        terms = delay_terms(knots, comparisons, delay_s);
-        double along = 0.0, squares = 0.0;
-        for (const DelayTerm& term : terms) {
-            const double weight = huber_weight(term.difference.norm() / coarse.scale);
-            along += weight * term.acceleration.dot(term.difference);
-            squares += weight * term.acceleration.squaredNorm();
-        }
-        // The derivative of a difference with respect to the delay is the acceleration.
-        const double next_s = std::clamp(delay_s - along / squares, coarse.delay_s - coarse.step_s,
-                                         coarse.delay_s + coarse.step_s);
-        const bool settled = std::abs(next_s - delay_s) < 1e-7;
-        delay_s = next_s;
-        if (settled) break;
-    }
+    const auto criterion = [&](double delay_s) {
+        double sum = 0.0;
+        for (const DelayTerm& term : delay_terms(knots, comparisons, delay_s))
+            sum += huber(term.difference.norm() / coarse.scale);
+        return sum;
+    };
+    constexpr double parts = 8.0;  // of a step, so that the criterion is a parabola between them
+    const auto delay_s = delay_of(criterion, coarse.delay_s, coarse.step_s + coarse.step_s / parts,
+                                  coarse.step_s / parts, 1.0)
+                             .delay_s;
+    if (!delay_s) return undetermined;
+    const std::vector<DelayTerm> terms = delay_terms(knots, comparisons, *delay_s);
     const double sigma_s = delay_sigma(terms, coarse.scale, interval_s);
     if (!(sigma_s <= 0.5 * interval_s)) return undetermined;
     return {.delay_s = delay_s, .sigma_s = sigma_s};

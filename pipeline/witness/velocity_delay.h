@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -47,14 +48,21 @@ struct Delay {
     double sigma_s = 0.0;
 };
 
+/// The delay of the least of a profile: the mean square of residuals at each delay within
+/// `range_s` of `middle_s`, on a grid of `step_s` and then by the parabola through the least and
+/// its neighbours. Its standard uncertainty follows from the curvature, for so many `independent`
+/// residuals. Undetermined where the least lies at the end of the range.
+Delay delay_of(const std::function<double(double delay_s)>& mean_square, double middle_s,
+               double range_s, double step_s, double independent);
+
 /// Standard deviation on each axis of normally distributed two-dimensional vectors whose squared
 /// norm has the quantile `squared_norm` at `probability`.
 double scale_of(double squared_norm, double probability);
 
 /// The delay d of v_recorded(t) = v(t - d), between minus and plus `limit_s`. It is a Huber
-/// M-estimate, refined from a grid by reweighted least squares. Undetermined where hardly any epoch
-/// accelerates, where the criterion is least at the end of the range, or where the standard
-/// uncertainty exceeds half an interval.
+/// M-estimate (`delay_of`, with Huber's criterion in place of the square). Undetermined where
+/// hardly any epoch accelerates, where the criterion is least at the end of the range, or where the
+/// standard uncertainty exceeds half an interval.
 Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
                      double limit_s, double interval_s);
 

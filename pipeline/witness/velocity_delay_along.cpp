@@ -245,26 +245,25 @@ std::optional<double> mean_square(Pairs pairs, const Places& places, const Delay
     return count > 0.0 ? std::optional(sum / count) : std::nullopt;
 }
 
-/// The least-squares delay among whole intervals of the recording near that of the bins. Its
-/// standard uncertainty assumes errors that last for two seconds.
+/// The least-squares delay near that of the bins, from the profile over whole intervals of the
+/// recording: between rows, interpolation would lessen the noise. Its standard uncertainty assumes
+/// errors that last for two seconds.
 void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_s,
             DelayStretch& stretch) {
     constexpr double lasting_s = 2.0;
-    const double coarse_s = stretch.delay_s;
-    const auto reach = static_cast<int>(std::ceil(bins.step_s / bins.interval_s));
     const auto square_at = [&](double delay_s) {
+        if (std::abs(delay_s) > delay_range_s) return std::numeric_limits<double>::infinity();
         return mean_square(pairs, places, stretch, delay_s, 2.5 * bins.step_s)
             .value_or(std::numeric_limits<double>::infinity());
     };
-    double least = std::numeric_limits<double>::infinity();
-    for (int j = -reach; j <= reach; ++j) {
-        const double delay_s =
-            bins.interval_s * (std::round(coarse_s / bins.interval_s) + static_cast<double>(j));
-        const double square = square_at(delay_s);
-        if (square >= least) continue;
-        least = square;
-        stretch.delay_s = delay_s;
-    }
+    const double independent =
+        std::max(1.0, (places[stretch.last] - places[stretch.first]) / lasting_s);
+    const auto whole = [&](double delay_s) {
+        return bins.interval_s * std::round(delay_s / bins.interval_s);
+    };
+    const Delay found = delay_of(square_at, whole(stretch.delay_s), bins.step_s + bins.interval_s,
+                                 bins.interval_s, independent);
+    stretch.delay_s = found.delay_s.value_or(stretch.delay_s);
     // Periodic motion fits one period later as well, by chance perhaps better than at the nearest
     // whole interval. The best delay within the limit, found on a finer grid, must therefore be
     // clearly worse.
@@ -278,21 +277,13 @@ void refine(Pairs pairs, const Places& places, const Binned& bins, double limit_
                 least_within = square;
                 within_s = either_s;
             }
-    if (least_within < std::numeric_limits<double>::infinity() && least > clearly * least_within) {
-        least = least_within;
+    if (least_within < std::numeric_limits<double>::infinity() &&
+        square_at(whole(stretch.delay_s)) > clearly * least_within) {
         stretch.delay_s = within_s;
         stretch.difference_m_s = stretch.difference_within_m_s;
     }
-    const double beside_s = bins.step_s;
-    const double curvature =
-        (0.5 * (square_at(stretch.delay_s - beside_s) + square_at(stretch.delay_s + beside_s)) -
-         least) /
-        (beside_s * beside_s);
-    const double independent =
-        std::max(1.0, (places[stretch.last] - places[stretch.first]) / lasting_s);
-    stretch.sigma_s =
-        std::hypot(rectangular_uncertainty(0.5 * bins.interval_s),
-                   curvature > 0.0 ? std::sqrt(least / (curvature * independent)) : bins.step_s);
+    stretch.sigma_s = std::hypot(rectangular_uncertainty(0.5 * bins.interval_s),
+                                 std::min(found.sigma_s, bins.step_s));
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 #include "schemas/observations/observations.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/recording.h"
-#include "witness/velocity_origin.h"
+#include "witness/copies.h"
 
 namespace runcert {
 
@@ -39,8 +39,8 @@ struct RawDelay {
 std::vector<RawDelay> raw_velocity_delays(const Observations& observations);
 
 /// Whether the recorded velocities and speeds were computed from the positions, by
-/// `velocities::origin_of_speeds`.
-velocities::Origin raw_velocity_origin(const Observations& observations);
+/// `made_from`.
+VelocityOrigin raw_velocity_origin(const Observations& observations);
 
 /// A fastest stretch, unscreened.
 struct RawBest {
@@ -79,7 +79,7 @@ struct Inspection {
     std::size_t with_velocity = 0;      ///< epochs with a recorded velocity or speed
     std::size_t speeds_alone = 0;       ///< those of them without a course
     std::size_t velocities_stated = 0;  ///< those of them that state their accuracy
-    velocities::Origin velocity_origin = velocities::Origin::unclear;
+    VelocityOrigin velocity_origin = VelocityOrigin::unclear;
     std::optional<double> velocity_delay_s;  ///< behind the positions
     std::vector<RawDelay> velocity_delays;   ///< by the lengths of the speeds
     /// Stated, as median_horizontal_m.

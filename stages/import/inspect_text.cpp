@@ -240,7 +240,7 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
             "The recorded speeds are not those of the positions beside them: they are {}. A rule "
             "of recorded speeds certifies none of them.",
             raw_delay_text(*beyond)));
-    if (it.velocity_origin == velocities::Origin::positions)
+    if (it.velocity_origin == VelocityOrigin::positions)
         concerns.push_back(
             "The recorded velocities were computed from the positions: they are no evidence "
             "beside them.");

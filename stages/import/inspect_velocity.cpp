@@ -4,6 +4,7 @@
 #include "core/geodesy.h"
 #include "stages/import/inspect.h"
 #include "stages/import/row_collector.h"
+#include "witness/copies.h"
 #include "witness/velocity_delay.h"
 
 namespace runcert {
@@ -107,15 +108,16 @@ bool changes(const std::vector<velocities::Comparison>& comparisons) {
 
 }  // namespace
 
-velocities::Origin raw_velocity_origin(const Observations& observations) {
-    std::vector<velocities::SpeedBesidePosition> rows;
-    for (const Point& point : chosen(points_of(observations)))
-        rows.push_back({.time_s = point.time_s,
-                        .position_m = point.place,
-                        .speed_m_s = horizontal_speed(*point.row)});
-    return velocities::origin_of_speeds(rows,
-                                        observations.facts.position_resolution_m.value_or(0.0))
-        .origin;
+VelocityOrigin raw_velocity_origin(const Observations& observations) {
+    std::vector<TimedPosition<2>> positions;
+    std::vector<TimedValue> speeds;
+    for (const Point& point : chosen(points_of(observations))) {
+        positions.push_back({.time_s = point.time_s, .position = point.place});
+        if (const auto speed = horizontal_speed(*point.row))
+            speeds.push_back({point.time_s, *speed});
+    }
+    return made_from(speeds, positions, 0.0,
+                     observations.facts.position_resolution_m.value_or(0.0));
 }
 
 std::optional<double> raw_velocity_delay_s(const Observations& observations) {

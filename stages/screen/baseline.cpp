@@ -11,7 +11,7 @@
 #include "stages/screen/noise.h"
 #include "stages/screen/receiver_pairs.h"
 #include "witness/arcs.h"
-#include "witness/same_origin.h"
+#include "witness/copies.h"
 
 namespace runcert {
 namespace {
@@ -292,13 +292,13 @@ BaselineComparison comparison_of(const ScreenedTable& table, const std::string& 
 }
 
 /// The recorded positions, usable or not, because a copy also has the errors that screening finds.
-std::vector<velocities::SpeedBesidePosition> recorded_positions(const ScreenedTable& table) {
-    std::vector<velocities::SpeedBesidePosition> positions;
+std::vector<TimedPosition<2>> recorded_positions(const ScreenedTable& table) {
+    std::vector<TimedPosition<2>> positions;
     for (const ScreenedEpoch& row : table.rows) {
         if (!row.east_m || !row.north_m) continue;
         const double time_s = row.time.seconds();
         if (!positions.empty() && positions.back().time_s >= time_s) continue;
-        positions.push_back({.time_s = time_s, .position_m = measured_position<2>(row)});
+        positions.push_back({.time_s = time_s, .position = measured_position<2>(row)});
     }
     return positions;
 }
@@ -306,8 +306,8 @@ std::vector<velocities::SpeedBesidePosition> recorded_positions(const ScreenedTa
 bool have_same_errors(const ScreenedTable& first, const ScreenedTable& second) {
     const auto &of_first = first.facts.first_epoch, &of_second = second.facts.first_epoch;
     if (of_first.has_value() != of_second.has_value()) return false;
-    return share_errors(recorded_positions(first), recorded_positions(second),
-                        of_first ? of_second->seconds_since(*of_first) : 0.0);
+    return made_from(recorded_positions(second), recorded_positions(first),
+                     of_first ? of_second->seconds_since(*of_first) : 0.0);
 }
 
 }  // namespace

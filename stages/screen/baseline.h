@@ -31,7 +31,7 @@ namespace runcert {
 /// two clocks is a distance along the track proportional to the speed. It is not an error of
 /// positions and is not marked, but increases the standard deviation of the length.
 ///
-/// `comparison.same_errors` says that one of the two was made from the other (`share_errors`).
+/// `comparison.same_errors` says that one of the two was made from the other (`made_from`).
 ///
 /// Returns whether anything was marked, after which the arcs must be finished again.
 /// `motion_of_first` has one entry for each row of the first.

@@ -5,8 +5,8 @@
 
 #include "core/statistics.h"
 #include "stages/screen/adaptation.h"
+#include "witness/copies.h"
 #include "witness/recorded_velocities.h"
-#include "witness/velocity_origin.h"
 
 namespace runcert {
 namespace {
@@ -52,18 +52,16 @@ double speed_of(const ArcEpoch<1>& epoch) {
 /// The white noise of one speed (m/s), not less than rounding to its resolution makes.
 double white_noise_of(const std::vector<SpeedArc>& arcs) {
     std::vector<double> third;
-    std::vector<velocities::SpeedBesidePosition> speeds;
+    std::vector<TimedValue> speeds;
     for (const SpeedArc& arc : arcs)
         for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
-            speeds.push_back(
-                {.time_s = arc.epochs[k].time_s, .speed_m_s = speed_of(arc.epochs[k])});
+            speeds.push_back({arc.epochs[k].time_s, speed_of(arc.epochs[k])});
             if (k >= 3)
                 third.push_back(
                     std::abs(speed_of(arc.epochs[k]) - speed_of(arc.epochs[k - 3]) -
                              3.0 * (speed_of(arc.epochs[k - 1]) - speed_of(arc.epochs[k - 2]))));
         }
-    return std::max(robust_sd(std::move(third), 20.0),
-                    velocities::speed_resolution_m_s(speeds) / std::sqrt(12.0));
+    return std::max(robust_sd(std::move(third), 20.0), resolution_m_s(speeds) / std::sqrt(12.0));
 }
 
 /// Gives each sample the white noise as its standard deviation, up to three times as much where it

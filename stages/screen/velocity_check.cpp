@@ -13,10 +13,9 @@
 #include "schemas/observations/stated_covariance.h"
 #include "stages/screen/velocity_check_delays.h"
 #include "stages/screen/witness_check.h"
+#include "witness/copies.h"
 #include "witness/recorded_velocities.h"
-#include "witness/same_origin.h"
 #include "witness/velocity_delay.h"
-#include "witness/velocity_origin.h"
 
 namespace runcert {
 namespace {
@@ -243,28 +242,32 @@ Directions directions_of(const Motion& motion) {
 /// Whether the velocities were computed from the positions recorded with them.
 VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Directions& directions,
                          double position_resolution_m) {
-    std::vector<SpeedBesidePosition> beside;
+    std::vector<TimedPosition<2>> positions;
+    std::vector<TimedValue> speeds;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const ScreenedEpoch& row = rows[i];
         if (!row.east_m || !row.north_m || is_out_of_time(row)) continue;
-        SpeedBesidePosition& one = beside.emplace_back();
-        one.time_s = row.time.seconds();
-        one.position_m = measured_position<2>(row);
+        const double time_s = row.time.seconds();
+        positions.push_back({.time_s = time_s, .position = measured_position<2>(row)});
         if (row.recorded_speed_m_s)
-            one.speed_m_s = *row.recorded_speed_m_s;
+            speeds.push_back({time_s, *row.recorded_speed_m_s});
         else if (const auto velocity = recorded_velocity<2>(row, directions[i]))
-            one.speed_m_s = velocity->norm();
+            speeds.push_back({time_s, velocity->norm()});
     }
-    if (are_filtered_positions(beside)) return VelocityOrigin::positions;
-    switch (origin_of_speeds(beside, position_resolution_m).origin) {
-        case Origin::independent:
-            return VelocityOrigin::independent;
-        case Origin::positions:
-            return VelocityOrigin::positions;
-        case Origin::unclear:
-            break;
+    return made_from(speeds, positions, 0.0, position_resolution_m);
+}
+
+/// Standard deviation of the rounding of the recorded velocities, seen in their lengths or parts.
+double rounding_m_s(const std::vector<ScreenedEpoch>& rows) {
+    std::vector<TimedValue> lengths, parts;
+    for (const ScreenedEpoch& row : rows) {
+        const double time_s = row.time.seconds();
+        if (const auto speed = recorded_speed(row, true, false))
+            lengths.push_back({time_s, speed->speed_m_s});
+        for (const auto& part : {row.recorded_velocity_east_m_s, row.recorded_velocity_north_m_s})
+            if (part) parts.push_back({time_s, *part});
     }
-    return VelocityOrigin::unclear;
+    return rectangular_uncertainty(0.5 * std::max(resolution_m_s(lengths), resolution_m_s(parts)));
 }
 
 bool is_speed_only(const std::vector<ScreenedEpoch>& rows) {
@@ -356,19 +359,6 @@ std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
                                          normal_quantile(0.75) / std::sqrt(independent)};
 }
 
-/// Whether the velocities were made from the positions, in which case their integral never departs
-/// from them.
-bool follow_positions(const std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness) {
-    constexpr double of_code_m = 0.1;
-    const std::vector<TimedPosition<2>> positions = timed_positions<2>(rows);
-    std::vector<double> stated_m;
-    for (const TimedPosition<2>& one : positions)
-        stated_m.push_back(one.sigma_m);
-    const bool of_code = !stated_m.empty() && median(std::move(stated_m)) >= of_code_m;
-    const auto estimated = estimate_velocity_errors<2>(witness, std::span(positions), std::nullopt);
-    return keep_to_positions(estimated.spreads, of_code);
-}
-
 /// Marks slow drifts and steps, and ends the arc after them.
 void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness,
                  const VelocityErrors& errors, double threshold) {
@@ -429,7 +419,8 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     Differences differences = smoothed_differences(gathered, delay);
     if (differences.size() < least_comparisons) return findings;
     const auto undisturbed = undisturbed_witness<2>(rows, directions, delay, left_out, options);
-    if (undisturbed && follow_positions(rows, *undisturbed)) {
+    if (undisturbed && made_from(*undisturbed, rounding_m_s(rows), options.nominal_interval_s,
+                                 timed_positions<2>(rows))) {
         comparison.origin = VelocityOrigin::positions;
         comparison.unfit = false;
         return findings;

@@ -14,7 +14,7 @@
 #include "stages/window/selection.h"
 #include "stages/window/velocity_moment.h"
 #include "stages/window/velocity_selection.h"
-#include "witness/velocity_origin.h"
+#include "witness/copies.h"
 
 namespace runcert {
 namespace {
@@ -201,10 +201,10 @@ BudgetRow undetected_row(const ScreenedTable& screened, const Profile& profile, 
 }
 
 double resolution_m_s(const std::vector<ComparedSpeed>& compared) {
-    std::vector<velocities::SpeedBesidePosition> speeds;
+    std::vector<TimedValue> speeds;
     for (const ComparedSpeed& one : compared)
-        speeds.push_back({.time_s = one.time_s, .speed_m_s = one.recorded_m_s});
-    return velocities::speed_resolution_m_s(speeds);
+        speeds.push_back({one.time_s, one.recorded_m_s});
+    return resolution_m_s(speeds);
 }
 
 /// Adds the rows of time and rounding. If a window begins slightly later, the mean of recorded

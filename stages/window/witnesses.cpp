@@ -75,7 +75,7 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
         std::optional<std::string> original;
         if constexpr (Axes == 2) {
             auto source = source_by_velocities(screened, directions);
-            original = source_of_speeds(source->speeds_m_s, sources, source->delay_s, 1.0);
+            original = source_of(source->speeds_m_s, sources, source->delay_s);
             sources.push_back(*std::move(source));
         }
         witnesses.push_back(

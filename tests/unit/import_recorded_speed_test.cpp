@@ -266,17 +266,17 @@ TEST(RecordedSpeed, InspectSaysWhatWasFoundAndWhatToWrite) {
 TEST(VelocityOriginRecorded, OfEveryRecordingThatHasVelocities) {
     const struct {
         const char* file;
-        velocities::Origin origin;
+        VelocityOrigin origin;
     } recordings[] = {
-        {"race_car_vbo/run_a.vbo", velocities::Origin::independent},
-        {"race_car_vbo/run_b.vbo", velocities::Origin::independent},
-        {"windsurf_loggers/boom_left.oao", velocities::Origin::independent},
+        {"race_car_vbo/run_a.vbo", VelocityOrigin::independent},
+        {"race_car_vbo/run_b.vbo", VelocityOrigin::independent},
+        {"windsurf_loggers/boom_left.oao", VelocityOrigin::independent},
         // Positions as smooth as their rounding: a difference is as good as a speed.
-        {"windsurf_loggers/head_left.oao", velocities::Origin::unclear},
-        {"windsurf_loggers/head_right.oao", velocities::Origin::independent},
-        {"ubx_walk/rover.ubx", velocities::Origin::unclear},
-        {"speed_skydive/flysight1_good.csv", velocities::Origin::independent},
-        {"speed_skydive/flysight2_track.csv", velocities::Origin::independent},
+        {"windsurf_loggers/head_left.oao", VelocityOrigin::unclear},
+        {"windsurf_loggers/head_right.oao", VelocityOrigin::independent},
+        {"ubx_walk/rover.ubx", VelocityOrigin::independent},
+        {"speed_skydive/flysight1_good.csv", VelocityOrigin::independent},
+        {"speed_skydive/flysight2_track.csv", VelocityOrigin::independent},
     };
     for (const auto& [file, origin] : recordings) {
         const auto text = recorded(file);

@@ -5,7 +5,6 @@
 
 #include "witness/copies.h"
 #include "witness/roster.h"
-#include "witness/same_origin.h"
 
 namespace runcert {
 namespace {
@@ -63,16 +62,19 @@ std::optional<WitnessedMotion<2>> GateWitness::between(double from_s, double to_
 
 bool GateWitness::agrees_too_well() const {
     constexpr double least_of_positions_m = 0.01;
-    std::vector<double> differences;
+    std::vector<TimedPosition<2>> ends;
+    for (const GatePassage& one : passages_)
+        ends.push_back({.time_s = one.time_s, .position = one.position_m});
+    std::vector<Way> ways;
     for (std::size_t i = 1; i < passages_.size(); ++i) {
         const GatePassage &from = passages_[i - 1], &to = passages_[i];
-        const double apart_m =
-            to.distance_m - from.distance_m - (to.position_m - from.position_m).norm();
-        differences.push_back(
-            apart_m / std::hypot(errors_.sigma_distance_m, least_of_positions_m,
-                                 errors_.sigma_time_s * std::hypot(from.speed_m_s, to.speed_m_s)));
+        ways.push_back({.span = {.first_s = from.time_s, .last_s = to.time_s},
+                        .length_m = to.distance_m - from.distance_m,
+                        .sigma_m = std::hypot(
+                            errors_.sigma_distance_m, least_of_positions_m,
+                            errors_.sigma_time_s * std::hypot(from.speed_m_s, to.speed_m_s))});
     }
-    return agree_too_well(differences);
+    return made_from(ways, ends);
 }
 
 TimeSpan GateWitness::covered() const {
@@ -146,8 +148,8 @@ std::optional<HeardWitness<2>> make_gates(const HandedInSeries& given) {
         ways.push_back(
             {.span = {.first_s = passages_m[i - 1].time_s, .last_s = passages_m[i].time_s},
              .length_m = passages_m[i].value - passages_m[i - 1].value});
-    const bool made = gates->agrees_too_well() || are_between_positions(ways, given.positions);
-    const auto original = source_of_ways(ways, given.sources);
+    const bool made = gates->agrees_too_well() || made_from(ways, given.positions);
+    const auto original = source_of(ways, given.sources);
     return HeardWitness<2>{
         .kind = WitnessKind::gates,
         .motion = std::make_shared<const GateWitness>(*std::move(gates)),

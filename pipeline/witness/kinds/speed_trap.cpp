@@ -60,10 +60,10 @@ std::optional<HeardWitness<2>> make_speed_trap(const HandedInSeries& given) {
     if (ends.empty()) return std::nullopt;
     const std::vector<Way> ways = ways_between(ends);
     const std::vector<TimedValue> speeds_m_s = timed_values(given.series);
-    const bool made = are_between_positions(ways, given.positions) ||
-                      are_from_positions(speeds_m_s, given.positions, 0.0);
-    auto original = source_of_ways(ways, given.sources);
-    if (!original) original = source_of_speeds(speeds_m_s, given.sources, 0.0, 1.0);
+    const bool made = made_from(ways, given.positions) ||
+                      made_from(speeds_m_s, given.positions) == VelocityOrigin::positions;
+    auto original = source_of(ways, given.sources);
+    if (!original) original = source_of(speeds_m_s, given.sources, 0.0);
     return HeardWitness<2>{
         .kind = WitnessKind::speed_trap,
         .motion = std::make_shared<const GateWitness>(std::move(ends), GateErrors{}),

@@ -10,7 +10,7 @@
 #include "core/uncertainty.h"
 #include "witness/copies.h"
 #include "witness/roster.h"
-#include "witness/same_origin.h"
+#include "witness/velocity_delay.h"
 
 namespace runcert {
 namespace {
@@ -68,34 +68,18 @@ WheelFit fit_at(std::span<const TimedValue> wheel, const Track& track, double de
     return fit;
 }
 
-struct WheelDelay {
-    double delay_s = 0.0;
-    double sigma_s = 0.0;
-};
-
 /// The delay of the best fit. It is unknown where the speed hardly changes, or where the best lies
 /// at the end of the range. It is then zero, with an uncertainty that covers the range.
-WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
-    const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
-    std::vector<WheelFit> fits;
-    for (int k = -steps; k <= steps; ++k)
-        fits.push_back(fit_at(wheel, track, k * delay_step_s));
-    const auto best = std::ranges::min_element(fits, {}, &WheelFit::mean_square);
-    const WheelDelay unknown_delay{.delay_s = 0.0,
-                                   .sigma_s = rectangular_uncertainty(largest_delay_s)};
-    if (best == fits.begin() || best + 1 == fits.end()) return unknown_delay;
-    const double left = (best - 1)->mean_square(), middle = best->mean_square(),
-                 right = (best + 1)->mean_square();
-    const double curvature = (left - 2.0 * middle + right) / (delay_step_s * delay_step_s);
-    if (!(curvature > 0.0)) return unknown_delay;
-    const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
+velocities::Delay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     // Errors are assumed to last for a second, so the seconds count as independent.
-    const double seconds =
-        std::max(1.0, static_cast<double>(best->epochs) * track.nominal_interval_s);
-    WheelDelay delay;
-    delay.delay_s = (static_cast<double>(best - fits.begin()) - steps) * delay_step_s + shift_s;
-    delay.sigma_s = std::sqrt(2.0 * middle / (curvature * seconds));
-    return delay.sigma_s < unknown_delay.sigma_s ? delay : unknown_delay;
+    const double seconds = std::max(
+        1.0, static_cast<double>(fit_at(wheel, track, 0.0).epochs) * track.nominal_interval_s);
+    const velocities::Delay found = velocities::delay_of(
+        [&](double delay_s) { return fit_at(wheel, track, delay_s).mean_square(); }, 0.0,
+        largest_delay_s, delay_step_s, seconds);
+    const velocities::Delay unknown{.delay_s = 0.0,
+                                    .sigma_s = rectangular_uncertainty(largest_delay_s)};
+    return found.delay_s && found.sigma_s < unknown.sigma_s ? found : unknown;
 }
 
 /// Both path lengths over a span of 3 s or more in which the craft moves fast.
@@ -240,14 +224,15 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                                           std::span<const TimedPosition<2>> positions,
                                           const Track& track, double jerk_density) {
     const std::span<const TimedValue> wheel = speeds.m_s;
-    const WheelDelay delay = delay_of(wheel, track);
-    const WheelFit fit = fit_at(wheel, track, delay.delay_s);
+    const velocities::Delay delay = delay_of(wheel, track);
+    const double delay_s = *delay.delay_s;
+    const WheelFit fit = fit_at(wheel, track, delay_s);
     if (fit.epochs < fewest_epochs || !(fit.scale > 0.0)) return std::nullopt;
     const double scale = speeds.calibrated_scale.value_or(fit.scale);
-    const std::vector<FastSpan> spans = fast_spans(wheel, track, delay.delay_s, scale);
+    const std::vector<FastSpan> spans = fast_spans(wheel, track, delay_s, scale);
     std::vector<TimedVelocity<2>> samples;
     for (const TimedValue& one : wheel) {
-        const TrackEpoch* const at = epoch_near(track, one.time_s - delay.delay_s);
+        const TrackEpoch* const at = epoch_near(track, one.time_s - delay_s);
         if (at == nullptr) continue;
         const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
         if (!(velocity.norm() > 0.0)) continue;
@@ -262,15 +247,18 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
     }
     if (samples.size() < fewest_epochs) return std::nullopt;
     VelocityErrorModel delay_alone;
-    delay_alone.delay_s = delay.delay_s;
+    delay_alone.delay_s = delay_s;
     delay_alone.sigma_delay_s = delay.sigma_s;
     delay_alone.density = 0.0;
     std::vector<WheelRun> runs = runs_of(spans);
     const VelocityWitness<2> undisturbed(as_fitted(samples, runs), delay_alone, jerk_density);
     const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
     if (!estimated.model.is_known()) return std::nullopt;
-    const bool made = keep_to_positions(estimated.spreads, false) ||
-                      are_from_positions(wheel, positions, delay.delay_s, fit.scale);
+    const double rounding_m_s = rectangular_uncertainty(0.5 * scale * resolution_m_s(wheel, 0.0));
+    const double step_s =
+        (wheel.back().time_s - wheel.front().time_s) / static_cast<double>(wheel.size() - 1);
+    const bool made = made_from(wheel, positions, delay_s) == VelocityOrigin::positions ||
+                      made_from(undisturbed, rounding_m_s, step_s, positions);
     const bool calibrated = speeds.calibrated_scale.has_value();
     const double sigma_scale = sigma_of_scale(spans);
     return WheelWitness{
@@ -279,7 +267,7 @@ std::optional<WheelWitness> wheel_witness(const WheelSpeeds& speeds,
                               calibrated),
         .scale = fit.scale,
         .sigma_scale = sigma_scale,
-        .delay_s = delay.delay_s,
+        .delay_s = delay_s,
         .sigma_delay_s = delay.sigma_s,
         .made_from_positions = made};
 }
@@ -337,9 +325,9 @@ std::optional<HeardWitness<2>> make_wheel(const HandedInSeries& given) {
     auto wheel = wheel_witness(speeds, given.of_craft, given.track, given.jerk_density);
     if (!wheel) return std::nullopt;
     if (given.of_craft.data() != given.positions.data() &&
-        are_from_positions(speeds.m_s, given.positions, wheel->delay_s, wheel->scale))
+        made_from(speeds.m_s, given.positions, wheel->delay_s) == VelocityOrigin::positions)
         wheel->made_from_positions = true;
-    const auto original = source_of_speeds(speeds.m_s, given.sources, wheel->delay_s, wheel->scale);
+    const auto original = source_of(speeds.m_s, given.sources, wheel->delay_s);
     return HeardWitness<2>{
         .kind = WitnessKind::wheel,
         .motion = std::make_shared<const WheelMotion>(std::move(wheel->motion)),

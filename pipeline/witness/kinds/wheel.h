@@ -60,8 +60,7 @@ struct WheelWitness {
     double sigma_scale = 0.0;
     double delay_s = 0.0;  ///< of its speeds relative to the positions
     double sigma_delay_s = 0.0;
-    bool made_from_positions = false;  ///< it has the positions' errors (`keep_to_positions`, or
-                                       ///< the speeds are differences of the positions)
+    bool made_from_positions = false;  ///< it has the positions' errors (`made_from`)
 };
 
 /// A wheel's speeds, m/s, and its stated scale, if any.

@@ -12,8 +12,6 @@
 namespace runcert {
 namespace {
 
-constexpr double as_likely_as_not = 0.5;
-
 bool is_by(const Contradiction& one, const auto& witness) {
     return one.kind == witness.kind && one.receiver == witness.receiver;
 }

@@ -11,6 +11,9 @@
 
 namespace runcert {
 
+/// A fault's probability where a witness makes positions suspect.
+inline constexpr double as_likely_as_not = 0.5;
+
 /// A window in which a witness contradicts the positions.
 struct Contradiction {
     std::size_t series = 0;  ///< the arc

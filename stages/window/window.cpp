@@ -509,6 +509,15 @@ double assured_m_s(const std::vector<FoundWindow>& windows) {
     return sum / static_cast<double>(windows.size());
 }
 
+/// Whether these windows can be certified as they are: no witness contradicts them, and the speed
+/// is as accurate as the rule asks.
+bool are_fit(const std::vector<CertifiableWindow>& windows, const Profile& profile) {
+    const auto& limit_m_s = profile.accuracy_limit_m_s;
+    return !contradicted(windows) && (!limit_m_s || windows.size() > 1 ||
+                                      expanded_uncertainty_by_rule_m_s(
+                                          windows.front(), profile.coverage_factor) <= *limit_m_s);
+}
+
 /// The few windows that are certified in the search for the best proof, and what they tell of all
 /// others.
 class BestFew {
@@ -521,21 +530,23 @@ class BestFew {
     /// Where witnesses contradict windows certified so far.
     const std::vector<Contradiction>& contradictions() const { return contradictions_; }
 
-    /// Adds a certified window. One that overlaps a contradicted one contains part of the fault,
-    /// and no speed is claimed for it. Others of the same motion are suspect.
-    void learn(const FoundWindow& found, const CertifiableWindow& window) {
-        const Profile& profile = among_.profile;
+    /// Takes what witnesses say of a certified window. One that overlaps a contradicted one
+    /// contains part of the fault, and no speed is claimed for it. Others of the same motion are
+    /// suspect. Returns whether anything is new.
+    bool learn(const FoundWindow& found, const CertifiableWindow& window) {
+        bool is_new = contradicted({window}) && !is_wrong(found);
         if (contradicted({window})) wrong_.push_back(found);
-        contradicting_ |= certifier_.contradicting(profile, window, among_.files_answered);
-        std::ranges::move(certifier_.contradictions_in(profile, found, window),
-                          std::back_inserter(contradictions_));
-        few_.push_back(
-            {.found = found,
-             .quality = quality_of(found),
-             .expanded_m_s = profile.coverage_factor * window.standard_uncertainty_m_s,
-             .agrees = std::ranges::all_of(window.witnesses, [](const WitnessedSpeed& one) {
-                 return std::abs(one.difference_m_s) <= sigma_of_difference(one);
-             })});
+        contradicting_ |= certifier_.contradicting(among_.profile, window, among_.files_answered);
+        for (Contradiction& one : certifier_.contradictions_in(among_.profile, found, window)) {
+            const bool is_known = std::ranges::any_of(contradictions_, [&](const auto& other) {
+                return other.series == one.series && other.kind == one.kind &&
+                       other.receiver == one.receiver && other.window.first_s == one.window.first_s;
+            });
+            if (is_known) continue;
+            contradictions_.push_back(std::move(one));
+            is_new = true;
+        }
+        return is_new;
     }
 
     bool is_wrong(const FoundWindow& one) const {
@@ -543,28 +554,19 @@ class BestFew {
                                    [&](const FoundWindow& other) { return overlap(one, other); });
     }
 
-    /// Certifies the fastest of these windows, and those of lower speeds that may prove more: their
-    /// epochs are measured better than those of all faster ones, or witnesses do not agree with
-    /// these within a standard uncertainty. A window proves no more than its speed, so that none
-    /// counts that is not faster than `proven_m_s`.
+    /// Certifies the fastest of these windows, and those of lower speeds that may prove more. A
+    /// window proves no more than its speed, so that none counts that is not faster than
+    /// `proven_m_s`. Begins again where a witness contradicts one.
     void certify(const std::vector<FoundWindow>& all, double proven_m_s) {
-        constexpr int most = 20;
+        constexpr int most_rounds = 5;
         proven_m_s_ = proven_m_s;
         std::vector<FoundWindow> fastest;
         std::ranges::copy_if(all, std::back_inserter(fastest),
                              [&](const FoundWindow& one) { return one.speed_m_s > proven_m_s; });
         std::ranges::sort(fastest, preferred);
-        int certified = 0;
-        for (const FoundWindow& one : fastest) {
-            const WindowQuality quality = quality_of(one);
-            if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
-                    return is_like(one, quality, other);
-                }))
-                continue;
-            if (++certified > most) break;
-            learn(one,
-                  certifier_.certify(among_.profile, one, all, among_.gates, among_.files_answered,
-                                     contradictions_, CertificateExtent::to_compare));
+        for (int round = 1; round <= most_rounds; ++round) {
+            few_.clear();
+            if (!learns_from(fastest, all, round == most_rounds)) break;
         }
     }
 
@@ -577,14 +579,15 @@ class BestFew {
         const WindowQuality quality = is_slow ? WindowQuality{} : quality_of(one);
         if (!is_slow && is_out(one, quality)) return none;
         for (const Certified& other : few_) {
-            if (is_doubted(other)) continue;
             if (other.found.series == one.series && other.found.start == one.start &&
                 other.found.end == one.end)
-                return other.expanded_m_s;
+                return other.is_fit ? other.expanded_m_s : none;
+            if (!other.is_sound || !other.is_fit) continue;
             least_m_s = std::min(least_m_s, other.expanded_m_s);
             if (!is_slow && is_like(one, quality, other))
                 like_m_s = std::max(like_m_s, other.expanded_m_s);
         }
+        if (is_suspect(one)) return none;
         return like_m_s > 0.0 ? like_m_s : least_m_s;
     }
 
@@ -593,8 +596,44 @@ class BestFew {
         FoundWindow found;
         WindowQuality quality;
         double expanded_m_s = 0.0;
-        bool agrees = true;  ///< with all of its witnesses
+        bool is_fit = true;    ///< to be certified
+        bool is_sound = true;  ///< no witness makes its positions suspect
+        bool agrees = true;    ///< with all of its witnesses
     };
+
+    /// Goes through windows, fastest first. One is certified where its epochs are measured better
+    /// than those of all before it, or where witnesses do not agree with these within a standard
+    /// uncertainty. Of suspect ones, which their own witnesses may clear, few are certified that
+    /// overlap. Returns at once if that tells anything new, but in the last round.
+    bool learns_from(const std::vector<FoundWindow>& fastest, const std::vector<FoundWindow>& all,
+                     bool is_last) {
+        constexpr int most = 30;
+        for (const FoundWindow& one : fastest) {
+            const WindowQuality quality = quality_of(one);
+            if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
+                    return is_like(one, quality, other) || is_beside(one, other);
+                }))
+                continue;
+            if (std::ssize(few_) == most) break;
+            const CertifiableWindow window =
+                certifier_.certify(among_.profile, one, all, among_.gates, among_.files_answered,
+                                   contradictions_, CertificateExtent::to_compare);
+            if (learn(one, window) && !is_last) return true;
+            few_.push_back(
+                {.found = one,
+                 .quality = quality,
+                 .expanded_m_s = among_.profile.coverage_factor * window.standard_uncertainty_m_s,
+                 .is_fit = are_fit({window}, among_.profile),
+                 .is_sound =
+                     !window.evidence || window.evidence->fault_probability < as_likely_as_not,
+                 .agrees = std::ranges::all_of(
+                     window.witnesses,
+                     [](const WitnessedSpeed& each) {
+                         return std::abs(each.difference_m_s) <= sigma_of_difference(each);
+                     })});
+        }
+        return false;
+    }
 
     WindowQuality quality_of(const FoundWindow& one) const {
         WindowQuality quality = qualities_(one);
@@ -603,22 +642,29 @@ class BestFew {
         return quality;
     }
 
-    /// Whether no speed can be claimed for a window, or a witness of another makes it suspect. One
-    /// that a contradicting witness does not cover must not avoid the contradiction.
+    /// Whether no speed can be claimed for a window. One that a contradicting witness does not
+    /// cover must not avoid the contradiction.
     bool is_out(const FoundWindow& one, const WindowQuality& quality) const {
-        return quality.silent || (contradicting_ & ~quality.witnesses) != 0 || is_wrong(one) ||
-               suspected_by(contradictions_, one, {});
+        return quality.silent || (contradicting_ & ~quality.witnesses) != 0 || is_wrong(one);
     }
 
-    bool is_doubted(const Certified& one) const {
-        return is_wrong(one.found) || suspected_by(contradictions_, one.found, {});
+    bool is_suspect(const FoundWindow& one) const {
+        return suspected_by(contradictions_, one, {}) != nullptr;
     }
 
     /// Whether the certified window tells what this one would be certified with, or with less.
     bool is_like(const FoundWindow& one, const WindowQuality& quality,
                  const Certified& other) const {
-        return !is_doubted(other) && quality.no_better_than(other.quality) &&
+        return other.is_sound && other.is_fit && quality.no_better_than(other.quality) &&
                (other.agrees || overlap(one, other.found));
+    }
+
+    /// Whether both are suspect, and begin within a third of a window of one another.
+    bool is_beside(const FoundWindow& one, const Certified& other) const {
+        constexpr double near = 1.0 / 3.0;
+        return is_suspect(one) && is_suspect(other.found) && one.series == other.found.series &&
+               std::abs(one.start.seconds() - other.found.start.seconds()) <
+                   near * one.duration_s();
     }
 
     const Certifier& certifier_;
@@ -632,8 +678,8 @@ class BestFew {
 };
 
 /// The fastest windows are not always the best proof. This also certifies those that may prove
-/// more, and takes them if they do by over a tenth of the fastest's uncertainty, or if a witness
-/// contradicts the fastest. The fastest is then given beside it.
+/// more, and takes them if they do by over a tenth of the fastest's uncertainty, or if the fastest
+/// cannot be certified as they are. The fastest is then given beside it.
 void certify_best(const Certifier& certifier, const Candidates& among, const Choice& fastest,
                   ProfileWindows& entry) {
     constexpr double worth_it = 0.1;
@@ -642,10 +688,13 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     const Profile& profile = among.profile;
     BestFew few(certifier, among);
     std::vector<CertifiableWindow> windows;
+    const auto learn = [&](const Choice& choice, const std::vector<CertifiableWindow>& from) {
+        for (std::size_t i = 0; i < from.size(); ++i)
+            few.learn(choice.chosen[i], from[i]);
+    };
     const auto certify_fastest = [&] {
         windows = certified_windows(certifier, among, fastest, few.contradictions());
-        for (std::size_t i = 0; i < windows.size(); ++i)
-            few.learn(fastest.chosen[i], windows[i]);
+        learn(fastest, windows);
     };
     certify_fastest();
     const auto least_proven_m_s = [&] {
@@ -653,7 +702,7 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
         for (const CertifiableWindow& window : windows)
             least_m_s = std::min(least_m_s, proven_m_s({window}, profile));
         // A pair may gain by a slower run that has a faster one in the opposite direction.
-        return contradicted(windows) || profile.opposite_runs_within_s ? 0.0 : least_m_s;
+        return !are_fit(windows, profile) || profile.opposite_runs_within_s ? 0.0 : least_m_s;
     };
     for (int search = 0; search < most_searches; ++search) {
         const std::size_t known = few.contradictions().size();
@@ -666,7 +715,7 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
                                 [&](const FoundWindow& one) { return few.is_wrong(one); }))
             break;
         const auto gains = [&](double proof_m_s, double fastest_m_s) {
-            return contradicted(windows) ||
+            return !are_fit(windows, profile) ||
                    proof_m_s - fastest_m_s > worth_it * (windows.front().speed_m_s - fastest_m_s);
         };
         std::vector<FoundWindow> compared = fastest.chosen;
@@ -678,12 +727,11 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
             certified_windows(certifier, among, proof, few.contradictions());
         if (contradicted(proving)) {
             // What was found there holds for the fastest, too.
-            for (std::size_t i = 0; i < proving.size(); ++i)
-                few.learn(proof.chosen[i], proving[i]);
+            learn(proof, proving);
             if (!contradicted(windows)) certify_fastest();
             continue;
         }
-        if (hear_the_contradicting(proving, windows) &&
+        if (hear_the_contradicting(proving, windows) && are_fit(proving, profile) &&
             gains(proven_m_s(proving, profile), proven_m_s(windows, profile))) {
             entry.fastest = beside(windows.front());
             windows = std::move(proving);

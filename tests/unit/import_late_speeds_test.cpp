@@ -49,7 +49,7 @@ TEST(LateSpeeds, TheirDelayIsNamedInEveryFormat) {
             EXPECT_TRUE(it.velocity_delays[0].beyond);
             EXPECT_EQ(it.speeds_alone > it.with_velocity / 2, !format.course);
             const std::string text = inspection_text(it);
-            EXPECT_NE(text.find(fmt::format("{:g} s ± 0.3 s behind the positions",
+            EXPECT_NE(text.find(fmt::format("{:.3g} s ± 0.3 s behind the positions",
                                             it.velocity_delays[0].delay_s)),
                       std::string::npos)
                 << text;

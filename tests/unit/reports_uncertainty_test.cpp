@@ -62,11 +62,11 @@ TEST(Uncertainty, EveryRowOfTheBudgetStandsInReportAndPage) {
         EXPECT_EQ(row["contribution_m_s"], budget[i].contribution_m_s);
         EXPECT_EQ(row.contains("degrees_of_freedom"), budget[i].degrees_of_freedom.has_value());
         EXPECT_EQ(row["note"], budget[i].note);
-        EXPECT_EQ(row["correlation"], budget[i].correlation);
+        EXPECT_EQ(row["touches"], to_text(budget[i].touches));
         EXPECT_EQ(rows[i]["cells"][0], budget[i].symbol);
         EXPECT_EQ(rows[i]["cells"][1], budget[i].source);
         EXPECT_EQ(rows[i]["further"],
-                  Json({budget[i].note, "Correlation: " + budget[i].correlation}));
+                  Json({budget[i].note, fmt::format("Touches {}", words_of(budget[i].touches))}));
         // What follows the quantity's name, up to the next row.
         const std::string& name = budget[i].source;
         const std::size_t begin = page.find(fmt::format(">{}", name.substr(0, name.find('\''))));

@@ -96,9 +96,8 @@ TrajectoryTable trajectory() {
     table.estimation.batch_stretches = 4;
     table.estimation.robust_downweighted = 3;
     table.estimation.robust_unsolved = 1;
-    table.estimation.horizontal =
-        AxesEstimation{fitted_noise(),
-                       {900, 1.0125, 0.9, 1.1, 9, 2, 3, true, 0.5, -0.0125, true, 153.5, 2e-16}};
+    table.estimation.horizontal = AxesEstimation{
+        fitted_noise(), {900, 1.0125, 0.9, 1.1, 9, 2, 3, true, 0.5, -0.0125, true, 153.5, 2e-16}};
     TrajectoryEpoch epoch;
     epoch.epoch = 1;
     epoch.robust_east_m = 1.000001;
@@ -215,9 +214,9 @@ CertifiableWindow window() {
                                      5000,
                                      42};
     window.budget = {{"d", "displacement", 180.0075, "m", 0.0375, "A", "normal", 12.75, 0.333333,
-                      0.0125, "with b", "fit"},
+                      0.0125, RowScope::slow, "with b", "fit"},
                      {"b", "scale", 1.0, "", 0.00057735, "B", "rectangular", std::nullopt, 60.0,
-                      0.034641, "", ""}};
+                      0.034641, RowScope::window, "", ""}};
     window.monte_carlo =
         MonteCarloCheck{7, 200'000, 60.0024, 0.0126, 59.9775, 60.0275, 0.00005, true};
     window.detection_power = 0.8;

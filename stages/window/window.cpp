@@ -607,7 +607,7 @@ class BestFew {
     /// overlap. Returns at once if that tells anything new, but in the last round.
     bool learns_from(const std::vector<FoundWindow>& fastest, const std::vector<FoundWindow>& all,
                      bool is_last) {
-        constexpr int most = 30;
+        constexpr int most = 60;
         for (const FoundWindow& one : fastest) {
             const WindowQuality quality = quality_of(one);
             if (is_out(one, quality) || std::ranges::any_of(few_, [&](const Certified& other) {
@@ -659,9 +659,9 @@ class BestFew {
                (other.agrees || overlap(one, other.found));
     }
 
-    /// Whether both are suspect, and begin within a third of a window of one another.
+    /// Whether both are suspect, and begin within a tenth of a window of one another.
     bool is_beside(const FoundWindow& one, const Certified& other) const {
-        constexpr double near = 1.0 / 3.0;
+        constexpr double near = 0.1;
         return is_suspect(one) && is_suspect(other.found) && one.series == other.found.series &&
                std::abs(one.start.seconds() - other.found.start.seconds()) <
                    near * one.duration_s();
@@ -699,10 +699,21 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     certify_fastest();
     const auto least_proven_m_s = [&] {
         double least_m_s = std::numeric_limits<double>::infinity();
-        for (const CertifiableWindow& window : windows)
-            least_m_s = std::min(least_m_s, proven_m_s({window}, profile));
         // A pair may gain by a slower run that has a faster one in the opposite direction.
-        return !are_fit(windows, profile) || profile.opposite_runs_within_s ? 0.0 : least_m_s;
+        if (profile.opposite_runs_within_s) return 0.0;
+        if (are_fit(windows, profile)) {
+            for (const CertifiableWindow& window : windows)
+                least_m_s = std::min(least_m_s, proven_m_s({window}, profile));
+            return least_m_s;
+        }
+        // What the craft did at half the speed says nothing of how fast it was.
+        constexpr double slow = 0.5;
+        for (const CertifiableWindow& window : windows) {
+            least_m_s = std::min(least_m_s, slow * window.speed_m_s);
+            for (const WitnessedSpeed& one : window.witnesses)
+                least_m_s = std::min(least_m_s, slow * one.speed_m_s);
+        }
+        return least_m_s;
     };
     for (int search = 0; search < most_searches; ++search) {
         const std::size_t known = few.contradictions().size();

@@ -162,6 +162,9 @@ Fit fitted(const Regression& all, int order) {
         fit.weights = (counts.asDiagonal() * displacements)
                           .householderQr()
                           .solve(counts.cwiseProduct(speeds));
+        // Displacements of an exactly steady motion determine no filter.
+        if (!fit.weights.allFinite())
+            return {.compared = fit.compared, .weights = Eigen::VectorXd::Zero(width)};
         const Eigen::VectorXd residuals = speeds - displacements * fit.weights;
         fit.residual_m_s = robust_scatter({residuals.begin(), residuals.end()});
         counts = (residuals.array().abs() <= far_off * fit.residual_m_s).cast<double>().matrix();

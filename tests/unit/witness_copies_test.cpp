@@ -422,5 +422,16 @@ TEST(Copies, GatesThatAgreeBetterThanTheyClaimWereMadeFromThePositions) {
     EXPECT_FALSE(gates({0.0}).agrees_too_well());
 }
 
+// A simulated run at a constant speed, without any error.
+TEST(MadeFrom, TellsNothingOfAnExactlySteadyMotion) {
+    Rows rows;
+    Speeds speeds;
+    for (int i = 0; i < 400; ++i) {
+        rows.push_back({.time_s = 0.2 * i, .position = Vector2d(0.0, 2.0 * i)});
+        speeds.push_back({.time_s = 0.2 * i, .value = 10.0});
+    }
+    EXPECT_NE(made_from(speeds, rows), VelocityOrigin::positions);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

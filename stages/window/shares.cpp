@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
+#include "schemas/verdict/declared.h"
 #include "stages/window/budget.h"
 #include "witness/velocity_witness.h"
 

@@ -47,7 +47,7 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
                                const WindowConfig& config, const WitnessRecords& beside);
 
 /// How much of a certificate is made: all of it, or as much as comparing windows needs, without the
-/// bias of the choice, the Monte Carlo check and the other models' figures.
+/// bias of the choice and the Monte Carlo check.
 enum class CertificateExtent { whole, to_compare };
 
 /// A window that was found, and the windows from which it was chosen.

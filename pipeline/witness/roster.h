@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "motion/speed_mixture.h"
+#include "motion/joint_speeds.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "store/measured_series.h"

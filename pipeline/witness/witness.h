@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -49,32 +48,5 @@ class Witness {
     /// Empty if the witness does not determine it.
     virtual std::optional<double> path_between(double from_s, double to_s) const = 0;
 };
-
-/// A figure by positions and the same figure by a witness, with their independent standard
-/// uncertainties.
-struct WitnessedFigure {
-    double by_position = 0.0;
-    double by_witness = 0.0;
-    double uncertainty_by_position = 0.0;
-    double uncertainty_by_witness = 0.0;
-
-    double difference() const { return by_position - by_witness; }
-
-    /// E_n at k = 2 (ISO/IEC 17043). Above 1 the two contradict each other.
-    double normalised_error() const {
-        return std::abs(difference()) /
-               (2.0 * std::hypot(uncertainty_by_position, uncertainty_by_witness));
-    }
-};
-
-/// Expected share, 0 to 1, of the positions in the difference from the witness. For two independent
-/// errors with these standard deviations and a known difference, the first is expected to be this
-/// fraction of it. Its variance is then that of the weighted mean: the product of the two variances
-/// divided by their sum.
-inline double share_of_position(double sigma_position, double sigma_witness) {
-    const double of_position = sigma_position * sigma_position;
-    const double of_both = of_position + sigma_witness * sigma_witness;
-    return of_both > 0.0 ? of_position / of_both : 0.0;
-}
 
 }  // namespace runcert

@@ -88,18 +88,20 @@ bool contradicts(const WitnessedSpeed& one) {
 
 namespace {
 
-/// Of what `count` windows say, the mean of the first and another: an error of any of them moves
-/// the mean by its part.
-void add_to(std::optional<WitnessEvidence>& sum, const std::optional<WitnessEvidence>& one) {
-    if (!sum || !one) {
-        sum.reset();
-        return;
-    }
-    sum->difference_m_s += one->difference_m_s;
-    sum->standard_uncertainty_m_s += one->standard_uncertainty_m_s;
-    sum->common_standard_uncertainty_m_s += one->common_standard_uncertainty_m_s;
-    sum->fault_probability = std::min(1.0, sum->fault_probability + one->fault_probability);
-    sum->fault_m_s = std::max(sum->fault_m_s, one->fault_m_s);
+/// The witnesses of both windows: of their mean speed, an error of either window moves its part.
+void add_to(std::vector<WitnessEvidence>& sum, const std::vector<WitnessEvidence>& others) {
+    std::erase_if(sum, [&](WitnessEvidence& one) {
+        const auto other = std::ranges::find_if(others, [&](const WitnessEvidence& each) {
+            return each.kind == one.kind && each.receiver == one.receiver;
+        });
+        if (other == others.end()) return true;
+        one.difference_m_s += other->difference_m_s;
+        one.own_standard_uncertainty_m_s += other->own_standard_uncertainty_m_s;
+        one.slow_standard_uncertainty_m_s += other->slow_standard_uncertainty_m_s;
+        one.fault_probability = std::min(1.0, one.fault_probability + other->fault_probability);
+        one.fault_m_s = std::max(one.fault_m_s, other->fault_m_s);
+        return false;
+    });
 }
 
 void add_to(SpeedEvidence& sum, const SpeedEvidence& one) {
@@ -111,16 +113,8 @@ void add_to(SpeedEvidence& sum, const SpeedEvidence& one) {
         std::min(1.0, sum.chosen_fault_probability + one.chosen_fault_probability);
     sum.fault_m_s = std::max(sum.fault_m_s, one.fault_m_s);
     sum.fault_upwards_alone = sum.fault_upwards_alone && one.fault_upwards_alone;
+    sum.difference_m_s = 0.0;  // the mean's uncertainty holds it, and in no row of its own
     add_to(sum.witnesses, one.witnesses);
-    add_to(sum.observed, one.observed);
-}
-
-void divide(std::optional<WitnessEvidence>& sum, double count) {
-    if (!sum) return;
-    sum->difference_m_s /= count;
-    sum->standard_uncertainty_m_s /= count;
-    sum->common_standard_uncertainty_m_s /= count;
-    sum->fault_m_s /= count;
 }
 
 void divide(SpeedEvidence& sum, double count) {
@@ -128,8 +122,12 @@ void divide(SpeedEvidence& sum, double count) {
     sum.slow_standard_uncertainty_m_s /= count;
     sum.shared_standard_uncertainty_m_s /= count;
     sum.fault_m_s /= count;
-    divide(sum.witnesses, count);
-    divide(sum.observed, count);
+    for (WitnessEvidence& one : sum.witnesses) {
+        one.difference_m_s /= count;
+        one.own_standard_uncertainty_m_s /= count;
+        one.slow_standard_uncertainty_m_s /= count;
+        one.fault_m_s /= count;
+    }
 }
 
 }  // namespace

@@ -286,13 +286,13 @@ std::string fault_words(const ClauseContext& context) {
     const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
     std::string words;
     constexpr double rare = 0.05;
-    if (!evidence->witnesses && evidence->fault_probability > rare) {
+    if (evidence->witnesses.empty() && evidence->fault_probability > rare) {
         words = fmt::format(
             " Row d says why positions are taken to err in this window with a probability of {}, "
             "by up to {} {}.",
             chance_text(evidence->fault_probability),
             significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
-    } else if (!evidence->witnesses) {
+    } else if (evidence->witnesses.empty()) {
         words = fmt::format(
             " In one window of {} positions are taken to drift unseen, by up to {} {}; the "
             "interval carries that risk on average and would not hold the speed of such a window.",
@@ -300,7 +300,7 @@ std::string fault_words(const ClauseContext& context) {
             significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
     } else {
         const double at_fault =
-            mixture_of(*evidence, context.speed->speed_m_s, WitnessSet::all).positions_at_fault();
+            fault_posteriors(speeds_of(*evidence, context.speed->speed_m_s)).front();
         words = fmt::format(
             " That the positions drifted in this window has a probability of {} beside the "
             "witnesses.",

@@ -96,16 +96,6 @@ std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
         .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
 }
 
-/// How much faster the positions of the window are than the weighted mean with its witnesses, if
-/// the budget contains that difference (row e). 0 for a speed from several windows.
-double remaining_difference_m_s(const ProfileWindows& windows) {
-    if (!windows.further.empty() || !windows.best->evidence || !windows.best->evidence->witnesses)
-        return 0.0;
-    const auto row = std::ranges::find(windows.best->budget, "e", &BudgetRow::symbol);
-    if (row == windows.best->budget.end()) return 0.0;
-    return std::copysign(row->contribution_m_s, windows.best->evidence->witnesses->difference_m_s);
-}
-
 }  // namespace
 
 std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
@@ -115,7 +105,7 @@ std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
                           .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
                           .degrees_of_freedom = figure->effective_degrees_of_freedom,
                           .bias_limit_m_s = figure->bias_limit_m_s,
-                          .difference_m_s = remaining_difference_m_s(windows),
+                          .difference_m_s = figure->evidence ? figure->evidence->difference_m_s : 0.0,
                           .evidence = figure->evidence};
 }
 

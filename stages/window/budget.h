@@ -5,7 +5,7 @@
 #include "core/uncertainty.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/trajectory/declared.h"
-#include "stages/window/combination.h"
+#include "stages/window/window_fault.h"
 #include "stages/window/craft_speeds.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/window.h"
@@ -44,7 +44,7 @@ struct BudgetInput {
     bool by_path = false;    ///< the speed grows with every swing of the antenna
     /// Set where the speed is that of the craft's reference point.
     std::optional<CraftCorrection> craft = std::nullopt;
-    /// Factor on the rows of the positions when combined with witnesses (`condition_on`).
+    /// Factor on the rows of the positions when combined with witnesses (`beside_witnesses`).
     double position_share = 1.0;
 };
 
@@ -79,7 +79,7 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 /// (only where heights were not measured), c surveyed length (only where there is one), a antenna
 /// (where an IMU tells the craft's speed: the distances on it, y its attitude, z its clock),
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
-/// choice of the fastest window. Witnesses add rows g, e and s (`condition_on`) and x, what the
+/// choice of the fastest window. Witnesses add rows g, e and s (`beside_witnesses`) and x, what the
 /// mixture of faults asks for beyond all others. Each row has the unit of its own quantity;
 /// all contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
 ///

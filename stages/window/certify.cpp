@@ -14,12 +14,11 @@
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "stages/window/selection.h"
-#include "stages/window/shares.h"
 #include "stages/window/stands.h"
 #include "stages/window/trajectory_part.h"
+#include "stages/window/witnessed_budget.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
-#include "witness/evidence.h"
 
 namespace runcert {
 namespace {
@@ -185,123 +184,23 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
             .craft = choice.craft};
 }
 
-/// The window's figures by positions.
+/// The window's figures by positions with these errors.
 template <int Axes>
 PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWindow<Axes>& at,
-                                 const PositionNoise& noise, const WindowFault& fault,
-                                 const SpeedDefinitions& definitions, const PositionTerms& terms) {
+                                 double measured_m_s, const SpeedDefinitions& definitions,
+                                 const SpeedBySource& errors) {
     const SpeedDefinition definition = choice.profile.definition;
     PositionFigures<Axes> figures{
         .start_s = choice.found.start.seconds(),
         .end_s = choice.found.end.seconds(),
         .by_path = counts_path(definition),
         .displacement_m = displacement(at.smoothed, at.window.first, at.window.last),
-        .standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s),
-        .correlated_m_s = noise.correlated_m_s,
-        .fault = fault.prior};
-    figures.speed_m_s = figures.by_path ? definitions.path_length_m_s
-                        : definition == SpeedDefinition::displacement
-                            ? noise.speed.speed_m_s
-                            : definitions.displacement_m_s;
+        .speed = errors};
+    figures.speed.speed_m_s = figures.by_path ? definitions.path_length_m_s
+                              : definition == SpeedDefinition::displacement
+                                  ? measured_m_s
+                                  : definitions.displacement_m_s;
     return figures;
-}
-
-/// The remaining bias of the choice beside a witness of share `share`. As far as it counts, the
-/// witness shows where the bias lies between its limits.
-double bias_beside(const SelectionBias& selection, double share, double difference_m_s) {
-    if (selection.treatment != SelectionTreatment::subtracted) return 0.0;
-    if (share <= 0.0) return selection.bias_m_s;
-    return (1.0 - share) * selection.bias_m_s + share * std::clamp(difference_m_s / share,
-                                                                   selection.fitted_bias_m_s,
-                                                                   selection.bounded_bias_m_s);
-}
-
-/// What positions and witnesses have in common: frame, clock, height, course, antenna, calibration.
-constexpr std::initializer_list<RowScope> common{RowScope::window, RowScope::antenna,
-                                                 RowScope::calibration};
-
-/// The budget of a window's speed combined with its witnesses, and the remaining bias to subtract.
-struct HeardBudget {
-    std::vector<WitnessedSpeed> witnesses;
-    std::vector<BudgetRow> rows;
-    SpeedEvidence evidence;
-    double position_share = 1.0;  ///< factor on the positions
-    double bias_m_s = 0.0;        ///< of the choice, which is one of the positions' errors
-};
-
-/// Reduces the positions' uncertainty (`rows`, `terms`) and the bias of the choice by the
-/// witnesses, as far as they agree.
-HeardBudget hear(const PositionTerms& terms, double correlated_m_s, const SelectionBias& selection,
-                 std::vector<WitnessedSpeed> witnesses, std::vector<BudgetRow> rows) {
-    HeardBudget heard{.witnesses = std::move(witnesses), .rows = std::move(rows), .evidence = {}};
-    const HeardTogether together =
-        hear_together(terms, correlated_m_s, heard.witnesses, heard.evidence);
-    const double share = 1.0 - together.position_share;
-    heard.position_share = together.position_share;
-    heard.bias_m_s = bias_beside(selection, share, together.difference_m_s);
-    condition_on(heard.witnesses, correlated_m_s, together.difference_m_s - share * heard.bias_m_s,
-                 heard.rows);
-    return heard;
-}
-
-/// Standard uncertainty, m/s, if the fault of the positions were `times` as likely.
-double uncertainty_with_fault(double times, const WindowFault& fault, PositionTerms terms,
-                              double correlated_m_s, const SelectionBias& selection,
-                              const std::vector<WitnessedSpeed>& witnesses,
-                              std::vector<BudgetRow> rows) {
-    terms.fault_m_s = fault.standard_uncertainty_m_s(times);
-    for (BudgetRow& row : rows)
-        if (row.touches == RowScope::fault)
-            row.contribution_m_s = row.standard_uncertainty = terms.fault_m_s;
-    return combine(hear(terms, correlated_m_s, selection, witnesses, std::move(rows)).rows)
-        .standard_uncertainty;
-}
-
-/// Evaluates the witnesses of a window, given its budget by positions alone.
-HeardBudget hear_witnesses(const PositionNoise& noise, const WindowFault& fault,
-                           const SelectionBias& selection, const std::vector<BudgetRow>& alone,
-                           std::vector<WitnessedSpeed> witnesses) {
-    const PositionTerms terms = position_terms(alone);
-    HeardBudget heard = hear(terms, noise.correlated_m_s, selection, std::move(witnesses), alone);
-    SpeedEvidence& evidence = heard.evidence;
-    for (auto* const one : {&evidence.witnesses, &evidence.observed})
-        if (*one) (*one)->difference_m_s -= heard.bias_m_s;
-    evidence.position_standard_uncertainty_m_s = std::hypot(terms.own_m_s, terms.slow_m_s);
-    evidence.slow_standard_uncertainty_m_s = terms.slow_m_s;
-    evidence.shared_standard_uncertainty_m_s =
-        std::hypot(evidence.shared_standard_uncertainty_m_s, uncertainty_of(alone, common));
-    evidence.fault_probability = fault.prior.probability;
-    evidence.chosen_fault_probability = fault.chosen_probability;
-    evidence.fault_m_s = fault.prior.largest_m_s;
-    evidence.fault_upwards_alone = fault.prior.upwards_alone;
-    const auto with_fault = [&](double times) {
-        return uncertainty_with_fault(times, fault, terms, noise.correlated_m_s, selection,
-                                      heard.witnesses, alone);
-    };
-    evidence.at_a_fifth_m_s = with_fault(0.2);
-    evidence.at_five_times_m_s = with_fault(5.0);
-    return heard;
-}
-
-/// Raises the uncertainty by row x, so that the expanded one reaches the half-width of the mixture
-/// whose fault probability is stated with the speed. `alone` is the budget by positions alone.
-void widen_to_mixture(double factor, const std::vector<BudgetRow>& alone,
-                      CertifiableWindow& window) {
-    const double bias_m_s = window.bias_limit_m_s;
-    const double alone_m_s = factor * combine(alone).standard_uncertainty + bias_m_s;
-    const double least_m_s = least_expanded_m_s(*window.evidence, window.speed_m_s, alone_m_s);
-    const double lacking = std::pow((least_m_s - bias_m_s) / factor, 2) -
-                           std::pow(combine(window.budget).standard_uncertainty, 2);
-    if (least_m_s <= bias_m_s || lacking <= 0.0) return;
-    window.budget.push_back(speed_row(
-        "x", "fault that positions or witnesses may have beside their difference", "B",
-        std::sqrt(lacking), RowScope::window,
-        fmt::format("raises the expanded uncertainty to {:.4f} m/s: within this the mixture of "
-                    "faults holds the true speed with a probability of 95.45 %",
-                    least_m_s)));
-    for (double* const other :
-         {&window.evidence->at_a_fifth_m_s, &window.evidence->at_five_times_m_s})
-        *other = std::hypot(*other, window.budget.back().contribution_m_s);
 }
 
 /// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
@@ -323,24 +222,22 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                                      probability, estimate.lasting);
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, fault, window);
     std::vector<BudgetRow> alone = budget_of(input);
-    PositionFigures<Axes> figures =
-        figures_of(choice, at, noise, fault, window.definitions, position_terms(alone));
+    PositionFigures<Axes> figures = figures_of(
+        choice, at, noise.speed.speed_m_s, window.definitions, positions_of(alone, fault.prior));
     const ArcMotion<Axes> motion(estimate.trajectory, rows);
     const auto heard_by = [&] {
         return witnessed_speeds(heard(estimate, choice.files_answered), figures, motion);
     };
     std::vector<WitnessedSpeed> witnesses = heard_by();
-    const auto* const by = suspected_by(choice.contradictions, choice.found, witnesses);
-    if (by) suspect(*by, fault);
-    if (by || suspect_if_doubted(witnesses, fault)) {
+    if (suspect(choice.contradictions, choice.found, witnesses, fault)) {
         input.fault = fault;
         alone = budget_of(input);
-        figures.fault = fault.prior;
+        figures.speed.fault = fault.prior;
         witnesses = heard_by();
     }
     for (WitnessedSpeed& one : witnesses)
         one.confirms = one.confirms && !choice.by_positions_alone;
-    HeardBudget heard = hear_witnesses(noise, fault, selection, alone, std::move(witnesses));
+    WitnessedBudget heard = beside_witnesses(alone, fault, selection, std::move(witnesses));
     input.position_share = heard.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
     const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
@@ -355,7 +252,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
         window.expected_beside_velocities_m_s = expected_beside_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
-    if (!window.witnesses.empty()) widen_to_mixture(choice.profile.coverage_factor, alone, window);
+    hold_mixture(choice.profile.coverage_factor, alone, window);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;

@@ -5,6 +5,7 @@
 
 #include "stages/window/best_window.h"
 #include "stages/window/craft_speeds.h"
+#include "stages/window/lasting_difference.h"
 #include "stages/window/window.h"
 #include "stages/window/witnesses.h"
 #include "witness/arcs.h"
@@ -74,7 +75,7 @@ SpeedQuantity quantity_of(const Profile& profile);
 
 /// The measured speed of a window with all sources of uncertainty. A vertical speed is of
 /// ellipsoidal heights. Speeds by witnesses are given beside it. Where they agree, the budget
-/// contains the uncertainty that they leave (`condition_on`). Failure if the trajectory is not
+/// contains the uncertainty that they leave (`beside_witnesses`). Failure if the trajectory is not
 /// the estimate from these screened epochs.
 template <int Axes>
 CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <limits>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "stages/window/certify.h"
+#include "stages/window/window_fault.h"
 
 // A contradiction lasts: where a witness contradicted the positions, they are suspect for the rest
 // of the motion, until the same witness has shown them sound again.
@@ -23,12 +24,10 @@ struct Contradiction {
     double drift_m_s = 0.0;  ///< by how much the displacements differ there
     /// The last instant before the window, and the first one after it, from which to which and
     /// beyond the positions are sound again. They are for windows of up to `sound_over_s`.
-    double sound_until_s = 0.0, sound_from_s = 0.0;
+    double sound_until_s = -std::numeric_limits<double>::infinity();
+    double sound_from_s = std::numeric_limits<double>::infinity();
     double sound_over_s = 0.0;
 };
-
-/// Standard uncertainty (m/s) of the difference of a window's speeds by positions and by a witness.
-double sigma_of_difference(const WitnessedSpeed& one);
 
 /// The contradictions in a certified window of an arc, and differences of more than the 95 % of all
 /// witnesses together. Before and after it, this looks for the nearest span a fifth longer than the
@@ -46,12 +45,10 @@ std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
 const Contradiction* suspected_by(std::span<const Contradiction> contradictions,
                                   const FoundWindow& window, std::span<const WitnessedSpeed> heard);
 
-/// Takes the positions of a window to be as likely at fault as not where a witness of it (`heard`)
-/// differs from them by more than the 95 % of both, and none contradicts them outright. Returns
-/// whether one does.
-bool suspect_if_doubted(std::span<const WitnessedSpeed> heard, WindowFault& fault);
-
-/// The same of a suspect window.
-void suspect(const Contradiction& by, WindowFault& fault);
+/// Takes the positions of a window to be as likely at fault as not where such a contradiction makes
+/// them suspect. It does the same where a witness of the window (`heard`) differs from them by more
+/// than the 95 % of both, and none contradicts them outright. Returns whether one does.
+bool suspect(std::span<const Contradiction> contradictions, const FoundWindow& window,
+             std::span<const WitnessedSpeed> heard, WindowFault& fault);
 
 }  // namespace runcert

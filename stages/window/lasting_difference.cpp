@@ -14,6 +14,57 @@
 namespace runcert {
 namespace {
 
+/// A row's recorded velocity towards east, or upwards. A speed alone is taken as it is.
+OptionalReal recorded_along(const ScreenedEpoch& row, TestedAxes axes) {
+    if (axes == TestedAxes::vertical) return row.recorded_velocity_up_m_s;
+    return row.recorded_velocity_east_m_s ? row.recorded_velocity_east_m_s : row.recorded_speed_m_s;
+}
+
+/// Contribution of the white noise of recorded velocities, from their third differences, to the
+/// variance of a displacement per second (m^2/s).
+double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
+    std::vector<double> third;
+    const auto& rows = screened.rows;
+    for (std::size_t i = 3; i < rows.size(); ++i) {
+        const auto a = recorded_along(rows[i - 3], axes), b = recorded_along(rows[i - 2], axes),
+                   c = recorded_along(rows[i - 1], axes), d = recorded_along(rows[i], axes);
+        if (a && b && c && d) third.push_back(std::abs(*d - 3.0 * *c + 3.0 * *b - *a));
+    }
+    if (third.empty()) return 0.0;
+    return std::pow(robust_sd(std::move(third), 20.0), 2) * screened.facts.nominal_interval_s;
+}
+
+/// The variance (m^2) of a displacement between positions, with twice the stated errors at both
+/// ends: nearly all that positions could explain.
+double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes) {
+    std::vector<double> sigmas;
+    for (const ScreenedEpoch& row : screened.rows) {
+        const auto& sigma = axes == TestedAxes::vertical ? row.sigma_up_m : row.sigma_east_m;
+        if (row.usable && sigma) sigmas.push_back(*sigma);
+    }
+    return sigmas.empty() ? 0.0 : 2.0 * std::pow(2.0 * median(std::move(sigmas)), 2);
+}
+
+/// What the positions' stated errors and the white noise of the velocities explain of their
+/// difference.
+struct Explained {
+    double positions_m2 = 0.0, white_m2_s = 0.0;
+
+    double over_m2(double span_s) const { return positions_m2 + white_m2_s * span_s; }
+};
+
+Explained explained_in(const ScreenedTable& screened, TestedAxes axes) {
+    // Doubled, because a short recording has few spans that do not overlap.
+    return {.positions_m2 = explained_by_positions_m2(screened, axes),
+            .white_m2_s = 2.0 * white_of_velocities(screened, axes)};
+}
+
+/// Lasting error of good receivers, whatever they state, or what these state.
+double known_of_velocities_m_s(const VelocityErrors& errors) {
+    const double of_good_m_s = errors.axes == TestedAxes::vertical ? 0.1 : 0.07;
+    return std::max(of_good_m_s, errors.stated_m_s.value_or(0.0));
+}
+
 /// A prior of the scale of velocities: a normal distribution about 1 with a weight.
 struct ScalePrior {
     double weight = 0.0, sigma = 0.0;
@@ -188,6 +239,37 @@ LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanCom
     found.drift_odds_m_s = std::min(by_drift / by_scale, 1e12);
     return found;
 }
+
+double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes) {
+    constexpr double longest_span_s = 10.0;
+    const auto& all = screened.basis.velocity_errors;
+    const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
+    if (errors == all.end()) return 0.0;
+    const Explained explained = explained_in(screened, axes);
+    double lasting_m_s = errors->shown_m_s;
+    for (const VelocitySpread& spread : errors->spreads) {
+        if (spread.span_s > longest_span_s)
+            continue;  // a longer span may not fill part of the recording
+        const double beyond_m2 = spread.sd_m * spread.sd_m - explained.over_m2(spread.span_s);
+        lasting_m_s = std::min(lasting_m_s, std::sqrt(std::max(0.0, beyond_m2)) / spread.span_s);
+    }
+    return lasting_m_s > known_of_velocities_m_s(*errors) ? lasting_m_s : 0.0;
+}
+
+template <int Axes>
+LastingDifference lasting_difference(const ScreenedTable& screened,
+                                     const Witness<Axes>* velocities) {
+    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    const double size_m_s = unexplained_by_velocities_m_s(screened, axes);
+    if (!(size_m_s > 0.0) || velocities == nullptr) return {.size_m_s = size_m_s};
+    const auto& all = screened.basis.velocity_errors;
+    return weigh_scale_and_drift(
+        size_m_s, compare_spans<Axes>(*velocities, timed_positions<Axes>(screened.rows)),
+        std::sqrt(explained_in(screened, axes).over_m2(compared_span_s)) / compared_span_s,
+        known_of_velocities_m_s(*std::ranges::find(all, axes, &VelocityErrors::axes)));
+}
+template LastingDifference lasting_difference(const ScreenedTable&, const Witness<1>*);
+template LastingDifference lasting_difference(const ScreenedTable&, const Witness<2>*);
 
 template std::vector<SpanComparison> compare_spans(const Witness<1>&,
                                                    std::span<const TimedPosition<1>>);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "schemas/screened/screened.h"
+#include "witness/recorded_velocities.h"
 #include "witness/witnessed_spans.h"
 
 // Positions and recorded velocities that differ all over a recording: a scale of the velocities, or
@@ -56,5 +57,17 @@ struct LastingDifference {
 /// good velocities leave; beside their scale, half of it. Smaller drifts than that are none.
 LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanComparison> spans,
                                         double explained_m_s, double known_m_s);
+
+/// Standard deviation (m/s, each axis) of a lasting error, from the difference of displacements of
+/// up to 10 s by recorded velocities and by positions. It is what remains unexplained by twice the
+/// positions' stated errors, the white noise of the velocities and the velocities' stated errors. 0
+/// if all is explained, and up to 0.07 m/s (vertically 0.1), which good receivers leave.
+double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes axes);
+
+/// That error, weighed as a scale of the velocities and as a drift of the positions. `velocities`
+/// are the recorded ones as a witness; null if there are none.
+template <int Axes>
+LastingDifference lasting_difference(const ScreenedTable& screened,
+                                     const Witness<Axes>* velocities);
 
 }  // namespace runcert

@@ -5,25 +5,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/statistics.h"
+#include "motion/joint_speeds.h"
 #include "motion/motion_model.h"
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {
 
-constexpr double stated_lag_s = 3.0;
-constexpr double wheel_turns_m_s = 0.01;
-constexpr double longest_step_s = 1.0;
-constexpr double least_by_wheel_s = 10.0;
-constexpr double left_out_by_wheel_s = 1.0;
-constexpr double standing_below_m_s = 0.2;
-constexpr double within_m = 1.0;
+constexpr double stated_lag_s = 3.0;         // the rules' usual window
+constexpr double wheel_turns_m_s = 0.01;     // resolution of recorded wheel speeds
+constexpr double longest_step_s = 1.0;       // slowest recording of a wheel that counts
+constexpr double standing_below_m_s = 0.2;   // slower than a wheel begins to count
+constexpr double least_by_wheel_s = 10.0;    // chosen, as the next four: a wheel stops before and
+constexpr double left_out_by_wheel_s = 1.0;  // turns after the craft does,
+constexpr double within_m = 1.0;             // and positions alone wander by some decimetres
 constexpr double least_by_positions_s = 30.0;
 constexpr double left_out_by_positions_s = 5.0;
-constexpr double fewest_spans = 5.0;
-constexpr double by_chance_standing = 1e-3;
-/// Positions that move by less of what they state were smoothed at rest.
+constexpr double fewest_spans = 5.0;  // 10 squares of two axes: a standard deviation to a quarter
+/// Positions that move by less of what they state were smoothed at rest: independent errors do so
+/// in fewer than one of a thousand stands of `fewest_spans`.
 constexpr double held_share = 0.2;
 
 void add_stand(double from_s, double to_s, StandSource by, std::vector<Stand>& stands) {
@@ -218,9 +218,7 @@ std::string standing_text(const std::vector<Stand>& stands) {
     if (lasted_s < fewest_spans * stated_lag_s) return {};
     // Two axes, and pairs that overlap count once.
     const int independent = std::max(1, static_cast<int>(2.0 * lasted_s / stated_lag_s));
-    const bool more =
-        moved_m2 >
-        stated_m2 * chi_squared_upper_quantile(by_chance_standing, independent) / independent;
+    const bool more = over_chance(independent * moved_m2 / stated_m2, independent) > 1.0;
     const bool alone = stands.front().shown_by == StandSource::positions;
     const bool drifts = drift_m_s * stated_lag_s > std::sqrt(stated_m2 / pairs);
     if (alone && !more) return {};

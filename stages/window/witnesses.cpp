@@ -4,14 +4,12 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/angle.h"
-#include "core/statistics.h"
-#include "core/uncertainty.h"
-#include "stages/window/budget.h"
-#include "stages/window/shares.h"
+#include "stages/window/witnessed_budget.h"
 #include "witness/kinds/imu.h"
 #include "witness/receiver_witness.h"
 #include "witness/screened_phases.h"
@@ -20,9 +18,6 @@
 
 namespace runcert {
 namespace {
-
-/// Displacements differ by this much by chance once in a thousand.
-constexpr double by_chance = 1e-3;
 
 AntennaSwing swing_beside(const WitnessRecords& beside) {
     if (beside.inertial && !beside.inertial->epochs.empty() &&
@@ -188,16 +183,18 @@ std::string unconfirming_text(const HeardWitness<2>& witness, const WindowSpan& 
                        words_of(witness.kind), profile, witness_entry(witness.kind).unconfirming);
 }
 
+double sigma_of_difference(const WitnessedSpeed& one) {
+    return std::hypot(one.standard_uncertainty_m_s, one.position_standard_uncertainty_m_s);
+}
+
 template <int Axes>
 double displacement_ratio(const WitnessedMotion<Axes>& moved,
                           const PositionFigures<Axes>& positions) {
-    const double sigma_m =
-        positions.standard_uncertainty_m_s * (positions.end_s - positions.start_s);
+    const double sigma_m = positions.speed.alone_m_s() * positions.duration_s();
     const PositionMatrix<Axes> covariance =
         moved.covariance_m2 + sigma_m * sigma_m * PositionMatrix<Axes>::Identity();
     const PositionVector<Axes> difference = positions.displacement_m - moved.displacement_m;
-    return std::sqrt(difference.dot(covariance.inverse() * difference) /
-                     chi_squared_upper_quantile(by_chance, Axes));
+    return over_chance(difference.dot(covariance.inverse() * difference), Axes);
 }
 
 template <int Axes>
@@ -206,39 +203,39 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     if (witness.is_copy) return std::nullopt;
     auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
+    const double duration_s = positions.duration_s();
     if (witness.kind == WitnessKind::receiver) {
-        const double correlated_m =
-            positions.correlated_m_s * (positions.end_s - positions.start_s);
-        moved->covariance_m2 += correlated_m * correlated_m * PositionMatrix<Axes>::Identity();
+        const double slow_m = positions.speed.slow_m_s * duration_s;
+        moved->covariance_m2 += slow_m * slow_m * PositionMatrix<Axes>::Identity();
     }
     std::optional<double> path_m = moved->displacement_m.norm();
     if (positions.by_path)
         path_m = witness.motion->path_between(positions.start_s, positions.end_s);
     if (!path_m) return std::nullopt;
-    const double duration_s = positions.end_s - positions.start_s;
     const double length_m = positions.displacement_m.norm();
     // For a craft that hardly moved, any direction will do.
     const PositionVector<Axes> along =
         length_m > 0.0 ? PositionVector<Axes>(positions.displacement_m / length_m)
                        : PositionVector<Axes>::Unit(0);
-    const double uncertainty_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s;
-    const WitnessedFigure figure{.by_position = positions.speed_m_s,
-                                 .by_witness = *path_m / duration_s,
-                                 .uncertainty_by_position = positions.standard_uncertainty_m_s,
-                                 .uncertainty_by_witness = uncertainty_m_s};
+    const SpeedBySource by_witness{
+        .speed_m_s = *path_m / duration_s,
+        .own_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s,
+        .fault = witness_entry(witness.kind).fault(positions.speed.fault)};
     WitnessedSpeed witnessed;
     witnessed.kind = witness.kind;
     witnessed.receiver = witness.receiver;
     witnessed.origin = origin_of(witness.kind).front();
-    witnessed.speed_m_s = figure.by_witness;
+    witnessed.speed_m_s = by_witness.speed_m_s;
     if (witness.kind == WitnessKind::phases)
         witnessed.shared_standard_uncertainty_m_s =
             std::numbers::sqrt2 * shared_by_phases_m / duration_s;
-    witnessed.standard_uncertainty_m_s = uncertainty_m_s;
-    witnessed.difference_m_s = figure.difference();
-    witnessed.position_standard_uncertainty_m_s = positions.standard_uncertainty_m_s;
+    witnessed.standard_uncertainty_m_s = by_witness.own_m_s;
+    witnessed.difference_m_s = positions.speed.speed_m_s - by_witness.speed_m_s;
+    witnessed.position_standard_uncertainty_m_s = positions.speed.alone_m_s();
+    const double sigma_m_s = sigma_of_difference(witnessed);
+    witnessed.chance_error = displacement_ratio(*moved, positions);
     witnessed.normalised_error =
-        std::max(figure.normalised_error(), displacement_ratio(*moved, positions));
+        std::max(std::abs(witnessed.difference_m_s) / (2.0 * sigma_m_s), *witnessed.chance_error);
     const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
     witnessed.apart_m = apart.norm();
     if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart.x(), apart.y());
@@ -249,22 +246,12 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         witnessed.slips = within.slips;
         witnessed.refusals = within.refusals;
     }
-    witnessed.chance_error = displacement_ratio(*moved, positions);
-    const FaultPrior fault = witness_entry(witness.kind).fault(positions.fault);
-    const SpeedMixture compared({.speed_m_s = figure.by_position,
-                                 .standard_uncertainty_m_s = positions.standard_uncertainty_m_s,
-                                 .fault = positions.fault},
-                                SpeedBySource{.speed_m_s = figure.by_witness,
-                                              .standard_uncertainty_m_s = uncertainty_m_s,
-                                              .fault = fault});
-    witnessed.fault_probability = fault.probability;
-    witnessed.fault_m_s = fault.largest_m_s;
-    witnessed.fault_posterior = compared.positions_at_fault() + compared.witness_at_fault();
-    // What a test of size 0.05 detects with probability 80 %.
-    constexpr double found_in_units = 2.84;
+    witnessed.fault_probability = by_witness.fault.probability;
+    witnessed.fault_m_s = by_witness.fault.largest_m_s;
+    const std::vector<double> at_fault = fault_posteriors(std::array{positions.speed, by_witness});
+    witnessed.fault_posterior = at_fault[0] + at_fault[1];
     witnessed.undetected_m_s =
-        std::min(positions.fault.largest_m_s,
-                 found_in_units * std::hypot(positions.standard_uncertainty_m_s, uncertainty_m_s));
+        std::min(positions.speed.fault.largest_m_s, found_in_units * sigma_m_s);
     witnessed.unanswered = witness.unanswered;
     witnessed.confirms = witness.confirms && moved->confirms;
     return witnessed;
@@ -290,17 +277,15 @@ std::optional<SpanComparedWith> compared_over(const HeardWitness<Axes>& witness,
     }
     const auto moved_m = motion.between(span.first_s, span.last_s);
     if (!moved_m) return std::nullopt;
-    const double duration_s = span.last_s - span.first_s;
-    const double shorter = (of_window.end_s - of_window.start_s) / duration_s;
-    PositionFigures<Axes> figures = of_window;
-    figures.start_s = span.first_s;
-    figures.end_s = span.last_s;
-    figures.by_path = false;
-    figures.speed_m_s = moved_m->norm() / duration_s;
-    figures.displacement_m = *moved_m;
-    figures.standard_uncertainty_m_s *= shorter;
-    figures.correlated_m_s *= shorter;
-    figures.fault.largest_m_s *= shorter;
+    PositionFigures<Axes> figures{
+        .start_s = span.first_s, .end_s = span.last_s, .displacement_m = *moved_m};
+    const double duration_s = figures.duration_s();
+    const double shorter = of_window.duration_s() / duration_s;
+    figures.speed = {.speed_m_s = moved_m->norm() / duration_s,
+                     .own_m_s = shorter * of_window.speed.own_m_s,
+                     .slow_m_s = shorter * of_window.speed.slow_m_s,
+                     .fault = of_window.speed.fault};
+    figures.speed.fault.largest_m_s *= shorter;
     auto speed = witnessed_speed(witness, figures);
     if (!speed) return std::nullopt;
     if (!is_heard) {

@@ -6,9 +6,9 @@
 
 #include "inertial/inertial_smoother.h"
 #include "inertial/still_spans.h"
+#include "motion/joint_speeds.h"
 #include "schemas/trajectory/declared.h"
 #include "schemas/windows/windows.h"
-#include "stages/window/combination.h"
 #include "stages/window/velocity_moment.h"
 #include "witness/certifiable.h"
 #include "witness/phase_motion.h"
@@ -77,13 +77,11 @@ struct PositionFigures {
     double start_s = 0.0;
     double end_s = 0.0;
     bool by_path = false;
-    double speed_m_s = 0.0;  ///< by displacement, or by path
     SpeedVector<Axes> displacement_m = SpeedVector<Axes>::Zero();
-    /// Of the speed, for errors that a witness does not share, without undetected errors.
-    double standard_uncertainty_m_s = 0.0;
-    /// Of the speed, from the bound on time-correlated errors: part of the former.
-    double correlated_m_s = 0.0;
-    FaultPrior fault = {};  ///< undetected error of the speed
+    /// The speed by displacement, or by path, with the errors that a witness does not share.
+    SpeedBySource speed = {};
+
+    double duration_s() const { return end_s - start_s; }
 };
 
 /// The difference of the displacements by positions and by a witness, divided by the largest that
@@ -96,12 +94,19 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 /// does not cover the window.
 ///
 /// The two contradict each other where an error of either is more probable than none
-/// (`SpeedMixture`), or where the displacements differ by more than chance allows once in a
+/// (`fault_posteriors`), or where the displacements differ by more than chance allows once in a
 /// thousand. Another receiver's time-correlated error is assumed to have the same bound as the
 /// positions' own. The test allows for both, as if they had nothing in common. `share` stays 0.
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);
+
+/// What a comparison by E_n at k = 2 finds with a probability of 0.8, in standard uncertainties of
+/// the difference.
+inline constexpr double found_in_units = 2.0 + 0.84;
+
+/// Standard uncertainty (m/s) of the difference of a window's speeds by positions and by a witness.
+double sigma_of_difference(const WitnessedSpeed& one);
 
 /// The smoothed motion along one arc. Between epochs the track follows the cubic through their
 /// positions and velocities.

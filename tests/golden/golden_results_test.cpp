@@ -112,8 +112,9 @@ TEST(GoldenWindows, EvidenceWhereEitherMayBeAtFault) {
     EXPECT_EQ(evidence.fault_probability, 0.002);
     EXPECT_EQ(evidence.chosen_fault_probability, 0.012);
     EXPECT_EQ(evidence.at_five_times_m_s, 0.5);
-    EXPECT_EQ(evidence.witnesses->difference_m_s, 0.125);
-    EXPECT_EQ(evidence.observed->common_standard_uncertainty_m_s, 0.0);
+    EXPECT_EQ(evidence.difference_m_s, -0.0625);
+    EXPECT_EQ(evidence.witnesses.at(0).difference_m_s, 0.125);
+    EXPECT_EQ(evidence.witnesses.at(1).slow_standard_uncertainty_m_s, 0.03125);
     EXPECT_EQ(evidence.disagreement, 0.375);
     EXPECT_FALSE(best.witnesses.at(0).confirms);
     EXPECT_EQ(best.witnesses[0].fault_posterior, 0.000125);

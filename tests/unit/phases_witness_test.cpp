@@ -247,7 +247,7 @@ TEST(PhaseWitness, IsTheSameFromTheScreenedTable) {
 bool is_contradicted(const PhaseWitness<2>& witness, const Eigen::Vector2d& displacement_m,
                      double from_s, double to_s, double sigma_m) {
     PositionFigures<2> figures{.start_s = from_s, .end_s = to_s, .displacement_m = displacement_m};
-    figures.standard_uncertainty_m_s = std::sqrt(2.0) * sigma_m / (to_s - from_s);
+    figures.speed.own_m_s = std::sqrt(2.0) * sigma_m / (to_s - from_s);
     return displacement_ratio<2>(witness.between(from_s, to_s).value(), figures) > 1.0;
 }
 
@@ -381,7 +381,7 @@ TEST(PhaseBudget, HoldsWhatThePhasesLeave) {
     // The rows of the witness, and of what it shares with the positions.
     EXPECT_NEAR(row_of(beside, "g"), phases.share * phases.standard_uncertainty_m_s, 1e-9);
     EXPECT_NEAR(row_of(beside, "e"),
-                phases.share * std::abs(beside.evidence->witnesses->difference_m_s), 1e-5);
+                phases.share * std::abs(beside.evidence->witnesses[0].difference_m_s), 1e-5);
     EXPECT_NEAR(row_of(beside, "s"), std::sqrt(2.0) * 0.010 / 3.0, 1e-4);
     // Row d is that of the positions alone, as far as these count.
     EXPECT_NEAR(row_of(beside, "d"), (1.0 - phases.share) * row_of(alone, "d"), 1e-6);
@@ -441,8 +441,8 @@ TEST(RecordedPair, IsFlaggedInItsFirstMinute) {
         PositionFigures<2> figures{.start_s = from.time_s,
                                    .end_s = to.time_s,
                                    .displacement_m = to.position - from.position};
-        figures.speed_m_s = figures.displacement_m.norm() / (to.time_s - from.time_s);
-        figures.standard_uncertainty_m_s = std::sqrt(2.0) * 0.010 / (to.time_s - from.time_s);
+        figures.speed.speed_m_s = figures.displacement_m.norm() / (to.time_s - from.time_s);
+        figures.speed.own_m_s = std::sqrt(2.0) * 0.010 / (to.time_s - from.time_s);
         const HeardWitness<2> heard{.kind = WitnessKind::phases, .receiver = {}, .motion = witness};
         const bool flagged = witnessed_speed<2>(heard, figures)->normalised_error > 1.0;
         (from.time_s < 60.0 ? early : late) += 1;

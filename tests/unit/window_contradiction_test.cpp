@@ -6,6 +6,7 @@
 
 #include "stages/window/budget.h"
 #include "stages/window/contradictions.h"
+#include "stages/window/witnessed_budget.h"
 #include "window_test_support.h"
 #include "witness/evidence.h"
 
@@ -166,7 +167,7 @@ TEST(MixtureOfFaults, IsHeldByTheExpandedUncertainty) {
         const SpeedMixture mixture =
             mixture_of(*window.evidence, window.speed_m_s, WitnessSet::all);
         const double expanded_m_s = expanded_uncertainty_m_s(window, 2.0);
-        if (mixture.positions_at_fault() <= 0.002) continue;
+        if (fault_posteriors(speeds_of(*window.evidence, window.speed_m_s))[0] <= 0.002) continue;
         EXPECT_GE(expanded_m_s, mixture.half_width(window.speed_m_s, 0.9545) - 1e-9);
         const auto row = std::ranges::find(window.budget, "x", &BudgetRow::symbol);
         if (row == window.budget.end()) continue;
@@ -182,18 +183,18 @@ TEST(MixtureOfFaults, WidensOnlyWhereAFaultGotLikelier) {
     evidence.fault_probability = 0.002;
     evidence.chosen_fault_probability = 0.02;
     evidence.fault_m_s = 0.97;
-    evidence.witnesses = {.difference_m_s = 0.33,
-                          .standard_uncertainty_m_s = 0.1,
-                          .fault_probability = 0.01,
-                          .fault_m_s = 1.0};
+    evidence.witnesses = {{.difference_m_s = 0.33,
+                           .own_standard_uncertainty_m_s = 0.1,
+                           .fault_probability = 0.01,
+                           .fault_m_s = 1.0}};
     const SpeedMixture mixture = mixture_of(evidence, 60.0, WitnessSet::all);
-    EXPECT_GT(mixture.positions_at_fault(), 0.2);
+    EXPECT_GT(fault_posteriors(speeds_of(evidence, 60.0))[0], 0.2);
     EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.07), mixture.half_width(60.0, 0.9545));
     EXPECT_GT(least_expanded_m_s(evidence, 60.0, 0.07), 0.33);
     // One that agrees makes no interval wider than the positions' own.
-    evidence.witnesses->difference_m_s = 0.01;
+    evidence.witnesses[0].difference_m_s = 0.01;
     EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.01), 0.01);
-    evidence.witnesses.reset();
+    evidence.witnesses.clear();
     EXPECT_DOUBLE_EQ(least_expanded_m_s(evidence, 60.0, 0.01), 0.01);
     // Positions that are suspect, and nothing confirms.
     evidence.fault_probability = evidence.chosen_fault_probability = 0.5;

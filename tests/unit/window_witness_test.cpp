@@ -9,9 +9,10 @@
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/course_windows.h"
-#include "stages/window/shares.h"
+#include "stages/window/witnessed_budget.h"
 #include "stages/window/witnesses.h"
 #include "window_test_support.h"
+#include "witness/evidence.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -23,28 +24,27 @@ std::vector<BudgetRow> rows_of(double white, double slow, double undetected, dou
             speed_row("m", "frame", "B", frame, RowScope::window, "")};
 }
 
+WitnessedBudget beside(const std::vector<BudgetRow>& alone, std::vector<WitnessedSpeed> witnesses) {
+    return beside_witnesses(alone, WindowFault{}, SelectionBias{}, std::move(witnesses));
+}
+
 // The budget beside a witness is that of the weighted mean, with the difference that is not
 // corrected.
-TEST(WitnessedBudget, IsThatOfTheWeightedMean) {
-    std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
-    const PositionTerms terms = position_terms(rows);
-    EXPECT_DOUBLE_EQ(std::hypot(terms.own_m_s, terms.slow_m_s), 0.5);
-    EXPECT_DOUBLE_EQ(terms.fault_m_s, 1.2);
+TEST(WitnessedBudgets, AreThoseOfTheWeightedMean) {
+    const std::vector<BudgetRow> alone = rows_of(0.3, 0.4, 1.2, 0.1);
+    EXPECT_DOUBLE_EQ(positions_of(alone).alone_m_s(), 0.5);
     WitnessedSpeed witnessed;
     witnessed.standard_uncertainty_m_s = 0.2;
     witnessed.difference_m_s = -0.25;
-    std::vector<WitnessedSpeed> witnesses{witnessed};
-    SpeedEvidence evidence;
-    const HeardTogether heard = hear_together(terms, 0.4, witnesses, evidence);
+    const WitnessedBudget heard = beside(alone, {witnessed});
     const double share = 1.69 / (1.69 + 0.04);
-    EXPECT_NEAR(witnesses[0].share, share, 1e-12);
+    EXPECT_NEAR(heard.witnesses[0].share, share, 1e-12);
     EXPECT_NEAR(heard.position_share, 1.0 - share, 1e-12);
-    EXPECT_NEAR(heard.difference_m_s, -0.25 * share, 1e-12);
-    condition_on(witnesses, 0.4, heard.difference_m_s, rows);
+    EXPECT_NEAR(heard.evidence.difference_m_s, -0.25 * share, 1e-12);
     const double mean = 1.3 * 1.3 * 0.04 / (1.3 * 1.3 + 0.04);
-    EXPECT_NEAR(combine(rows).standard_uncertainty,
+    EXPECT_NEAR(combine(heard.rows).standard_uncertainty,
                 std::sqrt(mean + std::pow(0.25 * share, 2) + 0.01), 1e-12);
-    for (const BudgetRow& row : rows)
+    for (const BudgetRow& row : heard.rows)
         EXPECT_NEAR(row.contribution_m_s, std::abs(row.sensitivity) * row.standard_uncertainty,
                     1e-12)
             << row.symbol;
@@ -62,14 +62,10 @@ std::vector<WitnessedSpeed> two_witnesses() {
     return {phases, receiver};
 }
 
-TEST(WitnessedBudget, OfAllWitnessesIsNoWiderThanOfAny) {
-    const std::vector<BudgetRow> before = rows_of(0.3, 0.4, 1.2, 0.1);
-    const auto with = [&](std::vector<WitnessedSpeed> witnesses) {
-        std::vector<BudgetRow> rows = before;
-        SpeedEvidence evidence;
-        const HeardTogether heard = hear_together(position_terms(rows), 0.4, witnesses, evidence);
-        condition_on(witnesses, 0.4, heard.difference_m_s, rows);
-        return combine(rows).standard_uncertainty;
+TEST(WitnessedBudgets, OfAllWitnessesAreNoWiderThanOfAny) {
+    const std::vector<BudgetRow> alone = rows_of(0.3, 0.4, 1.2, 0.1);
+    const auto with = [&](const std::vector<WitnessedSpeed>& witnesses) {
+        return combine(beside(alone, witnesses).rows).standard_uncertainty;
     };
     const auto both = two_witnesses();
     EXPECT_NEAR(with({both[0]}), std::hypot(0.01, 0.05, 0.1), 2e-3);
@@ -80,9 +76,20 @@ TEST(WitnessedBudget, OfAllWitnessesIsNoWiderThanOfAny) {
     EXPECT_LT(with(both), with({both[1]}));
 }
 
-TEST(WitnessedBudget, OfAContradictionSaysNothing) {
-    std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
-    const double before = combine(rows).standard_uncertainty;
+// The rows are the covariance's: whatever the sources share, their sum is its quadratic form.
+TEST(WitnessedBudgets, HaveTheVarianceOfTheCovariance) {
+    for (const double slow_m_s : {0.02, 0.05, 0.4}) {
+        const std::vector<BudgetRow> alone = rows_of(0.3, slow_m_s, 0.0, 0.1);
+        const WitnessedBudget heard = beside(alone, two_witnesses());
+        EXPECT_NEAR(
+            combine(heard.rows).standard_uncertainty,
+            std::hypot(mean_of(speeds_of(heard.evidence, 60.0)).standard_uncertainty_m_s, 0.1),
+            1e-9);
+    }
+}
+
+TEST(WitnessedBudgets, OfAContradictionSayNothing) {
+    const std::vector<BudgetRow> alone = rows_of(0.3, 0.4, 1.2, 0.1);
     for (const int kind : {0, 1, 2}) {
         auto witnesses = two_witnesses();
         if (kind == 0) witnesses[1].fault_posterior = 0.6;
@@ -95,20 +102,18 @@ TEST(WitnessedBudget, OfAContradictionSaysNothing) {
             witnesses[0].difference_m_s = 1.0;
             witnesses[1].difference_m_s = -1.7;
         }
-        SpeedEvidence evidence;
-        const HeardTogether heard = hear_together(position_terms(rows), 0.4, witnesses, evidence);
+        const WitnessedBudget heard = beside(alone, witnesses);
         EXPECT_EQ(heard.position_share, 1.0);
-        EXPECT_EQ(evidence.disagreement > 1.0, kind == 2);
-        EXPECT_EQ(witnesses[0].share + witnesses[1].share, 0.0);
-        condition_on(witnesses, 0.4, 0.0, rows);
-        EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
+        EXPECT_EQ(heard.evidence.disagreement > 1.0, kind == 2);
+        EXPECT_EQ(heard.witnesses[0].share + heard.witnesses[1].share, 0.0);
+        EXPECT_DOUBLE_EQ(combine(heard.rows).standard_uncertainty,
+                         combine(alone).standard_uncertainty);
     }
     // One that confirms nothing has no share, whether it agrees or not.
     auto witnesses = two_witnesses();
     witnesses[0].confirms = witnesses[1].confirms = false;
-    SpeedEvidence evidence;
-    EXPECT_EQ(hear_together(position_terms(rows), 0.4, witnesses, evidence).position_share, 1.0);
-    EXPECT_FALSE(evidence.witnesses);
+    EXPECT_EQ(beside(alone, witnesses).position_share, 1.0);
+    EXPECT_TRUE(beside(alone, witnesses).evidence.witnesses.empty());
 }
 
 TEST(ExpectedBesideVelocities, IsWhatAWitnessOfThatSizeMakes) {
@@ -214,7 +219,7 @@ TEST(WitnessedWindow, InSpaceRestsOnPositionsAlone) {
     EXPECT_NEAR(best.speed_m_s, std::hypot(60.0, 10.0), 0.5);
     EXPECT_EQ(best.standard_uncertainty_m_s, alone.standard_uncertainty_m_s);
     EXPECT_EQ(best.speed_m_s, alone.speed_m_s);
-    EXPECT_FALSE(best.evidence->witnesses || best.evidence->observed);
+    EXPECT_TRUE(best.evidence->witnesses.empty());
     EXPECT_EQ(std::ranges::count(best.budget, "g", &BudgetRow::symbol), 0);
     ASSERT_EQ(best.witnesses.size(), 1U);
     EXPECT_EQ(best.witnesses.front().share, 0.0);

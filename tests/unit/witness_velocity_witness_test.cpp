@@ -169,22 +169,5 @@ TEST(VelocityWitness, TooFewSpansBoundNothing) {
     EXPECT_FALSE(estimate_velocity_errors<2>(witness, positions, std::nullopt).model.is_known());
 }
 
-// Given a difference the variance of the positions' error is the product of both over their sum,
-// and the share of the difference is what is expected of it.
-TEST(Witness, TheShareIsThatOfTheWeightedMean) {
-    EXPECT_DOUBLE_EQ(share_of_position(3.0, 4.0), 9.0 / 25.0);
-    EXPECT_DOUBLE_EQ(share_of_position(0.0, 0.0), 0.0);
-    RandomGenerator random(1);
-    double squares = 0.0;
-    constexpr int draws = 20'000;
-    for (int i = 0; i < draws; ++i) {
-        const double position = 3.0 * random.normal();
-        const double witness = 4.0 * random.normal();
-        const double expected = share_of_position(3.0, 4.0) * (position - witness);
-        squares += (position - expected) * (position - expected) / draws;
-    }
-    EXPECT_NEAR(squares, 9.0 * 16.0 / 25.0, 0.15);
-}
-
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

@@ -1,9 +1,10 @@
+#include "stages/window/window_fault.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/random.h"
-#include "stages/window/combination.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -192,77 +193,6 @@ TEST(WindowFaults, AreLikelierOfAWindowChosenAmongRivals) {
     for (int k = 0; k < 1000; ++k)
         run.all.push_back(Chosen::window(1000.0 + 3.0 * k, 60.0));
     EXPECT_NEAR(run.fault().chosen_probability, 1.0 - std::pow(0.998, 501.5), 1e-12);
-}
-
-TEST(WeightsOfWitnesses, MakeTheLeastVariance) {
-    const PositionTerms positions{.own_m_s = 0.02, .slow_m_s = 0.01, .fault_m_s = 0.03};
-    const std::vector<WitnessTerm> witnesses{
-        {.difference_m_s = 0.02, .own_m_s = 0.03},
-        {.difference_m_s = -0.01, .own_m_s = 0.004, .shared_m_s = 0.005},
-        {.difference_m_s = 0.03, .own_m_s = 0.02, .shares_slow = true}};
-    const WeightedSpeed mean = weigh(positions, witnesses);
-    double sum = mean.positions;
-    for (const double weight : mean.witnesses) {
-        EXPECT_GE(weight, 0.0);
-        sum += weight;
-    }
-    EXPECT_NEAR(sum, 1.0, 1e-12);
-    EXPECT_NEAR(mean.difference_m_s,
-                0.02 * mean.witnesses[0] - 0.01 * mean.witnesses[1] + 0.03 * mean.witnesses[2],
-                1e-15);
-    // By draws of the errors, those that are shared once: no other weights do better.
-    RandomGenerator random(5);
-    const auto variance = [&](const std::vector<double>& weights) {
-        RandomGenerator draws(7);
-        double square = 0.0;
-        constexpr int count = 20'000;
-        for (int k = 0; k < count; ++k) {
-            const double common = draws.normal();
-            const double slow = 0.005 * common + std::sqrt(1e-4 - 0.005 * 0.005) * draws.normal();
-            const double error =
-                weights[0] * (0.02 * draws.normal() + 0.03 * draws.normal() + slow) +
-                weights[1] * 0.03 * draws.normal() +
-                weights[2] * (0.004 * draws.normal() + 0.005 * common) +
-                weights[3] * (0.02 * draws.normal() + slow);
-            square += error * error / count;
-        }
-        return square;
-    };
-    std::vector<double> best{mean.positions};
-    best.insert(best.end(), mean.witnesses.begin(), mean.witnesses.end());
-    const double least = variance(best);
-    for (int other = 0; other < 20; ++other) {
-        std::vector<double> moved = best;
-        const double by = 0.1 * (random.uniform() - 0.5);
-        moved[static_cast<std::size_t>(other) % 4] += by;
-        moved[static_cast<std::size_t>(other + 1) % 4] -= by;
-        EXPECT_GT(variance(moved), 0.995 * least);
-    }
-}
-
-TEST(WeightsOfWitnesses, AreNeverNegative) {
-    // What shares all of the positions' errors and more would be taken off them.
-    const WeightedSpeed mean = weigh({.own_m_s = 0.001, .slow_m_s = 0.1, .fault_m_s = 0.0},
-                                     std::vector<WitnessTerm>{{.own_m_s = 0.0, .shared_m_s = 0.3}});
-    EXPECT_EQ(mean.positions, 1.0);
-    EXPECT_EQ(mean.witnesses[0], 0.0);
-}
-
-TEST(Disagreement, IsThatOfAllTogether) {
-    const PositionTerms positions{.own_m_s = 0.03, .slow_m_s = 0.04, .fault_m_s = 9.0};
-    EXPECT_EQ(disagreement(positions, {}), 0.0);
-    // Of one: its difference in standard deviations over 3.29.
-    const std::vector<WitnessTerm> one{{.difference_m_s = 0.2, .own_m_s = 0.12}};
-    EXPECT_NEAR(disagreement(positions, one), 0.2 / 0.13 / 3.2905, 1e-4);
-    // Two to opposite sides are further apart than either is.
-    const std::vector<WitnessTerm> two{{.difference_m_s = 0.35, .own_m_s = 0.12},
-                                       {.difference_m_s = -0.35, .own_m_s = 0.12}};
-    EXPECT_GT(disagreement(positions, two), 1.0);
-    EXPECT_LT(disagreement(positions, std::vector<WitnessTerm>{two[0]}), 0.85);
-    // Another receiver's time-correlated error may be another one.
-    const std::vector<WitnessTerm> receiver{
-        {.difference_m_s = 0.2, .own_m_s = 0.03, .shares_slow = true}};
-    EXPECT_NEAR(disagreement(positions, receiver), 0.2 / std::hypot(0.05, 0.05) / 3.2905, 1e-4);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 namespace runcert {
 namespace {
 
-constexpr double test_size = 0.05;
+constexpr double test_size = 0.05;  // of k = 2
 
 bool is_by(const Contradiction& one, const auto& witness) {
     return one.kind == witness.kind && one.receiver == witness.receiver;
@@ -61,7 +61,7 @@ template <int Axes>
 std::vector<Contradiction> contradictions_in(const AxesEstimate<Axes>& estimate,
                                              const FoundWindow& found,
                                              const CertifiableWindow& window) {
-    constexpr double longer = 1.2;
+    constexpr double longer = 1.2;  // so that no end of the drift fills a span of its own
     const SpeedEvidence& evidence = window.evidence.value();
     const ArcMotion<Axes> motion(estimate.trajectory, estimate.rows[found.series]);
     const TimeSpan at{window.span.start.seconds(),

@@ -56,9 +56,9 @@ std::vector<HeightSample> samples_of(const ScreenedTable& screened,
 /// all, as a balloon may stand, too.
 std::optional<double> standing_height_m(const std::vector<HeightSample>& samples, std::size_t from,
                                         std::size_t to) {
-    constexpr double standing_m_s = 1.0;
-    constexpr double least_s = 10.0;
-    constexpr double above_lowest_m = 50.0;
+    constexpr double standing_m_s = 1.0;     // what smoothed code positions wander by
+    constexpr double least_s = 10.0;         // longer than a fall or a flare is so slow
+    constexpr double above_lowest_m = 50.0;  // the ground of one drop zone, and no balloon
     double lowest_m = std::numeric_limits<double>::infinity();
     for (const HeightSample& sample : samples)
         lowest_m = std::min(lowest_m, sample.height_m.value_or(lowest_m));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stages/window/budget.h"
 #include "stages/window/certify.h"
 
 namespace runcert {
@@ -19,21 +20,13 @@ CertifiableWindow in_space(const CertifiableWindow& horizontal, const Certifiabl
         row.contribution_m_s *= level;
     }
     const double added = std::sqrt(of_upright * of_upright + 2.0 * of_level * of_upright);
-    window.budget.push_back({.symbol = "v",
-                             .source = "vertical part of the speed",
-                             .estimate = vertical.speed_m_s,
-                             .unit = "m / s",
-                             .standard_uncertainty = added,
-                             .type = "B",
-                             .distribution = "normal",
-                             .degrees_of_freedom = std::nullopt,
-                             .sensitivity = 1.0,
-                             .contribution_m_s = added,
-                             .touches = RowScope::source,
-                             .correlation = "fully correlated with all other rows together; what "
-                                            "it adds to them is given",
-                             .note = fmt::format("its own standard uncertainty is {:.4f} m/s",
-                                                 vertical.standard_uncertainty_m_s)});
+    BudgetRow row = speed_row("v", "vertical part of the speed", "B", added, RowScope::source,
+                              fmt::format("its own standard uncertainty is {:.4f} m/s",
+                                          vertical.standard_uncertainty_m_s));
+    row.estimate = vertical.speed_m_s;
+    row.correlation =
+        "fully correlated with all other rows together; what it adds to them is given";
+    window.budget.push_back(std::move(row));
     window.speed_m_s = speed;
     window.standard_uncertainty_m_s = of_level + of_upright;
     window.bias_limit_m_s = level * horizontal.bias_limit_m_s + upright * vertical.bias_limit_m_s;

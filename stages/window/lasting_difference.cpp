@@ -20,52 +20,42 @@ OptionalReal recorded_along(const ScreenedEpoch& row, TestedAxes axes) {
     return row.recorded_velocity_east_m_s ? row.recorded_velocity_east_m_s : row.recorded_speed_m_s;
 }
 
-/// Contribution of the white noise of recorded velocities, from their third differences, to the
-/// variance of a displacement per second (m^2/s).
-double white_of_velocities(const ScreenedTable& screened, TestedAxes axes) {
-    std::vector<double> third;
-    const auto& rows = screened.rows;
-    for (std::size_t i = 3; i < rows.size(); ++i) {
-        const auto a = recorded_along(rows[i - 3], axes), b = recorded_along(rows[i - 2], axes),
-                   c = recorded_along(rows[i - 1], axes), d = recorded_along(rows[i], axes);
-        if (a && b && c && d) third.push_back(std::abs(*d - 3.0 * *c + 3.0 * *b - *a));
-    }
-    if (third.empty()) return 0.0;
-    return std::pow(robust_sd(std::move(third), 20.0), 2) * screened.facts.nominal_interval_s;
-}
-
-/// The variance (m^2) of a displacement between positions, with twice the stated errors at both
-/// ends: nearly all that positions could explain.
-double explained_by_positions_m2(const ScreenedTable& screened, TestedAxes axes) {
-    std::vector<double> sigmas;
-    for (const ScreenedEpoch& row : screened.rows) {
-        const auto& sigma = axes == TestedAxes::vertical ? row.sigma_up_m : row.sigma_east_m;
-        if (row.usable && sigma) sigmas.push_back(*sigma);
-    }
-    return sigmas.empty() ? 0.0 : 2.0 * std::pow(2.0 * median(std::move(sigmas)), 2);
-}
-
-/// What the positions' stated errors and the white noise of the velocities explain of their
-/// difference.
+/// The variance of the difference of displacements that is explained: by twice the positions'
+/// stated errors at both ends, and by the white noise of the velocities from their third
+/// differences, doubled because a short recording has few spans that do not overlap.
 struct Explained {
     double positions_m2 = 0.0, white_m2_s = 0.0;
 
+    Explained(const ScreenedTable& screened, TestedAxes axes) {
+        const auto& rows = screened.rows;
+        std::vector<double> sigmas, third;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            const auto& sigma =
+                axes == TestedAxes::vertical ? rows[i].sigma_up_m : rows[i].sigma_east_m;
+            if (rows[i].usable && sigma) sigmas.push_back(*sigma);
+            if (i < 3) continue;
+            const auto a = recorded_along(rows[i - 3], axes), b = recorded_along(rows[i - 2], axes),
+                       c = recorded_along(rows[i - 1], axes), d = recorded_along(rows[i], axes);
+            if (a && b && c && d) third.push_back(std::abs(*d - 3.0 * *c + 3.0 * *b - *a));
+        }
+        if (!sigmas.empty()) positions_m2 = 2.0 * std::pow(2.0 * median(std::move(sigmas)), 2);
+        constexpr double gain = 20.0;  // of the variance: 1 + 9 + 9 + 1
+        if (!third.empty())
+            white_m2_s = 2.0 * std::pow(robust_sd(std::move(third), gain), 2) *
+                         screened.facts.nominal_interval_s;
+    }
     double over_m2(double span_s) const { return positions_m2 + white_m2_s * span_s; }
 };
 
-Explained explained_in(const ScreenedTable& screened, TestedAxes axes) {
-    // Doubled, because a short recording has few spans that do not overlap.
-    return {.positions_m2 = explained_by_positions_m2(screened, axes),
-            .white_m2_s = 2.0 * white_of_velocities(screened, axes)};
-}
-
-/// Lasting error of good receivers, whatever they state, or what these state.
+/// Lasting error that the recordings of good receivers show, whatever they state, or what these
+/// state.
 double known_of_velocities_m_s(const VelocityErrors& errors) {
     const double of_good_m_s = errors.axes == TestedAxes::vertical ? 0.1 : 0.07;
     return std::max(of_good_m_s, errors.stated_m_s.value_or(0.0));
 }
 
-/// A prior of the scale of velocities: a normal distribution about 1 with a weight.
+/// A prior of the scale of velocities: a normal distribution about 1 with a weight. 0.1 to 0.5 %
+/// are what filters and spinning antennas leave; 2 % are of another instrument, or of wrong units.
 struct ScalePrior {
     double weight = 0.0, sigma = 0.0;
 };
@@ -106,21 +96,18 @@ double log_likelihood(const Products& of, const ScalePrior& prior, double varian
            std::log(is_larger);
 }
 
-/// Whether the drift differs from a scale in these spans.
-bool is_apart(const Products& of) {
-    return of.xx - of.vx * of.vx / of.vv > 1e-9 * of.xx;
-}
+/// The scale and the drift that fit best, and the sum of squares that they leave. No drift where it
+/// does not differ from a scale in these spans.
+struct BestFit {
+    double scale = 0.0, drift_m_s = 0.0, left = 0.0;
 
-/// The least sum of squares that a scale leaves.
-double beside_scale(const Products& of) {
-    return of.dd - of.dv * of.dv / of.vv;
-}
-
-/// The same of a scale and a drift.
-double beside_both(const Products& of) {
-    const double dx = of.dx - of.dv * of.vx / of.vv, xx = of.xx - of.vx * of.vx / of.vv;
-    return is_apart(of) ? beside_scale(of) - dx * dx / xx : beside_scale(of);
-}
+    explicit BestFit(const Products& of) {
+        const double dx = of.dx - of.dv * of.vx / of.vv, xx = of.xx - of.vx * of.vx / of.vv;
+        if (xx > 1e-9 * of.xx) drift_m_s = dx / xx;
+        scale = (of.dv - drift_m_s * of.vx) / of.vv;
+        left = of.dd - of.dv * of.dv / of.vv - drift_m_s * dx;
+    }
+};
 
 /// A drift above a fraction of the top speed, or proportional to the speed.
 struct Drift {
@@ -137,16 +124,14 @@ struct Drift {
 constexpr std::array drifts{Drift{}, Drift{0.0}, Drift{0.3}, Drift{0.5}, Drift{0.7}, Drift{0.85}};
 
 /// Variance of the noise about a scale and this drift, at least that explained, enlarged by the
-/// correlation between neighbours.
-double noise_variance(std::span<const SpanComparison> spans, const Products& of, const Drift& drift,
-                      double top_m_s, double explained_m_s) {
-    const double xx = of.xx - of.vx * of.vx / of.vv;
-    const double size_m_s = is_apart(of) ? (of.dx - of.dv * of.vx / of.vv) / xx : 0.0;
-    const double scale = (of.dv - size_m_s * of.vx) / of.vv;
+/// correlation between neighbours. A correlation of 0.8 enlarges it ninefold; more of it cannot be
+/// told from a drift.
+double noise_variance(std::span<const SpanComparison> spans, const BestFit& best,
+                      const Drift& drift, double top_m_s, double explained_m_s) {
     double square = 0.0, product = 0.0, before = 0.0;
     for (const SpanComparison& one : spans) {
         const double rest =
-            one.along_m_s - scale * one.speed_m_s - size_m_s * drift.shape(one, top_m_s);
+            one.along_m_s - best.scale * one.speed_m_s - best.drift_m_s * drift.shape(one, top_m_s);
         square += rest * rest;
         product += rest * before;
         before = rest;
@@ -162,7 +147,8 @@ double noise_variance(std::span<const SpanComparison> spans, const Products& of,
 template <int Axes>
 std::vector<SpanComparison> compare_spans(const Witness<Axes>& velocities,
                                           std::span<const TimedPosition<Axes>> positions) {
-    constexpr double tolerance_s = 0.02, least_speed_m_s = 0.5;
+    constexpr double tolerance_s = 0.02;     // of stamps that are no whole multiples
+    constexpr double least_speed_m_s = 0.5;  // slower, and the direction is noise
     std::vector<SpanComparison> spans;
     for (std::size_t from = 0, to = 0; from < positions.size(); ++to) {
         while (to < positions.size() && positions[to].stretch == positions[from].stretch &&
@@ -203,7 +189,7 @@ double LastingDifference::positions_at_fault(double prior, double largest_m_s) c
 LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanComparison> spans,
                                         double explained_m_s, double known_m_s) {
     LastingDifference found{.size_m_s = size_m_s};
-    constexpr std::size_t fewest = 5;
+    constexpr std::size_t fewest = 5;  // two are fitted, and the noise to a factor of two
     if (!(size_m_s > 0.0) || spans.size() < fewest) return found;
     const auto count = static_cast<double>(spans.size());
     const double top_m_s =
@@ -220,12 +206,14 @@ LastingDifference weigh_scale_and_drift(double size_m_s, std::span<const SpanCom
     // Of heights there is nothing across.
     const double axes = across > 0.0 ? 2.0 : 1.0;
     const double beyond =
-        (beside_scale(of_scale) + across) / (axes * count) - explained_m_s * explained_m_s;
+        (of_scale.dd - of_scale.dv * of_scale.dv / of_scale.vv + across) / (axes * count) -
+        explained_m_s * explained_m_s;
     found.is_scale = beyond <= 0.25 * known_m_s * known_m_s;
-    const auto best = std::ranges::min_element(sums, {}, &beside_both);
+    const auto best =
+        std::ranges::min_element(sums, {}, [](const Products& one) { return BestFit(one).left; });
     const double variance =
-        noise_variance(spans, *best, drifts[static_cast<std::size_t>(best - sums.begin())], top_m_s,
-                       std::max(explained_m_s, 0.5 * least_velocity_sigma_m_s));
+        noise_variance(spans, BestFit(*best), drifts[static_cast<std::size_t>(best - sums.begin())],
+                       top_m_s, std::max(explained_m_s, 0.5 * least_velocity_sigma_m_s));
     double highest = -std::numeric_limits<double>::infinity();
     for (const ScalePrior& prior : scale_priors)
         highest = std::max(highest, log_likelihood(of_scale, prior, variance));
@@ -245,7 +233,7 @@ double unexplained_by_velocities_m_s(const ScreenedTable& screened, TestedAxes a
     const auto& all = screened.basis.velocity_errors;
     const auto errors = std::ranges::find(all, axes, &VelocityErrors::axes);
     if (errors == all.end()) return 0.0;
-    const Explained explained = explained_in(screened, axes);
+    const Explained explained(screened, axes);
     double lasting_m_s = errors->shown_m_s;
     for (const VelocitySpread& spread : errors->spreads) {
         if (spread.span_s > longest_span_s)
@@ -265,7 +253,7 @@ LastingDifference lasting_difference(const ScreenedTable& screened,
     const auto& all = screened.basis.velocity_errors;
     return weigh_scale_and_drift(
         size_m_s, compare_spans<Axes>(*velocities, timed_positions<Axes>(screened.rows)),
-        std::sqrt(explained_in(screened, axes).over_m2(compared_span_s)) / compared_span_s,
+        std::sqrt(Explained(screened, axes).over_m2(compared_span_s)) / compared_span_s,
         known_of_velocities_m_s(*std::ranges::find(all, axes, &VelocityErrors::axes)));
 }
 template LastingDifference lasting_difference(const ScreenedTable&, const Witness<1>*);

@@ -17,30 +17,13 @@ namespace runcert {
 
 namespace {
 
-/// Where the trajectory differs from the smoothed part.
-struct TrajectoryDifference {
-    std::int64_t epoch = 0;
-    double difference_m = 0.0;
-};
-
-/// The first of the window's ends at which the two differ.
+/// How far (m) the trajectory is from the smoothed part at one of its epochs.
 template <int Axes>
-std::optional<TrajectoryDifference> difference_from(const TrajectoryTable& trajectory,
-                                                    const ArcPart<Axes>& part,
-                                                    const Chain<Axes>& smoothed) {
-    constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
-    for (const std::size_t k : {part.window.first, part.window.last}) {
-        const TrajectoryEpoch& row = trajectory.rows[part.arc.rows[k]];
-        const SpeedVector<Axes> position = smoothed.mean(k).template head<speed_axes<Axes>>();
-        SpeedVector<Axes> written;
-        if constexpr (Axes == 1)
-            written << *row.up_m;
-        else
-            written << *row.east_m, *row.north_m;
-        const double difference_m = (position - written).norm();
-        if (difference_m > tolerance_m) return TrajectoryDifference{row.epoch, difference_m};
-    }
-    return std::nullopt;
+double apart_m(const TrajectoryEpoch& row, const StateVector<Axes>& smoothed) {
+    if constexpr (Axes == 1)
+        return std::abs(smoothed(0) - *row.up_m);
+    else
+        return std::hypot(smoothed(0) - *row.east_m, smoothed(1) - *row.north_m);
 }
 
 }  // namespace
@@ -57,14 +40,20 @@ CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const Fou
         // Smoothed again, because the trajectory does not hold the correlation of the errors of two
         // epochs.
         checked.smoothed = Chain<Axes>(checked.part.arc.epochs, estimate.model);
-        const auto different = difference_from(estimate.trajectory, checked.part, checked.smoothed);
-        if (!different) return checked;
-        if (checked.part.whole)
-            throw Failure(fmt::format("epoch {}", different->epoch),
-                          fmt::format("the trajectory is {:.1e} m from the estimate of the same "
-                                      "screened epochs",
-                                      different->difference_m),
-                          "Run runcert-smooth again, with the same attempt");
+        constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
+        bool agrees = true;
+        for (const std::size_t k : {checked.part.window.first, checked.part.window.last}) {
+            const TrajectoryEpoch& row = estimate.trajectory.rows[checked.part.arc.rows[k]];
+            const double off_m = apart_m<Axes>(row, checked.smoothed.mean(k));
+            agrees = agrees && off_m <= tolerance_m;
+            if (!agrees && checked.part.whole)
+                throw Failure(fmt::format("epoch {}", row.epoch),
+                              fmt::format("the trajectory is {:.1e} m from the estimate of the "
+                                          "same screened epochs",
+                                          off_m),
+                              "Run runcert-smooth again, with the same attempt");
+        }
+        if (agrees) return checked;
     }
     return {};
 }
@@ -92,33 +81,19 @@ template ArcPart<1> part_around<1>(const Arc<1>&, const std::vector<ElapsedTime>
 template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>&, EpochPair,
                                    double);
 
-namespace {
-
-/// Displacement (m) of the robust solution.
-std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
-                                                   const ArcPart<2>& part) {
-    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return trajectory.rows[part.arc.rows[k]];
-    };
-    const TrajectoryEpoch& first = row(part.window.first);
-    const TrajectoryEpoch& last = row(part.window.last);
-    if (!first.robust_east_m || !last.robust_east_m) return std::nullopt;
-    return Eigen::Vector2d(*last.robust_east_m - *first.robust_east_m,
-                           last.robust_north_m.value() - first.robust_north_m.value());
-}
-
-}  // namespace
-
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
                                         const Chain<2>& smoothed, double model_m_s) {
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
     const SpeedEstimate screened = smoothed_speed(smoothed, window, duration_s, {});
-    const auto displacement = robust_displacement(trajectory, part);
-    if (!displacement) return std::nullopt;
+    const TrajectoryEpoch& first = trajectory.rows[arc.rows[window.first]];
+    const TrajectoryEpoch& last = trajectory.rows[arc.rows[window.last]];
+    if (!first.robust_east_m || !last.robust_east_m) return std::nullopt;
     RobustSpeed robust;
-    robust.speed_m_s = std::hypot(displacement->x(), displacement->y()) / duration_s;
+    robust.speed_m_s = std::hypot(*last.robust_east_m - *first.robust_east_m,
+                                  *last.robust_north_m - *first.robust_north_m) /
+                       duration_s;
     robust.difference_m_s = robust.speed_m_s - screened.speed_m_s;
     robust.limit_m_s = usual_coverage_factor * (screened.standard_uncertainty_m_s + model_m_s);
     robust.agrees = std::abs(robust.difference_m_s) <= robust.limit_m_s;

@@ -175,7 +175,7 @@ WitnessedBudget beside_witnesses(const std::vector<BudgetRow>& alone, const Wind
 }
 
 double least_expanded_m_s(const SpeedEvidence& evidence, double speed_m_s, double alone_m_s) {
-    constexpr double coverage = 0.9545;
+    constexpr double coverage = 0.9545;  // of k = 2
     const bool is_alone = evidence.witnesses.empty();
     SpeedEvidence stated = evidence;
     if (is_alone) stated.chosen_fault_probability = evidence.fault_probability;
@@ -209,7 +209,7 @@ void hold_mixture(double coverage_factor, const std::vector<BudgetRow>& alone,
 
 double expected_beside_velocities(const std::vector<BudgetRow>& rows, double own_uncertainty_m_s,
                                   double bias_limit_m_s, double duration_s, double interval_s) {
-    constexpr double sigma_at_epoch_m_s = 0.1;
+    constexpr double sigma_at_epoch_m_s = 0.1;  // data sheets: 0.05 to 0.1 m/s
     constexpr double median_of_normal = 0.6745;
     WitnessedSpeed velocities;
     velocities.kind = WitnessKind::velocities;

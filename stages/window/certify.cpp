@@ -36,39 +36,6 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows
     return sum / static_cast<double>(window.last - window.first + 1);
 }
 
-/// The windows that could have been the best, with close ones grouped together. What lies further
-/// apart than a window is long, and than some epochs, hardly errs together.
-template <int Axes>
-std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
-                                             const WindowChoice& choice, double least_m_s) {
-    std::vector<FoundWindow> near;
-    for (const FoundWindow& window : choice.all)
-        if (window.assured_m_s() >= least_m_s) near.push_back(window);
-    std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
-        return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
-    });
-    constexpr std::size_t some_epochs = 500;
-    std::vector<WindowCluster<Axes>> clusters;
-    std::size_t reach = 0;
-    for (const FoundWindow& window : near) {
-        const Arc<Axes>* const arc = &estimate.arcs[window.series];
-        if (clusters.empty() || clusters.back().arc != arc || window.first > reach ||
-            window.first > clusters.back().windows.front().first +
-                               std::max(some_epochs, window.last - window.first)) {
-            clusters.push_back({.arc = arc, .windows = {}, .allowances_m_s = {}});
-            reach = window.last;
-        }
-        WindowCluster<Axes>& cluster = clusters.back();
-        reach = std::max(reach, window.last);
-        if (window.series == choice.found.series && window.start == choice.found.start &&
-            window.end == choice.found.end)
-            cluster.chosen = cluster.windows.size();
-        cluster.windows.push_back({window.first, window.last});
-        cluster.allowances_m_s.push_back(window.allowance_m_s);
-    }
-    return clusters;
-}
-
 /// The same estimates with every speed raised by `by_m_s`.
 OtherEstimates raised(OtherEstimates estimates, double by_m_s) {
     estimates.stiffer_m_s += by_m_s;
@@ -112,8 +79,12 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
         limit_m_s && !choice.by_positions_alone && estimate.witnesses.empty() &&
         choice.profile.coverage_factor * stated.standard_uncertainty_m_s > *limit_m_s;
     const bool is_whole = choice.extent == CertificateExtent::whole;
+    // What lies further apart than a window is long, and than some epochs, hardly errs together.
+    constexpr std::size_t some_epochs = 500;
     SelectionBias selection = selection_bias<Axes>(
-        is_whole ? clusters_of(estimate, choice, least_m_s) : std::vector<WindowCluster<Axes>>{},
+        estimate.arcs,
+        is_whole ? legs_of(choice.all, choice.found, least_m_s, some_epochs)
+                 : std::vector<WindowLeg>{},
         SelectionModels{.estimated = estimate.model,
                         .by_path = by_path,
                         .along = bound.along,

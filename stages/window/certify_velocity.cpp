@@ -266,24 +266,23 @@ void set_choice(const VelocityEstimate& estimate, const Profile& profile, const 
         for (const std::size_t row : arc.rows)
             of_arc.push_back(estimate.trajectory.rows[row].time);
     }
-    const SpeedChoiceBias bias = speed_choice_bias(
-        times, all, found, profile.definition,
+    const SelectionBias bias = speed_choice_bias(
+        times, legs_of(all, found, found.assured_m_s() - selection_width * errors.combined()),
+        profile.definition,
         {.white_m_s = errors.white_m_s, .brief_m_s = errors.brief_m_s, .slow_m_s = errors.slow_m_s},
-        selection_width * errors.combined(), estimate.config.selection_samples,
-        estimate.config.seed);
+        estimate.config.selection_samples, estimate.config.seed);
     const bool subtracted = profile.uncertainty.selection_bias == SelectionTreatment::subtracted;
     // A range wider than the speed is uncertain tells nothing of where in it the bias is: what is
     // certain is taken off, and the rest is allowed for.
-    const double half_m_s = 0.5 * (bias.most_m_s - bias.least_m_s);
-    const bool middle = half_m_s <= errors.combined();
-    const double taken_off_m_s = bias.least_m_s + (middle ? half_m_s : 0.0);
-    window.bias_limit_m_s = bias.most_m_s - (subtracted ? taken_off_m_s : 0.0);
+    const bool middle = bias.bias_half_range_m_s <= errors.combined();
+    const double taken_off_m_s = middle ? bias.bias_m_s : bias.fitted_bias_m_s;
+    window.bias_limit_m_s = bias.bounded_bias_m_s - (subtracted ? taken_off_m_s : 0.0);
     if (subtracted) window.speed_m_s = less_bias(window.speed_m_s, taken_off_m_s);
     window.budget.push_back(
         choice_row(fmt::format("{:.4f} m/s, by white noise alone, and {:.4f} m/s, by all errors "
                                "that differ between windows;",
-                               bias.least_m_s, bias.most_m_s),
-                   bias.uncertainty_m_s, static_cast<std::int64_t>(bias.candidates),
+                               bias.fitted_bias_m_s, bias.bounded_bias_m_s),
+                   bias.bias_uncertainty_m_s, bias.candidates,
                    subtracted ? std::optional(taken_off_m_s) : std::nullopt, middle));
 }
 

@@ -277,13 +277,12 @@ void widen_to_mixture(double factor, const std::vector<BudgetRow>& alone,
 
 /// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
 template <int Axes>
-void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-               const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-               CertifiableWindow& window) {
+void hear_and_set(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                  const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+                  CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
     const UncertaintyRule& rule = choice.profile.uncertainty;
     const SelectionBias& selection = *window.selection;
-    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     const double probability =
         estimate.config.fault_probability_given
             ? estimate.config.fault_probability
@@ -314,10 +313,8 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     HeardBudget heard = hear_witnesses(noise, fault, selection, alone, std::move(witnesses));
     input.position_share = heard.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
-    const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
-    window.speed_m_s = subtracted ? less_bias(measured_m_s, heard.bias_m_s) : measured_m_s;
-    window.bias_limit_m_s = heard.position_share * (subtracted ? selection.bias_half_range_m_s
-                                                               : selection.bounded_bias_m_s);
+    set_speed(noise.speed.speed_m_s + craft_m_s, selection, heard.bias_m_s, heard.position_share,
+              window);
     window.own_standard_uncertainty_m_s = own_uncertainty(alone);
     window.budget = std::move(heard.rows);
     window.witnesses = std::move(heard.witnesses);
@@ -327,9 +324,7 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
     if (!window.witnesses.empty()) widen_to_mixture(choice.profile.coverage_factor, alone, window);
-    const CombinedUncertainty combined = combine(window.budget);
-    window.standard_uncertainty_m_s = combined.standard_uncertainty;
-    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+    set_uncertainty(window);
     if (choice.extent == CertificateExtent::whole)
         window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
@@ -353,18 +348,31 @@ void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
         if (*mean) **mean += craft.definitions.mean_n_plus_1_m_s;
 }
 
-/// Sets position and time of the window.
-template <int Axes>
-void set_place(const AxesEstimate<Axes>& estimate, const FoundWindow& found,
-               CertifiableWindow& window) {
-    const Arc<Axes>& arc = estimate.arcs[found.series];
-    const auto epoch = [&](std::size_t k) { return estimate.trajectory.rows[arc.rows[k]].epoch; };
-    window.span = window_span(estimate.trajectory.facts, epoch(found.first), epoch(found.last),
-                              found.start, found.end);
+}  // namespace
+
+CertifiableWindow placed(const TrajectoryTable& trajectory, const ArcRows& arc,
+                         const FoundWindow& found) {
+    CertifiableWindow window;
+    const auto epoch = [&](std::size_t k) { return trajectory.rows[arc.rows[k]].epoch; };
+    window.span = window_span(trajectory.facts, epoch(found.first), epoch(found.last), found.start,
+                              found.end);
     window.arc = arc.number;
+    return window;
 }
 
-}  // namespace
+void set_speed(double measured_m_s, const SelectionBias& selection, double bias_m_s, double share,
+               CertifiableWindow& window) {
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
+    window.speed_m_s = subtracted ? less_bias(measured_m_s, bias_m_s) : measured_m_s;
+    window.bias_limit_m_s =
+        share * (subtracted ? selection.bias_half_range_m_s : selection.bounded_bias_m_s);
+}
+
+void set_uncertainty(CertifiableWindow& window) {
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_m_s = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+}
 
 SpeedQuantity quantity_of(const Profile& profile) {
     SpeedQuantity quantity;
@@ -446,8 +454,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
     PositionNoise noise = position_noise(estimated, choice.quantity, weights, bound);
 
-    CertifiableWindow window;
-    set_place(estimate, found, window);
+    CertifiableWindow window = placed(estimate.trajectory, estimate.rows[found.series], found);
     window.methods = methods_of(estimate, found);
     window.definitions = definitions_of(smoothed_track(smoothed_at), at.window, stretch.duration_s);
     for (double* const speed :
@@ -474,7 +481,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const SpeedEstimate searched = smoothed_speed(smoothed_at, at.window, stretch.duration_s, {});
     window.selection =
         selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, noise.speed);
-    set_speed(estimate, choice, estimated, noise, window);
+    hear_and_set(estimate, choice, estimated, noise, window);
     if (choice.craft) move_to_craft(*choice.craft, window);
     return window;
 }

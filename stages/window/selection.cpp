@@ -385,7 +385,7 @@ SimulatedChoice ChoiceSimulation::operator()(const Eigen::VectorXd& errors,
 }
 
 SelectionBias bias_between(const std::vector<SimulatedChoice>& least,
-                           const std::vector<SimulatedChoice>& most) {
+                           const std::vector<SimulatedChoice>& most, double widest_m_s) {
     const auto values = [](const std::vector<SimulatedChoice>& choices,
                            double SimulatedChoice::*figure) {
         std::vector<double> all;
@@ -403,6 +403,10 @@ SelectionBias bias_between(const std::vector<SimulatedChoice>& least,
     bias.bounded_bias_m_s = std::max(bias.fitted_bias_m_s, mean(of_most));
     bias.bias_m_s = 0.5 * (bias.fitted_bias_m_s + bias.bounded_bias_m_s);
     bias.bias_half_range_m_s = 0.5 * (bias.bounded_bias_m_s - bias.fitted_bias_m_s);
+    if (bias.bias_half_range_m_s > widest_m_s) {
+        bias.bias_m_s = bias.fitted_bias_m_s;
+        bias.bias_half_range_m_s = bias.bounded_bias_m_s - bias.fitted_bias_m_s;
+    }
     bias.bias_uncertainty_m_s =
         std::max(standard_deviation(of_least), standard_deviation(of_most)) /
         std::sqrt(static_cast<double>(most.size()));

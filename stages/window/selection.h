@@ -79,9 +79,12 @@ class ChoiceSimulation {
 
 /// The bias between that under the least errors and that under the most, from equally many draws of
 /// each. Neither is below 0, and the bounded one is not below the fitted one. Their standard
-/// uncertainty is the larger one of both means.
+/// uncertainty is the larger one of both means. The middle is the bias, with half the difference
+/// as its limits. If that is more than `widest_m_s`, the range tells nothing of where in it the
+/// bias is: the bias is then the fitted one, and all of the difference its limit.
 SelectionBias bias_between(const std::vector<SimulatedChoice>& least,
-                           const std::vector<SimulatedChoice>& most);
+                           const std::vector<SimulatedChoice>& most,
+                           double widest_m_s = std::numeric_limits<double>::infinity());
 
 /// The models behind a selection, and how windows were compared.
 struct SelectionModels {

@@ -6,8 +6,6 @@
 #include <numbers>
 
 #include "core/statistics.h"
-#include "stages/window/sample_series.h"
-#include "stages/window/velocity_moment.h"
 #include "witness/recorded_velocities.h"
 
 namespace runcert {
@@ -69,7 +67,7 @@ std::vector<SpanOfSpeeds> spans_of(std::span<const ComparedSpeed> compared, doub
         spans.push_back(
             {.mean_m_s = recorded_m / length_s,
              .difference_m_s = (recorded_m - smoothed_m) / length_s,
-             .straight = (b.position_m - a.position_m).norm() >= straight * smoothed_m});
+             .straight = (b.track.position - a.track.position).norm() >= straight * smoothed_m});
         from = to - 1;
     }
     return spans;
@@ -136,43 +134,6 @@ SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
 }
 
 }  // namespace
-
-std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
-                                           const TrajectoryTable& trajectory,
-                                           const std::vector<ArcRows>& arcs, Dimension dimension) {
-    const std::vector<bool> left_out = velocities_left_out(screened.rows, screened.basis.velocity,
-                                                           dimension != Dimension::horizontal);
-    const double longest_s = std::max(1.0, 1.5 * trajectory.facts.nominal_interval_s) + rounding_s;
-    std::vector<ComparedSpeed> compared;
-    std::int64_t stretch = 0;
-    for (const ArcRows& arc : arcs) {
-        ++stretch;
-        const auto moments = track_at_moments(screened, trajectory, arc, dimension);
-        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-            const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
-            const auto recorded = recorded_speed(screened.rows[arc.rows[k]], dimension);
-            if (!recorded || !moments[k] || !row.usable || left_out[arc.rows[k]]) {
-                ++stretch;
-                continue;
-            }
-            ComparedSpeed one{.time_s = row.time.seconds(),
-                              .recorded_m_s = recorded->speed_m_s,
-                              .smoothed_m_s = moments[k]->speed_m_s,
-                              .position_m = moments[k]->position_m};
-            if (!compared.empty()) {
-                const ComparedSpeed& before = compared.back();
-                const double step_s = one.time_s - before.time_s;
-                if (step_s > longest_s) ++stretch;
-                one.recorded_m =
-                    before.recorded_m + 0.5 * step_s * (before.recorded_m_s + one.recorded_m_s);
-                one.smoothed_m = before.smoothed_m + moments[k]->step_m;
-            }
-            one.stretch = stretch;
-            compared.push_back(one);
-        }
-    }
-    return compared;
-}
 
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s) {

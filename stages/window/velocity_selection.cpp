@@ -110,7 +110,8 @@ SelectionBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& tim
     constexpr std::int64_t most_numbers = 4'000'000;
     constexpr std::int64_t fewest_draws = 100;
     const Rivals rivals = rivals_of(legs);
-    if (rivals.size() < 2) return {.candidates = std::ssize(rivals.legs), .seed = seed};
+    if (rivals.size() < 2)
+        return {.candidates = std::ssize(rivals.legs), .samples = samples, .seed = seed};
     const DrawnSamples drawn = samples_of(times, legs);
     const auto [first, last] = drawn.windows[rivals.chosen];
     const auto steps = static_cast<double>(last - first);
@@ -150,7 +151,7 @@ SelectionBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& tim
         least.push_back(one.white);
         most.push_back(one.all);
     }
-    SelectionBias bias = bias_between(least, most);
+    SelectionBias bias = bias_between(least, most, errors.combined_m_s);
     bias.candidates = std::ssize(rivals.legs);
     bias.seed = seed;
     return bias;

@@ -15,6 +15,8 @@ struct DrawnSpeedErrors {
     double white_m_s = 0.0;  ///< of one sample
     double brief_m_s = 0.0;  ///< of the mean of the chosen window
     double slow_m_s = 0.0;
+    /// Of the mean of the chosen window: a wider range tells nothing of where the bias is.
+    double combined_m_s = std::numeric_limits<double>::infinity();
 };
 
 /// The bias (m/s) of choosing the fastest window by recorded speeds, between that under white noise

@@ -17,22 +17,6 @@
 namespace runcert {
 namespace {
 
-/// The epochs of a leg, with some seconds before and after.
-template <int Axes>
-struct RivalStretch {
-    std::span<const ArcEpoch<Axes>> epochs;
-    std::size_t from = 0;  ///< index of the first one in the arc
-};
-
-template <int Axes>
-RivalStretch<Axes> stretch_of(const Arc<Axes>& arc, const WindowLeg& leg) {
-    constexpr double flank_s = 5.0;
-    const std::size_t last = std::ranges::max(leg.windows, {}, &FoundWindow::last).last;
-    const EpochPair reach = reach_around(arc, {leg.windows.front().first, last}, flank_s);
-    return {.epochs = std::span(arc.epochs).subspan(reach.first, reach.last + 1 - reach.first),
-            .from = reach.first};
-}
-
 /// The noise model for drawing, with the time-correlated error's size along the windows.
 EstimationModel drawn_model(const SelectionModels& models) {
     EstimationModel model = models.estimated;
@@ -113,7 +97,7 @@ struct LegErrors {
     Eigen::MatrixXd motion;
 };
 
-/// The windows of one leg, and the weights of the measured positions in each component of their
+/// Some windows of one leg, and the weights of the measured positions in each component of their
 /// velocities: the stated ones, and those of the motion estimated from this stretch alone.
 template <int Axes>
 class LegByPositions {
@@ -121,116 +105,96 @@ class LegByPositions {
     /// Of each `every` consecutive windows the one of the highest assured speed, and the chosen
     /// one; of fewer where the windows are long. They are added to `rivals`.
     LegByPositions(const Arc<Axes>& arc, const WindowLeg& leg, const SelectionModels& models,
-                   std::size_t every, Rivals& rivals)
-        : stretch_(stretch_of(arc, leg)), components_(rivals.components) {
+                   std::size_t every, Rivals& rivals) {
+        constexpr double flank_s = 5.0;
+        const std::size_t last = std::ranges::max(leg.windows, {}, &FoundWindow::last).last;
+        const EpochPair reach = reach_around(arc, {leg.windows.front().first, last}, flank_s);
+        epochs_ = std::span(arc.epochs).subspan(reach.first, reach.last + 1 - reach.first);
         const EstimationModel drawn = drawn_model(models);
-        const double scale = drawn.measurement_scale;
-        const Chain<Axes> estimator(stretch_.epochs, models.estimated);
-        const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
-        follow(local);
+        const Chain<Axes> estimator(epochs_, models.estimated);
+        const Chain<Axes> local(epochs_, local_model(epochs_, drawn));
+        SpeedSums path{.path_m = {0.0}};
+        for (std::size_t k = 1; k < epochs_.size(); ++k)
+            path.path_m.push_back(path.path_m.back() + displacement(local, k - 1, k).norm());
         // The covariance costs the square of the rivals times the columns.
         constexpr double affordable = 2e8;
-        const auto columns = std::ssize(stretch_.epochs) * Axes;
+        const auto columns = std::ssize(epochs_) * Axes;
         const auto most = static_cast<std::size_t>(
-            std::sqrt(affordable / static_cast<double>(columns)) / components_);
+            std::sqrt(affordable / static_cast<double>(columns)) / rivals.components);
         every = std::max(every, leg.windows.size() / std::max<std::size_t>(most, 10));
         const std::size_t number = rivals.legs.empty() ? 0 : rivals.legs.back() + 1;
         std::vector<EpochPair> windows;
         for (std::size_t first = 0; first < leg.windows.size(); first += every) {
             const std::size_t end = std::min(first + every, leg.windows.size());
-            std::size_t kept = first;
-            double highest = -std::numeric_limits<double>::infinity();
-            for (std::size_t w = first; w < end && kept != leg.chosen; ++w) {
-                const double assured = velocity_in(window(leg, w), models.by_path).norm() -
-                                       leg.windows[w].allowance_m_s;
-                if (w != leg.chosen && !(assured > highest)) continue;
-                kept = w;
+            EpochPair kept;
+            Eigen::VectorXd velocity;
+            double highest = -std::numeric_limits<double>::infinity(), allowance = 0.0;
+            bool is_chosen = false;
+            for (std::size_t w = first; w < end && !is_chosen; ++w) {
+                const FoundWindow& found = leg.windows[w];
+                const EpochPair window{found.first - reach.first, found.last - reach.first};
+                const double duration_s =
+                    epochs_[window.last].time_s - epochs_[window.first].time_s;
+                Eigen::VectorXd moved = displacement(local, window.first, window.last) / duration_s;
+                if (models.by_path)
+                    moved.setConstant(
+                        1, path.speed_m_s(window, duration_s, SpeedDefinition::path_length));
+                const double assured = moved.norm() - found.allowance_m_s;
+                is_chosen = w == leg.chosen;
+                if (!is_chosen && w > first && !(assured > highest)) continue;
+                kept = window;
+                velocity = moved;
                 highest = assured;
+                allowance = found.allowance_m_s;
             }
-            if (kept == leg.chosen) rivals.chosen = rivals.size();
-            rivals.allowances_m_s.push_back(leg.windows[kept].allowance_m_s);
+            if (is_chosen) rivals.chosen = rivals.size();
+            rivals.velocities_m_s.insert(rivals.velocities_m_s.end(), velocity.begin(),
+                                         velocity.end());
+            rivals.allowances_m_s.push_back(allowance);
             rivals.legs.push_back(number);
-            windows.push_back(window(leg, kept));
+            windows.push_back(kept);
         }
-        const auto rows = std::ssize(windows) * components_;
+        const auto rows = std::ssize(windows) * rivals.components;
         stated_.resize(rows, columns);
         motion_.resize(rows, columns);
-        rivals.velocities.conservativeResize(rivals.velocities.size() + rows);
-        for (std::size_t w = 0; w < windows.size(); ++w)
-            rivals.velocities.tail(rows).segment(static_cast<Eigen::Index>(w) * components_,
-                                                 components_) =
-                set(w, estimator, local, windows[w], models.by_path);
-        white_ = {.stated = covariance(on_white<Axes>(stretch_.epochs, stated_, scale)),
-                  .motion = covariance(on_white<Axes>(stretch_.epochs, motion_, scale))};
+        for (Eigen::Index row = 0; row < rows; ++row)
+            set_row(row, windows[static_cast<std::size_t>(row / rivals.components)], estimator,
+                    local, models.by_path, static_cast<int>(row % rivals.components));
+        const double scale = drawn.measurement_scale;
+        white_ = {.stated = covariance(on_white<Axes>(epochs_, stated_, scale)),
+                  .motion = covariance(on_white<Axes>(epochs_, motion_, scale))};
     }
 
     /// The factors for white noise and this error.
     LegErrors factors(const GaussMarkovError& error) const {
-        return {.stated = factor(white_.stated, on_slow<Axes>(stretch_.epochs, stated_, error)),
-                .motion = factor(white_.motion, on_slow<Axes>(stretch_.epochs, motion_, error))};
+        return {.stated = factor(white_.stated, on_slow<Axes>(epochs_, stated_, error)),
+                .motion = factor(white_.motion, on_slow<Axes>(epochs_, motion_, error))};
     }
 
   private:
-    EpochPair window(const WindowLeg& leg, std::size_t w) const {
-        return {leg.windows[w].first - stretch_.from, leg.windows[w].last - stretch_.from};
-    }
-
-    double duration_s(EpochPair window) const {
-        return stretch_.epochs[window.last].time_s - stretch_.epochs[window.first].time_s;
-    }
-
-    /// Sets the positions of the motion, and the path to each of them.
-    void follow(const Chain<Axes>& local) {
-        double path_m = 0.0;
-        for (std::size_t k = 0; k < local.size(); ++k) {
-            const SpeedVector<Axes> place = local.mean(k).template head<speed_axes<Axes>>();
-            if (k > 0) path_m += (place - places_m_.back()).norm();
-            places_m_.push_back(place);
-            sums_.path_m.push_back(path_m);
+    /// Sets the weights in a window's path, or in this axis of its displacement, over time.
+    void set_row(Eigen::Index row, EpochPair window, const Chain<Axes>& estimator,
+                 const Chain<Axes>& local, bool by_path, int axis) {
+        const double duration_s = epochs_[window.last].time_s - epochs_[window.first].time_s;
+        Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
+        if (by_path) {
+            gradients = speed_gradients(local, window, duration_s,
+                                        {.definition = SpeedDefinition::path_length});
+        } else {
+            gradients.front()(axis) = -1.0 / duration_s;
+            gradients.back()(axis) = 1.0 / duration_s;
         }
+        const auto set = [&](const Chain<Axes>& chain, Weights& weights) {
+            const auto of_epochs = chain.weights(window.first, gradients);
+            for (std::size_t k = 0; k < of_epochs.size(); ++k)
+                weights.row(row).template segment<Axes>(static_cast<Eigen::Index>(k) * Axes) =
+                    of_epochs[k].transpose();
+        };
+        set(estimator, stated_);
+        set(local, motion_);
     }
 
-    Eigen::VectorXd velocity_in(EpochPair window, bool by_path) const {
-        if (by_path)
-            return Eigen::VectorXd::Constant(
-                1, sums_.speed_m_s(window, duration_s(window), SpeedDefinition::path_length));
-        Eigen::VectorXd velocity(components_);
-        for (int axis = 0; axis < components_; ++axis)
-            velocity(axis) =
-                (places_m_[window.last](axis) - places_m_[window.first](axis)) / duration_s(window);
-        return velocity;
-    }
-
-    /// Sets the weights of a window, and returns its velocity.
-    Eigen::VectorXd set(std::size_t w, const Chain<Axes>& estimator, const Chain<Axes>& local,
-                        EpochPair window, bool by_path) {
-        const auto row = static_cast<Eigen::Index>(w) * components_;
-        for (int axis = 0; axis < components_; ++axis) {
-            Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
-            if (by_path) {
-                gradients = speed_gradients(local, window, duration_s(window),
-                                            {.definition = SpeedDefinition::path_length});
-            } else {
-                gradients.front()(axis) = -1.0 / duration_s(window);
-                gradients.back()(axis) = 1.0 / duration_s(window);
-            }
-            const auto set_row = [&](const Chain<Axes>& chain, Weights& weights) {
-                const auto of_epochs = chain.weights(window.first, gradients);
-                for (std::size_t k = 0; k < of_epochs.size(); ++k)
-                    weights.row(row + axis)
-                        .template segment<Axes>(static_cast<Eigen::Index>(k) * Axes) =
-                        of_epochs[k].transpose();
-            };
-            set_row(estimator, stated_);
-            set_row(local, motion_);
-        }
-        return velocity_in(window, by_path);
-    }
-
-    RivalStretch<Axes> stretch_;
-    int components_;
-    std::vector<SpeedVector<Axes>> places_m_;
-    SpeedSums sums_;
+    std::span<const ArcEpoch<Axes>> epochs_;  ///< of the leg, with some seconds before and after
     Weights stated_;
     Weights motion_;
     LegErrors white_;  ///< covariances of white noise alone
@@ -323,8 +287,11 @@ std::vector<WindowLeg> legs_of(const std::vector<FoundWindow>& all, const FoundW
 }
 
 ChoiceSimulation::ChoiceSimulation(Rivals rivals, double together_m_s)
-    : rivals_(std::move(rivals)), together_m_s_(together_m_s) {
-    draw_together(rivals_.velocities);
+    : rivals_(std::move(rivals)),
+      together_m_s_(together_m_s),
+      likely_(Eigen::Map<const Eigen::VectorXd>(rivals_.velocities_m_s.data(),
+                                                std::ssize(rivals_.velocities_m_s))) {
+    draw_together(likely_);
 }
 
 void ChoiceSimulation::draw_together(Eigen::VectorXd& velocities) const {
@@ -373,14 +340,13 @@ SimulatedChoice ChoiceSimulation::operator()(const Eigen::VectorXd& errors,
     const auto of_chosen = [&](const Eigen::VectorXd& truth) {
         return velocity(truth, rivals_.chosen).normalized().dot(velocity(errors, rivals_.chosen));
     };
-    const Eigen::VectorXd& likely = rivals_.velocities;
-    Eigen::VectorXd moved = likely + before;
+    Eigen::VectorXd moved = likely_ + before;
     draw_together(moved);
-    const Fastest once = search(likely, likely + errors);
+    const Fastest once = search(likely_, likely_ + errors);
     const Fastest again = search(moved, moved + errors);
     return {.error = once.error_m_s,
             .calibrated =
-                2.0 * (once.error_m_s - of_chosen(likely)) - (again.error_m_s - of_chosen(moved)),
+                2.0 * (once.error_m_s - of_chosen(likely_)) - (again.error_m_s - of_chosen(moved)),
             .best_true = search(moved, moved).speed_m_s};
 }
 

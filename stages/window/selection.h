@@ -35,8 +35,9 @@ std::vector<WindowLeg> legs_of(const std::vector<FoundWindow>& all, const FoundW
 
 /// The windows of a choice, with their velocities as the recording shows them.
 struct Rivals {
-    int components = 1;               ///< of a velocity
-    Eigen::VectorXd velocities = {};  ///< m/s, those of one window below those of another
+    int components = 1;  ///< of a velocity
+    std::vector<double> velocities_m_s =
+        {};  ///< the components of one window after those of another
     std::vector<double> allowances_m_s = {};
     std::vector<std::size_t> legs = {};  ///< of each, in ascending order
     std::size_t chosen = 0;
@@ -65,7 +66,7 @@ class ChoiceSimulation {
     explicit ChoiceSimulation(Rivals rivals, double together_m_s = 0.0);
 
     /// The components of all velocities together.
-    Eigen::Index rows() const { return rivals_.velocities.size(); }
+    Eigen::Index rows() const { return likely_.size(); }
 
     /// `errors` are those of the stated velocities, `before` others that part the windows before.
     SimulatedChoice operator()(const Eigen::VectorXd& errors, const Eigen::VectorXd& before) const;
@@ -75,6 +76,7 @@ class ChoiceSimulation {
 
     Rivals rivals_;
     double together_m_s_;
+    Eigen::VectorXd likely_;  ///< the velocities that the recording leaves likely
 };
 
 /// The bias between that under the least errors and that under the most, from equally many draws of

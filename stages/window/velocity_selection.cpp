@@ -21,41 +21,31 @@ constexpr double slow_tau_max_s = 60.0;
 struct DrawnSamples {
     std::vector<double> time_s;
     std::vector<EpochPair> windows;
-    std::vector<double> durations_s;
+    Rivals rivals;
+
+    double duration_s(EpochPair window) const { return time_s[window.last] - time_s[window.first]; }
 };
 
 DrawnSamples samples_of(const std::vector<std::vector<ElapsedTime>>& times,
                         const std::vector<WindowLeg>& legs) {
     DrawnSamples drawn;
-    for (const WindowLeg& leg : legs) {
-        const std::size_t before = drawn.time_s.size();
-        const std::size_t first = leg.windows.front().first;
-        const std::size_t last = std::ranges::max(leg.windows, {}, &FoundWindow::last).last;
-        for (std::size_t k = first; k <= last; ++k)
-            drawn.time_s.push_back(times[leg.series()][k].seconds());
-        for (const FoundWindow& window : leg.windows) {
-            const EpochPair at{before + window.first - first, before + window.last - first};
-            drawn.windows.push_back(at);
-            drawn.durations_s.push_back(drawn.time_s[at.last] - drawn.time_s[at.first]);
-        }
-    }
-    return drawn;
-}
-
-Rivals rivals_of(const std::vector<WindowLeg>& legs) {
-    Rivals rivals;
-    std::vector<double> speeds;
+    Rivals& rivals = drawn.rivals;
     for (std::size_t leg = 0; leg < legs.size(); ++leg) {
-        if (legs[leg].chosen) rivals.chosen = speeds.size() + *legs[leg].chosen;
-        for (const FoundWindow& window : legs[leg].windows) {
-            speeds.push_back(window.speed_m_s);
+        const auto& [windows, chosen] = legs[leg];
+        const std::size_t before = drawn.time_s.size();
+        const std::size_t first = windows.front().first;
+        const std::size_t last = std::ranges::max(windows, {}, &FoundWindow::last).last;
+        for (std::size_t k = first; k <= last; ++k)
+            drawn.time_s.push_back(times[legs[leg].series()][k].seconds());
+        if (chosen) rivals.chosen = rivals.size() + *chosen;
+        for (const FoundWindow& window : windows) {
+            drawn.windows.push_back({before + window.first - first, before + window.last - first});
+            rivals.velocities_m_s.push_back(window.speed_m_s);
             rivals.allowances_m_s.push_back(window.allowance_m_s);
             rivals.legs.push_back(leg);
         }
     }
-    rivals.velocities =
-        Eigen::Map<const Eigen::VectorXd>(speeds.data(), static_cast<Eigen::Index>(speeds.size()));
-    return rivals;
+    return drawn;
 }
 
 /// Adds samples of a first-order Gauss-Markov process.
@@ -83,14 +73,9 @@ Eigen::VectorXd window_errors(const DrawnSamples& drawn, SpeedDefinition definit
     Eigen::VectorXd of_windows(std::ssize(drawn.windows));
     for (std::size_t w = 0; w < drawn.windows.size(); ++w)
         of_windows(static_cast<Eigen::Index>(w)) =
-            sums.speed_m_s(drawn.windows[w], drawn.durations_s[w], definition);
+            sums.speed_m_s(drawn.windows[w], drawn.duration_s(drawn.windows[w]), definition);
     return of_windows;
 }
-
-/// Choices under white noise alone, and under all errors.
-struct BothChoices {
-    SimulatedChoice white, all;
-};
 
 }  // namespace
 
@@ -109,21 +94,20 @@ SelectionBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& tim
                                 std::int64_t seed) {
     constexpr std::int64_t most_numbers = 4'000'000;
     constexpr std::int64_t fewest_draws = 100;
-    const Rivals rivals = rivals_of(legs);
-    if (rivals.size() < 2)
-        return {.candidates = std::ssize(rivals.legs), .samples = samples, .seed = seed};
     const DrawnSamples drawn = samples_of(times, legs);
-    const auto [first, last] = drawn.windows[rivals.chosen];
-    const auto steps = static_cast<double>(last - first);
+    const std::int64_t candidates = std::ssize(drawn.windows);
+    if (candidates < 2) return {.candidates = candidates, .samples = samples, .seed = seed};
+    const EpochPair chosen = drawn.windows[drawn.rivals.chosen];
+    const auto steps = static_cast<double>(chosen.last - chosen.first);
     const double brief_sd_m_s =
-        errors.brief_m_s /
-        gauss_markov_mean_sd(last - first, drawn.durations_s[rivals.chosen] / steps, brief_tau_s);
+        errors.brief_m_s / gauss_markov_mean_sd(chosen.last - chosen.first,
+                                                drawn.duration_s(chosen) / steps, brief_tau_s);
     const std::size_t count = drawn.time_s.size();
     const std::int64_t draws =
         std::min(samples, std::max(fewest_draws, most_numbers / static_cast<std::int64_t>(count)));
     const double mean_white_m_s = errors.white_m_s / std::sqrt(steps);
-    const ChoiceSimulation white(rivals, mean_white_m_s);
-    const ChoiceSimulation all(rivals,
+    const ChoiceSimulation white(drawn.rivals, mean_white_m_s);
+    const ChoiceSimulation all(drawn.rivals,
                                std::hypot(mean_white_m_s, errors.brief_m_s, errors.slow_m_s));
     RandomGenerator random(static_cast<std::uint64_t>(seed));
     Turnstile turnstile;
@@ -143,16 +127,15 @@ SelectionBias speed_choice_bias(const std::vector<std::vector<ElapsedTime>>& tim
             add_gauss_markov(drawn.time_s, errors.slow_m_s, slow_tau_s, at + 2 * count, of_samples);
             of_all[twice] = window_errors(drawn, definition, of_samples);
         }
-        return BothChoices{.white = white(of_white[1], of_white[0]),
-                           .all = all(of_all[1], of_all[0])};
+        return std::pair(white(of_white[1], of_white[0]), all(of_all[1], of_all[0]));
     });
     std::vector<SimulatedChoice> least, most;
-    for (const BothChoices& one : both) {
-        least.push_back(one.white);
-        most.push_back(one.all);
+    for (const auto& [of_white, of_all] : both) {
+        least.push_back(of_white);
+        most.push_back(of_all);
     }
     SelectionBias bias = bias_between(least, most, errors.combined_m_s);
-    bias.candidates = std::ssize(rivals.legs);
+    bias.candidates = candidates;
     bias.seed = seed;
     return bias;
 }

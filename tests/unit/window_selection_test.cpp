@@ -120,7 +120,7 @@ TEST(WindowLegs, AreOfWindowsThatOverlap) {
 TEST(ChoiceSimulation, CountsTheErrorOfTheWindowThatIsThenTheFastest) {
     // The second becomes the fastest, of two speeds north and east.
     const Rivals rivals{.components = 2,
-                        .velocities = Eigen::Vector4d(0.0, 10.0, 9.5, 0.0),
+                        .velocities_m_s = {0.0, 10.0, 9.5, 0.0},
                         .allowances_m_s = {0.0, 0.1},
                         .legs = {0, 1}};
     const Eigen::Vector4d errors(0.0, 0.2, 1.0, 0.0), none = Eigen::Vector4d::Zero();
@@ -135,7 +135,7 @@ TEST(ChoiceSimulation, CountsTheErrorOfTheWindowThatIsThenTheFastest) {
 }
 
 TEST(ChoiceSimulation, DrawsLegsTogetherThatErrorsExplain) {
-    const Rivals rivals{.velocities = Eigen::Vector3d(14.9, 15.0, 15.1),
+    const Rivals rivals{.velocities_m_s = {14.9, 15.0, 15.1},
                         .allowances_m_s = {0.0, 0.0, 0.0},
                         .legs = {0, 1, 2},
                         .chosen = 2};

@@ -24,35 +24,20 @@
 namespace runcert {
 namespace {
 
-/// Mean of a method's speeds over the window. Empty if one is missing.
-std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
-                                EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
-    double sum = 0.0;
-    for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& value = trajectory.rows[arc.rows[k]].*method;
-        if (!value) return std::nullopt;
-        sum += *value;
-    }
-    return sum / static_cast<double>(window.last - window.first + 1);
-}
-
-/// The same estimates with every speed raised by `by_m_s`.
-OtherEstimates raised(OtherEstimates estimates, double by_m_s) {
-    estimates.stiffer_m_s += by_m_s;
-    estimates.softer_m_s += by_m_s;
-    estimates.whole_m_s += by_m_s;
-    if (estimates.chord_m_s) *estimates.chord_m_s += by_m_s;
-    return estimates;
-}
-
+/// The mean of each method's speeds over the window. Empty if one is missing.
 template <int Axes>
 MethodMeans methods_of(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
     using Row = TrajectoryEpoch;
     if constexpr (Axes == 1) return {};
-    const ArcRows& rows = estimate.rows[found.series];
-    const EpochPair window{found.first, found.last};
-    const auto mean = [&](std::optional<double> Row::*method) {
-        return mean_over(estimate.trajectory, rows, window, method);
+    const std::vector<std::size_t>& rows = estimate.rows[found.series].rows;
+    const auto mean = [&](std::optional<double> Row::*method) -> std::optional<double> {
+        double sum = 0.0;
+        for (std::size_t k = found.first; k <= found.last; ++k) {
+            const auto& value = estimate.trajectory.rows[rows[k]].*method;
+            if (!value) return std::nullopt;
+            sum += *value;
+        }
+        return sum / static_cast<double>(found.last - found.first + 1);
     };
     return {.smoothed_m_s = mean(&Row::speed_m_s),
             .batch_m_s = mean(&Row::speed_batch_m_s),
@@ -71,8 +56,6 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
     const double least_m_s =
         choice.found.assured_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
-    const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
-                         choice.profile.definition != SpeedDefinition::elapsed_time;
     // No witness can narrow what alone exceeds the rule's limit, and no choice of the window can.
     const auto& limit_m_s = choice.profile.accuracy_limit_m_s;
     const bool refused =
@@ -86,7 +69,7 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
         is_whole ? legs_of(choice.all, choice.found, least_m_s, some_epochs)
                  : std::vector<WindowLeg>{},
         SelectionModels{.estimated = estimate.model,
-                        .by_path = by_path,
+                        .by_path = counts_path(choice.profile.definition),
                         .along = bound.along,
                         .bound_m = bound.sigma_m,
                         .tau_min_s = bound.tau_min_s,
@@ -329,15 +312,22 @@ void hear_and_set(const AxesEstimate<Axes>& estimate, const WindowChoice& choice
         window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
 
+/// Raises what is stated beside the speed, as the speed itself: the definitions each by their own.
+void raise(const SpeedDefinitions& by, double by_m_s, CertifiableWindow& window) {
+    for (const auto definition :
+         {&SpeedDefinitions::displacement_m_s, &SpeedDefinitions::path_length_m_s,
+          &SpeedDefinitions::mean_n_plus_1_m_s, &SpeedDefinitions::mean_n_m_s})
+        window.definitions.*definition += by.*definition;
+    window.fitted->speed_m_s += by_m_s;
+    OtherEstimates& others = *window.estimates;
+    for (double* const other : {&others.stiffer_m_s, &others.softer_m_s, &others.whole_m_s})
+        *other += by_m_s;
+    if (others.chord_m_s) *others.chord_m_s += by_m_s;
+}
+
 /// What is stated beside the speed, of the reference point as the speed itself.
 void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
-    SpeedDefinitions& by = window.definitions;
-    by.displacement_m_s += craft.definitions.displacement_m_s;
-    by.path_length_m_s += craft.definitions.path_length_m_s;
-    by.mean_n_plus_1_m_s += craft.definitions.mean_n_plus_1_m_s;
-    by.mean_n_m_s += craft.definitions.mean_n_m_s;
-    window.fitted->speed_m_s += craft.speed_m_s;
-    window.estimates = raised(*window.estimates, craft.speed_m_s);
+    raise(craft.definitions, craft.speed_m_s, window);
     if (window.robust) window.robust->speed_m_s += craft.speed_m_s;
     const double duration_s = window.span.duration.seconds();
     window.displacement_m += craft.definitions.displacement_m_s * duration_s;
@@ -457,14 +447,9 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     CertifiableWindow window = placed(estimate.trajectory, estimate.rows[found.series], found);
     window.methods = methods_of(estimate, found);
     window.definitions = definitions_of(smoothed_track(smoothed_at), at.window, stretch.duration_s);
-    for (double* const speed :
-         {&window.definitions.displacement_m_s, &window.definitions.path_length_m_s,
-          &window.definitions.mean_n_plus_1_m_s, &window.definitions.mean_n_m_s})
-        *speed += lacking_m_s;
     window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
-    window.fitted->speed_m_s += lacking_m_s;
-    window.estimates =
-        raised(other_estimates(estimated, choice.quantity, weights, noise), lacking_m_s);
+    window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
+    raise({lacking_m_s, lacking_m_s, lacking_m_s, lacking_m_s}, lacking_m_s, window);
     noise.model_m_s = window.estimates->half_width_m_s;
     noise.speed.speed_m_s += lacking_m_s;
     if constexpr (Axes == 2)

@@ -16,29 +16,6 @@ constexpr std::size_t fewest_steps = 30;
 constexpr std::size_t fewest_spans = 5;
 constexpr double rounding_s = 1e-6;
 
-/// Absolute differences of the samples between two times: steps of recorded minus smoothed speed,
-/// and third differences of recorded speeds.
-struct SpeedDifferences {
-    std::vector<double> from_smoothed, third;
-};
-
-SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, double from_s,
-                                     double to_s) {
-    SpeedDifferences differences;
-    for (std::size_t k = 1; k < compared.size(); ++k) {
-        const ComparedSpeed &a = compared[k - 1], &b = compared[k];
-        if (a.stretch != b.stretch || a.time_s < from_s || b.time_s > to_s) continue;
-        differences.from_smoothed.push_back(
-            std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
-        if (k < 3 || compared[k - 3].stretch != b.stretch || compared[k - 3].time_s < from_s)
-            continue;
-        differences.third.push_back(
-            std::abs(b.recorded_m_s - compared[k - 3].recorded_m_s -
-                     3.0 * (a.recorded_m_s - compared[k - 2].recorded_m_s)));
-    }
-    return differences;
-}
-
 /// The mean recorded speed of a span, and how much lower the smoothed path makes it.
 struct SpanOfSpeeds {
     double mean_m_s = 0.0;
@@ -140,15 +117,27 @@ std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, 
     constexpr double around_s = 30.0;
     constexpr double efficiency_of_median = 0.37;
     constexpr double ever = std::numeric_limits<double>::infinity();
-    SpeedDifferences differences =
-        differences_between(compared, from_s - around_s, to_s + around_s);
-    if (differences.third.size() < fewest_steps)
-        differences = differences_between(compared, -ever, ever);
-    if (differences.third.size() < fewest_steps) return std::nullopt;
-    const double independent = efficiency_of_median * static_cast<double>(differences.third.size());
-    return SpeedSpread{.sd_m_s = std::min(robust_sd(std::move(differences.from_smoothed), 2.0),
-                                          robust_sd(std::move(differences.third), 20.0)),
-                       .independent = independent};
+    std::vector<double> steps, third;
+    const auto gather = [&](double first_s, double last_s) {
+        steps.clear();
+        third.clear();
+        for (std::size_t k = 1; k < compared.size(); ++k) {
+            const ComparedSpeed &a = compared[k - 1], &b = compared[k];
+            if (a.stretch != b.stretch || a.time_s < first_s || b.time_s > last_s) continue;
+            steps.push_back(
+                std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
+            if (k < 3 || compared[k - 3].stretch != b.stretch || compared[k - 3].time_s < first_s)
+                continue;
+            third.push_back(std::abs(b.recorded_m_s - compared[k - 3].recorded_m_s -
+                                     3.0 * (a.recorded_m_s - compared[k - 2].recorded_m_s)));
+        }
+        return third.size() >= fewest_steps;
+    };
+    if (!gather(from_s - around_s, to_s + around_s) && !gather(-ever, ever)) return std::nullopt;
+    const double independent = efficiency_of_median * static_cast<double>(third.size());
+    return SpeedSpread{
+        .sd_m_s = std::min(robust_sd(std::move(steps), 2.0), robust_sd(std::move(third), 20.0)),
+        .independent = independent};
 }
 
 std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {

@@ -51,7 +51,8 @@ double largest_jerk_density(const BudgetInput& input) {
     return largest;
 }
 
-void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
+std::vector<BudgetRow> position_rows(const BudgetInput& input) {
+    std::vector<BudgetRow> rows;
     const auto& estimation = input.trajectory.estimation;
     const NoiseSummary& fit =
         (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
@@ -83,6 +84,7 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
         "o", "choice of the model of the motion", input.noise.model_m_s, "m / s", 1.0,
         RowScope::source,
         "other jerk densities, and the measured positions at the window's ends without a model"));
+    return rows;
 }
 
 /// The step of the time stamps. It is as the recording states, otherwise the largest power of ten
@@ -109,8 +111,8 @@ bool stamps_are_regular(const BudgetInput& input) {
     return true;
 }
 
-}  // namespace
-
+/// Row t. A displacement takes another time; the mean of recorded speeds changes where places
+/// determine its ends.
 BudgetRow time_row(const BudgetInput& input) {
     const double resolution_s = time_resolution_s(input);
     const bool regular = stamps_are_regular(input);
@@ -125,7 +127,9 @@ BudgetRow time_row(const BudgetInput& input) {
     const double half_width_s = wanders ? wander_s : rounding_s;
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
-        -input.noise.speed.speed_m_s / input.duration_s, RowScope::source,
+        input.recorded ? input.recorded->changes_m_s2.value_or(0.0)
+                       : -input.noise.speed.speed_m_s / input.duration_s,
+        RowScope::source,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
         : wanders ? fmt::format("the steps lead, in sum, {:.4f} s away from the mean interval of "
@@ -136,6 +140,21 @@ BudgetRow time_row(const BudgetInput& input) {
     return row;
 }
 
+BudgetRow delay_row(const RecordedSource& recorded) {
+    BudgetRow row =
+        speed_row("l", "delay of the recorded speeds behind the positions", "B",
+                  recorded.sigma_delay_s, RowScope::source,
+                  recorded.changes_m_s2 ? "it moves both ends of the window"
+                                        : "the window is of the moments of the speeds, whichever "
+                                          "they are: only a window whose ends are places changes");
+    row.estimate = recorded.delay_s;
+    row.unit = std::string(1, 's');
+    row.sensitivity = recorded.changes_m_s2.value_or(0.0);
+    row.contribution_m_s = row.standard_uncertainty * std::abs(row.sensitivity);
+    return row;
+}
+
+/// Row k. It is negligible over a window for a clock steered by satellites.
 BudgetRow clock_row(const BudgetInput& input) {
     const std::string& source = input.trajectory.facts.time_source;
     const bool unknown = source == "unknown";
@@ -152,9 +171,12 @@ BudgetRow clock_row(const BudgetInput& input) {
     return row;
 }
 
-namespace {
-
 BudgetRow resolution_row(const BudgetInput& input) {
+    if (input.recorded)
+        return bounded_row(
+            "r", "resolution of the recorded speeds", 0.5 * input.recorded->resolution_m_s, "m / s",
+            1.0, RowScope::source,
+            fmt::format("speeds in steps of {:.2g} m/s", input.recorded->resolution_m_s));
     const auto& resolution_m = input.trajectory.facts.position_resolution_m;
     return bounded_row(
         "r", "resolution of the recorded coordinates",
@@ -282,60 +304,86 @@ void add_craft_rows(const CraftCorrection& craft, std::vector<BudgetRow>& rows) 
 }
 
 BudgetRow undetected_row(const BudgetInput& input) {
-    const double share = 1.0 - input.detection_power;
-    if (!input.fault.shown.empty())
-        return speed_row(
-            "d", "error of the positions that screening left, drifts included", "B",
-            input.fault.standard_uncertainty_m_s(), RowScope::fault,
-            fmt::format("up to {:.2f} m/s: {}; the positions are taken to err with a probability "
-                        "of {:.2g} %, as mean square",
-                        input.fault.prior.largest_m_s, input.fault.shown,
-                        100.0 * input.fault.prior.probability));
-    return speed_row(
-        "d", "error of the positions that screening left, drifts included", "B",
-        input.fault.standard_uncertainty_m_s(), RowScope::fault,
-        input.reliability.empty()
-            ? std::string("not quantified: the screened epochs do not state the largest "
-                          "undetected error")
-            : fmt::format("up to {:.2f} m/s: what would be left with a probability of {:.0f} % or "
-                          "more, at most what such positions are off by; taken to happen in one "
-                          "window of {:.0f} (parameter "
-                          "window.fault_probability), as mean square",
-                          input.fault.prior.largest_m_s, 100.0 * share,
-                          1.0 / input.fault.prior.probability));
+    const FaultPrior& fault = input.fault.prior;
+    std::string note =
+        input.recorded ? input.recorded->undetected
+        : !input.fault.shown.empty()
+            ? fmt::format(
+                  "up to {:.2f} m/s: {}; the positions are taken to err with a probability "
+                  "of {:.2g} %, as mean square",
+                  fault.largest_m_s, input.fault.shown, 100.0 * fault.probability)
+        : input.reliability.empty()
+            ? std::string(
+                  "not quantified: the screened epochs do not state the largest "
+                  "undetected error")
+            : fmt::format(
+                  "up to {:.2f} m/s: what would be left with a probability of {:.0f} % or "
+                  "more, at most what such positions are off by; taken to happen in one "
+                  "window of {:.0f} (parameter window.fault_probability), as mean square",
+                  fault.largest_m_s, 100.0 * (1.0 - input.detection_power),
+                  1.0 / fault.probability);
+    return speed_row("d",
+                     input.recorded ? "undetected error of single samples"
+                                    : "error of the positions that screening left, drifts included",
+                     "B", input.fault.standard_uncertainty_m_s(), RowScope::fault, std::move(note));
 }
 
+/// Row f: the remaining uncertainty of the bias. The bias itself is not a row; what remains of it
+/// is added to the expanded uncertainty.
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
     if (selection.samples == 0)
         return speed_row("f", "choice of the fastest of many windows", "A", 0.0, RowScope::window,
                          "not simulated: without it U exceeds the rule's limit already");
-    return choice_row(fmt::format("{:.4f} m/s and {:.4f} m/s,", selection.fitted_bias_m_s,
-                                  selection.bounded_bias_m_s),
-                      selection.bias_uncertainty_m_s, selection.candidates,
-                      selection.treatment == SelectionTreatment::subtracted
-                          ? std::optional(selection.bias_m_s)
-                          : std::nullopt);
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
+    const bool middle =
+        selection.bias_m_s > selection.fitted_bias_m_s || selection.bias_half_range_m_s == 0.0;
+    BudgetRow row = speed_row(
+        "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_m_s,
+        RowScope::window,
+        fmt::format(
+            fmt::runtime(
+                input.recorded
+                    ? "bias between {:.4f} m/s, by white noise alone, and {:.4f} m/s, by all "
+                      "errors that differ between windows; {} could have been the fastest; {}"
+                    : "bias between {:.4f} m/s and {:.4f} m/s, {} could have been the "
+                      "fastest; {}"),
+            selection.fitted_bias_m_s, selection.bounded_bias_m_s,
+            selection.candidates == 1 ? std::string("no other window")
+                                      : fmt::format("{} windows", selection.candidates),
+            !subtracted ? "the larger is added to the expanded uncertainty"
+            : middle    ? "the middle is subtracted from the speed, half the difference "
+                          "added to the expanded uncertainty"
+                        : "the smaller is subtracted from the speed, the difference "
+                          "added to the expanded uncertainty"));
+    row.estimate = subtracted ? selection.bias_m_s : 0.0;
+    row.sensitivity = subtracted ? -1.0 : 1.0;
+    return row;
+}
+
+/// The rows of what the positions have in common with the ground and the craft.
+void add_ground_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
+    rows.push_back(frame_row(input));
+    if (auto height = height_row(input)) rows.push_back(*std::move(height));
+    if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
+    if (input.craft)
+        add_craft_rows(*input.craft, rows);
+    else
+        rows.push_back(antenna_row(input));
+}
+
+/// Row q: what the receiver's certificate of calibration states of a speed. Empty if it states
+/// nothing. Witnesses do not reduce it: it is not known what of it they share.
+std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
+    const auto& uncertainty_m_s = config.calibration_standard_uncertainty_m_s;
+    if (!uncertainty_m_s) return std::nullopt;
+    return speed_row("q", "calibration of the receiver", "B", *uncertainty_m_s,
+                     RowScope::calibration,
+                     "half the expanded uncertainty (k = 2) that its certificate states, as the "
+                     "attempt has it; added to the other rows, of which it reduces none");
 }
 
 }  // namespace
-
-BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
-                     const std::optional<double>& subtracted_m_s, bool middle) {
-    BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A", uncertainty_m_s, RowScope::window,
-        fmt::format("bias between {} {} could have been the fastest; {}", between,
-                    candidates == 1 ? std::string("no other window")
-                                    : fmt::format("{} windows", candidates),
-                    !subtracted_m_s ? "the larger is added to the expanded uncertainty"
-                    : middle ? "the middle is subtracted from the speed, half the difference "
-                               "added to the expanded uncertainty"
-                             : "the smaller is subtracted from the speed, the difference "
-                               "added to the expanded uncertainty"));
-    row.estimate = subtracted_m_s.value_or(0.0);
-    row.sensitivity = subtracted_m_s ? -1.0 : 1.0;
-    return row;
-}
 
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_m_s, RowScope touches, std::string note) {
@@ -353,28 +401,13 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
             .note = std::move(note)};
 }
 
-std::optional<BudgetRow> calibration_row(const WindowConfig& config) {
-    const auto& uncertainty_m_s = config.calibration_standard_uncertainty_m_s;
-    if (!uncertainty_m_s) return std::nullopt;
-    return speed_row("q", "calibration of the receiver", "B", *uncertainty_m_s,
-                     RowScope::calibration,
-                     "half the expanded uncertainty (k = 2) that its certificate states, as the "
-                     "attempt has it; added to the other rows, of which it reduces none");
-}
-
 std::vector<BudgetRow> budget_of(const BudgetInput& input) {
-    std::vector<BudgetRow> rows;
-    add_position_rows(input, rows);
+    std::vector<BudgetRow> rows = input.recorded ? input.recorded->rows : position_rows(input);
     rows.push_back(time_row(input));
+    if (input.recorded) rows.push_back(delay_row(*input.recorded));
     rows.push_back(clock_row(input));
     rows.push_back(resolution_row(input));
-    rows.push_back(frame_row(input));
-    if (auto height = height_row(input)) rows.push_back(*std::move(height));
-    if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
-    if (input.craft)
-        add_craft_rows(*input.craft, rows);
-    else
-        rows.push_back(antenna_row(input));
+    if (!input.recorded) add_ground_rows(input, rows);
     if (auto calibration = calibration_row(input.config)) rows.push_back(*std::move(calibration));
     rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));

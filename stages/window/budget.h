@@ -19,6 +19,19 @@ struct SurveyedLength {
     double standard_uncertainty_m = 0.0;
 };
 
+/// What the budget takes from recorded velocities where the speed is theirs, in place of rows by
+/// positions.
+struct RecordedSource {
+    std::vector<BudgetRow> rows;  ///< of the errors that the velocities have of their own
+    double resolution_m_s = 0.0;  ///< of the recorded speeds
+    double delay_s = 0.0;         ///< behind the positions
+    double sigma_delay_s = 0.0;   ///< its standard uncertainty
+    /// Change of the speed (m/s^2) if the window begins later: that of the speeds at both ends.
+    /// Set only where places determine where it begins.
+    std::optional<double> changes_m_s2 = std::nullopt;
+    std::string undetected;  ///< where the size of their undetected error comes from
+};
+
 /// The inputs to the budget of a window's speed. Positions are east, north and up in the
 /// trajectory's local frame, or engineering coordinates where it is not georeferenced.
 struct BudgetInput {
@@ -44,6 +57,7 @@ struct BudgetInput {
     bool by_path = false;    ///< the speed grows with every swing of the antenna
     /// Set where the speed is that of the craft's reference point.
     std::optional<CraftCorrection> craft = std::nullopt;
+    std::optional<RecordedSource> recorded = std::nullopt;
     /// Factor on the rows of the positions when combined with witnesses (`beside_witnesses`).
     double position_share = 1.0;
 };
@@ -59,17 +73,6 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, RowScope touches, std::string note);
 
-/// Row t: time stamps at the ends of a displacement.
-BudgetRow time_row(const BudgetInput& input);
-
-/// Row k: the rate of the clock that made the stamps. It is negligible over a window for a clock
-/// steered by satellites.
-BudgetRow clock_row(const BudgetInput& input);
-
-/// Row q: what the receiver's certificate of calibration states of a speed. Empty if it states
-/// nothing. Witnesses do not reduce it: it is not known what of it they share.
-std::optional<BudgetRow> calibration_row(const WindowConfig& config);
-
 /// The uncertainty budget of the measured speed, with one row for each source. Sources without a
 /// contribution are included, with the reason. The sources are independent of one another. What is
 /// correlated (the positions of the epochs) is combined beforehand, from their joint covariance.
@@ -79,9 +82,11 @@ std::optional<BudgetRow> calibration_row(const WindowConfig& config);
 /// (only where heights were not measured), c surveyed length (only where there is one), a antenna
 /// (where an IMU tells the craft's speed: the distances on it, y its attitude, z its clock),
 /// q calibration (only where its certificate states an uncertainty of speed), d undetected error, f
-/// choice of the fastest window. Witnesses add rows g, e and s (`beside_witnesses`) and x, what the
-/// mixture of faults asks for beyond all others. Each row has the unit of its own quantity;
-/// all contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
+/// choice of the fastest window. Of recorded velocities: w white noise, b errors shorter than ten
+/// seconds, u lasting errors, p their scale, t, l delay, k, r, q, d, f. Witnesses add rows g, e and
+/// s (`beside_witnesses`) and x, what the mixture of faults asks for beyond all others. Each row has
+/// the unit of its own quantity; all contributions are in m/s. Quantities known by a half width are
+/// rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the
 /// origin in Earth radii. Without a georeference it is `config.plane_scale_bound`. That of a stated
@@ -116,12 +121,5 @@ double uncertainty_of(const std::vector<BudgetRow>& rows, std::initializer_list<
 /// is reported in the result.
 MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
                             double speed_m_s);
-
-/// Row f: the remaining uncertainty of the bias (m/s) of choosing the fastest window. `between`
-/// describes its limits. The bias itself is not a row; any remainder of it is added to the expanded
-/// uncertainty. `subtracted_m_s` is what was subtracted from the speed, empty if the rule
-/// includes the bias in the uncertainty: the middle of the range, or its lower limit.
-BudgetRow choice_row(const std::string& between, double uncertainty_m_s, std::int64_t candidates,
-                     const std::optional<double>& subtracted_m_s, bool middle = true);
 
 }  // namespace runcert

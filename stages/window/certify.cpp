@@ -23,68 +23,20 @@
 namespace runcert {
 namespace {
 
-/// Mean of a method's speeds over the window. Empty if one is missing.
-std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
-                                EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
-    double sum = 0.0;
-    for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& value = trajectory.rows[arc.rows[k]].*method;
-        if (!value) return std::nullopt;
-        sum += *value;
-    }
-    return sum / static_cast<double>(window.last - window.first + 1);
-}
-
-/// The windows that could have been the best, with close ones grouped together. What lies further
-/// apart than a window is long, and than some epochs, hardly errs together.
-template <int Axes>
-std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
-                                             const WindowChoice& choice, double least_m_s) {
-    std::vector<FoundWindow> near;
-    for (const FoundWindow& window : choice.all)
-        if (window.assured_m_s() >= least_m_s) near.push_back(window);
-    std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
-        return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
-    });
-    constexpr std::size_t some_epochs = 500;
-    std::vector<WindowCluster<Axes>> clusters;
-    std::size_t reach = 0;
-    for (const FoundWindow& window : near) {
-        const Arc<Axes>* const arc = &estimate.arcs[window.series];
-        if (clusters.empty() || clusters.back().arc != arc || window.first > reach ||
-            window.first > clusters.back().windows.front().first +
-                               std::max(some_epochs, window.last - window.first)) {
-            clusters.push_back({.arc = arc, .windows = {}, .allowances_m_s = {}});
-            reach = window.last;
-        }
-        WindowCluster<Axes>& cluster = clusters.back();
-        reach = std::max(reach, window.last);
-        if (window.series == choice.found.series && window.start == choice.found.start &&
-            window.end == choice.found.end)
-            cluster.chosen = cluster.windows.size();
-        cluster.windows.push_back({window.first, window.last});
-        cluster.allowances_m_s.push_back(window.allowance_m_s);
-    }
-    return clusters;
-}
-
-/// The same estimates with every speed raised by `by_m_s`.
-OtherEstimates raised(OtherEstimates estimates, double by_m_s) {
-    estimates.stiffer_m_s += by_m_s;
-    estimates.softer_m_s += by_m_s;
-    estimates.whole_m_s += by_m_s;
-    if (estimates.chord_m_s) *estimates.chord_m_s += by_m_s;
-    return estimates;
-}
-
+/// The mean of each method's speeds over the window. Empty if one is missing.
 template <int Axes>
 MethodMeans methods_of(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
     using Row = TrajectoryEpoch;
     if constexpr (Axes == 1) return {};
-    const ArcRows& rows = estimate.rows[found.series];
-    const EpochPair window{found.first, found.last};
-    const auto mean = [&](std::optional<double> Row::*method) {
-        return mean_over(estimate.trajectory, rows, window, method);
+    const std::vector<std::size_t>& rows = estimate.rows[found.series].rows;
+    const auto mean = [&](std::optional<double> Row::*method) -> std::optional<double> {
+        double sum = 0.0;
+        for (std::size_t k = found.first; k <= found.last; ++k) {
+            const auto& value = estimate.trajectory.rows[rows[k]].*method;
+            if (!value) return std::nullopt;
+            sum += *value;
+        }
+        return sum / static_cast<double>(found.last - found.first + 1);
     };
     return {.smoothed_m_s = mean(&Row::speed_m_s),
             .batch_m_s = mean(&Row::speed_batch_m_s),
@@ -103,18 +55,20 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
     const double least_m_s =
         choice.found.assured_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
-    const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
-                         choice.profile.definition != SpeedDefinition::elapsed_time;
     // No witness can narrow what alone exceeds the rule's limit, and no choice of the window can.
     const auto& limit_m_s = choice.profile.accuracy_limit_m_s;
     const bool refused =
         limit_m_s && !choice.by_positions_alone && estimate.witnesses.empty() &&
         choice.profile.coverage_factor * stated.standard_uncertainty_m_s > *limit_m_s;
     const bool is_whole = choice.extent == CertificateExtent::whole;
+    // What lies further apart than a window is long, and than some epochs, hardly errs together.
+    constexpr std::size_t some_epochs = 500;
     SelectionBias selection = selection_bias<Axes>(
-        is_whole ? clusters_of(estimate, choice, least_m_s) : std::vector<WindowCluster<Axes>>{},
+        estimate.arcs,
+        is_whole ? legs_of(choice.all, choice.found, least_m_s, some_epochs)
+                 : std::vector<WindowLeg>{},
         SelectionModels{.estimated = estimate.model,
-                        .by_path = by_path,
+                        .by_path = counts_path(choice.profile.definition),
                         .along = bound.along,
                         .bound_m = bound.sigma_m,
                         .tau_min_s = bound.tau_min_s,
@@ -205,13 +159,12 @@ PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWind
 
 /// Sets the speed minus the bias of the choice, its budget, and the quantities derived from them.
 template <int Axes>
-void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-               const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-               CertifiableWindow& window) {
+void hear_and_set(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                  const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+                  CertifiableWindow& window) {
     const ArcRows& rows = estimate.rows[choice.found.series];
     const UncertaintyRule& rule = choice.profile.uncertainty;
     const SelectionBias& selection = *window.selection;
-    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     const double probability =
         estimate.config.fault_probability_given
             ? estimate.config.fault_probability
@@ -240,10 +193,8 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     WitnessedBudget heard = beside_witnesses(alone, fault, selection, std::move(witnesses));
     input.position_share = heard.position_share;
     const double craft_m_s = choice.craft ? choice.craft->speed_m_s : 0.0;
-    const double measured_m_s = noise.speed.speed_m_s + craft_m_s;
-    window.speed_m_s = subtracted ? less_bias(measured_m_s, heard.bias_m_s) : measured_m_s;
-    window.bias_limit_m_s = heard.position_share * (subtracted ? selection.bias_half_range_m_s
-                                                               : selection.bounded_bias_m_s);
+    set_speed(noise.speed.speed_m_s + craft_m_s, selection, heard.bias_m_s, heard.position_share,
+              window);
     window.own_standard_uncertainty_m_s = own_uncertainty(alone);
     window.budget = std::move(heard.rows);
     window.witnesses = std::move(heard.witnesses);
@@ -253,22 +204,27 @@ void set_speed(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
     hold_mixture(choice.profile.coverage_factor, alone, window);
-    const CombinedUncertainty combined = combine(window.budget);
-    window.standard_uncertainty_m_s = combined.standard_uncertainty;
-    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+    set_uncertainty(window);
     if (choice.extent == CertificateExtent::whole)
         window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
 }
 
+/// Raises what is stated beside the speed, as the speed itself: the definitions each by their own.
+void raise(const SpeedDefinitions& by, double by_m_s, CertifiableWindow& window) {
+    for (const auto definition :
+         {&SpeedDefinitions::displacement_m_s, &SpeedDefinitions::path_length_m_s,
+          &SpeedDefinitions::mean_n_plus_1_m_s, &SpeedDefinitions::mean_n_m_s})
+        window.definitions.*definition += by.*definition;
+    window.fitted->speed_m_s += by_m_s;
+    OtherEstimates& others = *window.estimates;
+    for (double* const other : {&others.stiffer_m_s, &others.softer_m_s, &others.whole_m_s})
+        *other += by_m_s;
+    if (others.chord_m_s) *others.chord_m_s += by_m_s;
+}
+
 /// What is stated beside the speed, of the reference point as the speed itself.
 void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
-    SpeedDefinitions& by = window.definitions;
-    by.displacement_m_s += craft.definitions.displacement_m_s;
-    by.path_length_m_s += craft.definitions.path_length_m_s;
-    by.mean_n_plus_1_m_s += craft.definitions.mean_n_plus_1_m_s;
-    by.mean_n_m_s += craft.definitions.mean_n_m_s;
-    window.fitted->speed_m_s += craft.speed_m_s;
-    window.estimates = raised(*window.estimates, craft.speed_m_s);
+    raise(craft.definitions, craft.speed_m_s, window);
     if (window.robust) window.robust->speed_m_s += craft.speed_m_s;
     const double duration_s = window.span.duration.seconds();
     window.displacement_m += craft.definitions.displacement_m_s * duration_s;
@@ -279,18 +235,31 @@ void move_to_craft(const CraftCorrection& craft, CertifiableWindow& window) {
         if (*mean) **mean += craft.definitions.mean_n_plus_1_m_s;
 }
 
-/// Sets position and time of the window.
-template <int Axes>
-void set_place(const AxesEstimate<Axes>& estimate, const FoundWindow& found,
-               CertifiableWindow& window) {
-    const Arc<Axes>& arc = estimate.arcs[found.series];
-    const auto epoch = [&](std::size_t k) { return estimate.trajectory.rows[arc.rows[k]].epoch; };
-    window.span = window_span(estimate.trajectory.facts, epoch(found.first), epoch(found.last),
-                              found.start, found.end);
+}  // namespace
+
+CertifiableWindow placed(const TrajectoryTable& trajectory, const ArcRows& arc,
+                         const FoundWindow& found) {
+    CertifiableWindow window;
+    const auto epoch = [&](std::size_t k) { return trajectory.rows[arc.rows[k]].epoch; };
+    window.span = window_span(trajectory.facts, epoch(found.first), epoch(found.last), found.start,
+                              found.end);
     window.arc = arc.number;
+    return window;
 }
 
-}  // namespace
+void set_speed(double measured_m_s, const SelectionBias& selection, double bias_m_s, double share,
+               CertifiableWindow& window) {
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
+    window.speed_m_s = subtracted ? less_bias(measured_m_s, bias_m_s) : measured_m_s;
+    window.bias_limit_m_s =
+        share * (subtracted ? selection.bias_half_range_m_s : selection.bounded_bias_m_s);
+}
+
+void set_uncertainty(CertifiableWindow& window) {
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_m_s = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+}
 
 SpeedQuantity quantity_of(const Profile& profile) {
     SpeedQuantity quantity;
@@ -372,18 +341,12 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
     PositionNoise noise = position_noise(estimated, choice.quantity, weights, bound);
 
-    CertifiableWindow window;
-    set_place(estimate, found, window);
+    CertifiableWindow window = placed(estimate.trajectory, estimate.rows[found.series], found);
     window.methods = methods_of(estimate, found);
     window.definitions = definitions_of(smoothed_track(smoothed_at), at.window, stretch.duration_s);
-    for (double* const speed :
-         {&window.definitions.displacement_m_s, &window.definitions.path_length_m_s,
-          &window.definitions.mean_n_plus_1_m_s, &window.definitions.mean_n_m_s})
-        *speed += lacking_m_s;
     window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
-    window.fitted->speed_m_s += lacking_m_s;
-    window.estimates =
-        raised(other_estimates(estimated, choice.quantity, weights, noise), lacking_m_s);
+    window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
+    raise({lacking_m_s, lacking_m_s, lacking_m_s, lacking_m_s}, lacking_m_s, window);
     noise.model_m_s = window.estimates->half_width_m_s;
     noise.speed.speed_m_s += lacking_m_s;
     if constexpr (Axes == 2)
@@ -400,7 +363,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     const SpeedEstimate searched = smoothed_speed(smoothed_at, at.window, stretch.duration_s, {});
     window.selection =
         selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s, noise.speed);
-    set_speed(estimate, choice, estimated, noise, window);
+    hear_and_set(estimate, choice, estimated, noise, window);
     if (choice.craft) move_to_craft(*choice.craft, window);
     return window;
 }

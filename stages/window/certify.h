@@ -69,6 +69,18 @@ struct WindowChoice {
     CertificateExtent extent = CertificateExtent::whole;
 };
 
+/// A window with its place and time, without figures.
+CertifiableWindow placed(const TrajectoryTable& trajectory, const ArcRows& arc,
+                         const FoundWindow& found);
+
+/// Sets a window's speed: the measured one less `bias_m_s` of the choice, where the rule subtracts
+/// it, and as the limit what may remain of it for a source that counts by this share.
+void set_speed(double measured_m_s, const SelectionBias& selection, double bias_m_s, double share,
+               CertifiableWindow& window);
+
+/// Sets the combined uncertainty of a window by its budget.
+void set_uncertainty(CertifiableWindow& window);
+
 /// The quantity by which a profile's windows are certified. For a course, the caller adds its
 /// length and lines.
 SpeedQuantity quantity_of(const Profile& profile);

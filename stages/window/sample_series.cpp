@@ -44,9 +44,21 @@ std::optional<Eigen::Vector3d> recorded_position(const ScreenedEpoch& row) {
     return Eigen::Vector3d(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
 }
 
+/// Whether a row has no recorded speed where the rule takes one, or a refused one.
+std::vector<bool> silent_rows(const ScreenedTable& screened, const Profile& profile) {
+    std::vector<bool> silent(screened.rows.size(), false);
+    if (profile.speed_source != SpeedSource::velocity) return silent;
+    silent = velocities_left_out(screened.rows, screened.basis.velocity,
+                                 profile.dimension != Dimension::horizontal);
+    for (std::size_t i = 0; i < silent.size(); ++i)
+        silent[i] = silent[i] || !recorded_speed(screened.rows[i], profile.dimension);
+    return silent;
+}
+
 SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                         const ArcRows& arc, const std::vector<std::int64_t>& obstacles,
-                        const Profile& profile, SeriesPositions positions) {
+                        const std::vector<bool>& silent, const Profile& profile,
+                        SeriesPositions positions) {
     SampleSeries series;
     for (const std::size_t at : arc.rows) {
         const TrajectoryEpoch& row = trajectory.rows[at];
@@ -62,7 +74,7 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
         series.times.push_back(row.time);
         series.positions.push_back(counted(position, row.time, profile, trajectory.origin));
         series.obstacles.push_back(obstacles[at]);
-        series.bounds.push_back(row.usable);
+        series.bounds.push_back(row.usable && !silent[at]);
     }
     return series;
 }
@@ -70,10 +82,9 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
 /// For each row of the table, the number of obstacles up to it. Rows that belong to no arc are
 /// included. A row out of time is skipped as if missing, and may leave a gap, which is an obstacle.
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
-                                       const TrajectoryTable& trajectory, const Profile& profile) {
+                                       const TrajectoryTable& trajectory,
+                                       const std::vector<bool>& silent, const Profile& profile) {
     const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
-    const std::vector<bool> left_out = velocities_left_out(
-        screened.rows, screened.basis.velocity, profile.dimension != Dimension::horizontal);
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     std::optional<double> before_s;
@@ -81,9 +92,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
         const TrajectoryEpoch& row = trajectory.rows[i];
         const bool out_of_time = is_out_of_time(screened.rows[i]);
         const bool gap = longest_s && before_s && row.time.seconds() - *before_s > *longest_s;
-        const bool silent = profile.speed_source == SpeedSource::velocity &&
-                            (left_out[i] || !recorded_speed(screened.rows[i], profile.dimension));
-        const bool obstacle = !out_of_time && (!row.usable || gap || silent);
+        const bool obstacle = !out_of_time && (!row.usable || gap || silent[i]);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) + (obstacle ? 1 : 0));
         if (!out_of_time) before_s = row.time.seconds();
     }
@@ -220,11 +229,13 @@ std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
                                              const Profile& profile, SeriesPositions positions) {
-    const std::vector<std::int64_t> obstacles = obstacles_in(screened, trajectory, profile);
+    const std::vector<bool> silent = silent_rows(screened, profile);
+    const auto obstacles = obstacles_in(screened, trajectory, silent, profile);
     std::vector<SampleSeries> series;
     series.reserve(arcs.size());
     for (const ArcRows& arc : arcs) {
-        series.push_back(arc_series(screened, trajectory, arc, obstacles, profile, positions));
+        series.push_back(
+            arc_series(screened, trajectory, arc, obstacles, silent, profile, positions));
         if (profile.speed_source == SpeedSource::velocity)
             move_to_moments(series.back(), delay_of_velocities(screened));
     }

@@ -2,8 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
-#include <limits>
+#include <tuple>
 
 #include "core/random.h"
 #include "core/statistics.h"
@@ -15,26 +16,6 @@
 
 namespace runcert {
 namespace {
-
-/// The epochs of a cluster, with some seconds before and after.
-template <int Axes>
-struct RivalStretch {
-    std::span<const ArcEpoch<Axes>> epochs;
-    std::size_t from = 0;  ///< index of the first one in the arc
-};
-
-template <int Axes>
-RivalStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
-    constexpr double flank_s = 5.0;
-    std::size_t last = 0;
-    for (const EpochPair& window : cluster.windows)
-        last = std::max(last, window.last);
-    const EpochPair reach =
-        reach_around(*cluster.arc, {cluster.windows.front().first, last}, flank_s);
-    return {
-        .epochs = std::span(cluster.arc->epochs).subspan(reach.first, reach.last + 1 - reach.first),
-        .from = reach.first};
-}
 
 /// The noise model for drawing, with the time-correlated error's size along the windows.
 EstimationModel drawn_model(const SelectionModels& models) {
@@ -109,215 +90,128 @@ Weights on_slow(std::span<const ArcEpoch<Axes>> epochs, Weights weights,
     return weights;
 }
 
-/// What one cluster errs by, in m/s: in the speeds stated for its windows, and in its motion as
-/// estimated. As factors of the two covariances, or drawn, with a column for each draw.
-struct RivalErrors {
+/// What the windows of one leg err by, in m/s: in the speeds stated for them, and in their motion
+/// as estimated. As factors of the two covariances, or drawn, with a column for each draw.
+struct LegErrors {
     Eigen::MatrixXd stated;
     Eigen::MatrixXd motion;
 };
 
-/// The windows of one cluster, and the weights of the measured positions in each component of their
+/// Some windows of one leg, and the weights of the measured positions in each component of their
 /// velocities: the stated ones, and those of the motion estimated from this stretch alone.
 template <int Axes>
-class Rivals {
+class LegByPositions {
   public:
     /// Of each `every` consecutive windows the one of the highest assured speed, and the chosen
-    /// one; of fewer where the windows are long.
-    Rivals(const WindowCluster<Axes>& cluster, const SelectionModels& models, std::size_t every)
-        : stretch_(stretch_of(cluster)), components_(models.by_path ? 1 : Axes) {
+    /// one; of fewer where the windows are long. They are added to `rivals`.
+    LegByPositions(const Arc<Axes>& arc, const WindowLeg& leg, const SelectionModels& models,
+                   std::size_t every, Rivals& rivals) {
+        constexpr double flank_s = 5.0;
+        const std::size_t last = std::ranges::max(leg.windows, {}, &FoundWindow::last).last;
+        const EpochPair reach = reach_around(arc, {leg.windows.front().first, last}, flank_s);
+        epochs_ = std::span(arc.epochs).subspan(reach.first, reach.last + 1 - reach.first);
         const EstimationModel drawn = drawn_model(models);
-        const double scale = drawn.measurement_scale;
-        const Chain<Axes> estimator(stretch_.epochs, models.estimated);
-        const Chain<Axes> local(stretch_.epochs, local_model(stretch_.epochs, drawn));
-        follow(local);
+        const Chain<Axes> estimator(epochs_, models.estimated);
+        const Chain<Axes> local(epochs_, local_model(epochs_, drawn));
+        SpeedSums path{.path_m = {0.0}};
+        for (std::size_t k = 1; k < epochs_.size(); ++k)
+            path.path_m.push_back(path.path_m.back() + displacement(local, k - 1, k).norm());
         // The covariance costs the square of the rivals times the columns.
         constexpr double affordable = 2e8;
-        const auto columns = std::ssize(stretch_.epochs) * Axes;
+        const auto columns = std::ssize(epochs_) * Axes;
         const auto most = static_cast<std::size_t>(
-            std::sqrt(affordable / static_cast<double>(columns)) / components_);
-        every = std::max(every, cluster.windows.size() / std::max<std::size_t>(most, 10));
+            std::sqrt(affordable / static_cast<double>(columns)) / rivals.components);
+        every = std::max(every, leg.windows.size() / std::max<std::size_t>(most, 10));
+        const std::size_t number = rivals.legs.empty() ? 0 : rivals.legs.back() + 1;
         std::vector<EpochPair> windows;
-        const auto allowance = [&](std::size_t w) {
-            return cluster.allowances_m_s.empty() ? 0.0 : cluster.allowances_m_s[w];
-        };
-        for (std::size_t first = 0; first < cluster.windows.size(); first += every) {
-            const std::size_t end = std::min(first + every, cluster.windows.size());
-            std::size_t kept = first;
-            double highest = -std::numeric_limits<double>::infinity();
-            for (std::size_t w = first; w < end && kept != cluster.chosen; ++w) {
-                const double assured =
-                    velocity_in(window(cluster, w), models.by_path).norm() - allowance(w);
-                if (w != cluster.chosen && !(assured > highest)) continue;
-                kept = w;
+        for (std::size_t first = 0; first < leg.windows.size(); first += every) {
+            const std::size_t end = std::min(first + every, leg.windows.size());
+            EpochPair kept;
+            Eigen::VectorXd velocity;
+            double highest = -std::numeric_limits<double>::infinity(), allowance = 0.0;
+            bool is_chosen = false;
+            for (std::size_t w = first; w < end && !is_chosen; ++w) {
+                const FoundWindow& found = leg.windows[w];
+                const EpochPair window{found.first - reach.first, found.last - reach.first};
+                const double duration_s =
+                    epochs_[window.last].time_s - epochs_[window.first].time_s;
+                Eigen::VectorXd moved = displacement(local, window.first, window.last) / duration_s;
+                if (models.by_path)
+                    moved.setConstant(
+                        1, path.speed_m_s(window, duration_s, SpeedDefinition::path_length));
+                const double assured = moved.norm() - found.allowance_m_s;
+                is_chosen = w == leg.chosen;
+                if (!is_chosen && w > first && !(assured > highest)) continue;
+                kept = window;
+                velocity = moved;
                 highest = assured;
+                allowance = found.allowance_m_s;
             }
-            if (kept == cluster.chosen) chosen_ = allowances_m_s_.size();
-            allowances_m_s_.push_back(allowance(kept));
-            windows.push_back(window(cluster, kept));
+            if (is_chosen) rivals.chosen = rivals.size();
+            rivals.velocities_m_s.insert(rivals.velocities_m_s.end(), velocity.begin(),
+                                         velocity.end());
+            rivals.allowances_m_s.push_back(allowance);
+            rivals.legs.push_back(number);
+            windows.push_back(kept);
         }
-        velocities_.resize(std::ssize(windows) * components_);
-        stated_.resize(velocities_.size(), columns);
-        motion_.resize(velocities_.size(), columns);
-        for (std::size_t w = 0; w < windows.size(); ++w)
-            set(w, estimator, local, windows[w], models.by_path);
-        white_ = {.stated = covariance(on_white<Axes>(stretch_.epochs, stated_, scale)),
-                  .motion = covariance(on_white<Axes>(stretch_.epochs, motion_, scale))};
+        const auto rows = std::ssize(windows) * rivals.components;
+        stated_.resize(rows, columns);
+        motion_.resize(rows, columns);
+        for (Eigen::Index row = 0; row < rows; ++row)
+            set_row(row, windows[static_cast<std::size_t>(row / rivals.components)], estimator,
+                    local, models.by_path, static_cast<int>(row % rivals.components));
+        const double scale = drawn.measurement_scale;
+        white_ = {.stated = covariance(on_white<Axes>(epochs_, stated_, scale)),
+                  .motion = covariance(on_white<Axes>(epochs_, motion_, scale))};
     }
 
     /// The factors for white noise and this error.
-    RivalErrors factors(const GaussMarkovError& error) const {
-        return {.stated = factor(white_.stated, on_slow<Axes>(stretch_.epochs, stated_, error)),
-                .motion = factor(white_.motion, on_slow<Axes>(stretch_.epochs, motion_, error))};
-    }
-
-    std::size_t size() const { return allowances_m_s_.size(); }
-    const std::optional<std::size_t>& chosen() const { return chosen_; }
-    double allowance_m_s(std::size_t w) const { return allowances_m_s_[w]; }
-
-    /// The velocities of all windows as estimated from this stretch alone, one below another.
-    const Eigen::VectorXd& velocities() const { return velocities_; }
-    auto velocity(const Eigen::VectorXd& all, std::size_t w) const {
-        return all.segment(static_cast<Eigen::Index>(w) * components_, components_);
+    LegErrors factors(const GaussMarkovError& error) const {
+        return {.stated = factor(white_.stated, on_slow<Axes>(epochs_, stated_, error)),
+                .motion = factor(white_.motion, on_slow<Axes>(epochs_, motion_, error))};
     }
 
   private:
-    EpochPair window(const WindowCluster<Axes>& cluster, std::size_t w) const {
-        return {cluster.windows[w].first - stretch_.from, cluster.windows[w].last - stretch_.from};
-    }
-    double duration_s(EpochPair window) const {
-        return stretch_.epochs[window.last].time_s - stretch_.epochs[window.first].time_s;
-    }
-
-    /// Sets the positions of the motion, and the path to each of them.
-    void follow(const Chain<Axes>& local) {
-        double path_m = 0.0;
-        for (std::size_t k = 0; k < local.size(); ++k) {
-            const SpeedVector<Axes> place = local.mean(k).template head<speed_axes<Axes>>();
-            if (k > 0) path_m += (place - places_m_.back()).norm();
-            places_m_.push_back(place);
-            sums_.path_m.push_back(path_m);
+    /// Sets the weights in a window's path, or in this axis of its displacement, over time.
+    void set_row(Eigen::Index row, EpochPair window, const Chain<Axes>& estimator,
+                 const Chain<Axes>& local, bool by_path, int axis) {
+        const double duration_s = epochs_[window.last].time_s - epochs_[window.first].time_s;
+        Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
+        if (by_path) {
+            gradients = speed_gradients(local, window, duration_s,
+                                        {.definition = SpeedDefinition::path_length});
+        } else {
+            gradients.front()(axis) = -1.0 / duration_s;
+            gradients.back()(axis) = 1.0 / duration_s;
         }
+        const auto set = [&](const Chain<Axes>& chain, Weights& weights) {
+            const auto of_epochs = chain.weights(window.first, gradients);
+            for (std::size_t k = 0; k < of_epochs.size(); ++k)
+                weights.row(row).template segment<Axes>(static_cast<Eigen::Index>(k) * Axes) =
+                    of_epochs[k].transpose();
+        };
+        set(estimator, stated_);
+        set(local, motion_);
     }
 
-    Eigen::VectorXd velocity_in(EpochPair window, bool by_path) const {
-        if (by_path)
-            return Eigen::VectorXd::Constant(
-                1, sums_.speed_m_s(window, duration_s(window), SpeedDefinition::path_length));
-        Eigen::VectorXd velocity(components_);
-        for (int axis = 0; axis < components_; ++axis)
-            velocity(axis) =
-                (places_m_[window.last](axis) - places_m_[window.first](axis)) / duration_s(window);
-        return velocity;
-    }
-
-    void set(std::size_t w, const Chain<Axes>& estimator, const Chain<Axes>& local,
-             EpochPair window, bool by_path) {
-        const auto row = static_cast<Eigen::Index>(w) * components_;
-        velocities_.segment(row, components_) = velocity_in(window, by_path);
-        for (int axis = 0; axis < components_; ++axis) {
-            Gradients<Axes> gradients(window.last - window.first + 1, StateVector<Axes>::Zero());
-            if (by_path) {
-                gradients = speed_gradients(local, window, duration_s(window),
-                                            {.definition = SpeedDefinition::path_length});
-            } else {
-                gradients.front()(axis) = -1.0 / duration_s(window);
-                gradients.back()(axis) = 1.0 / duration_s(window);
-            }
-            const auto set_row = [&](const Chain<Axes>& chain, Weights& weights) {
-                const auto of_epochs = chain.weights(window.first, gradients);
-                for (std::size_t k = 0; k < of_epochs.size(); ++k)
-                    weights.row(row + axis)
-                        .template segment<Axes>(static_cast<Eigen::Index>(k) * Axes) =
-                        of_epochs[k].transpose();
-            };
-            set_row(estimator, stated_);
-            set_row(local, motion_);
-        }
-    }
-
-    RivalStretch<Axes> stretch_;
-    int components_;
-    std::optional<std::size_t> chosen_;
-    std::vector<SpeedVector<Axes>> places_m_;
-    SpeedSums sums_;
-    std::vector<double> allowances_m_s_;
-    Eigen::VectorXd velocities_;
+    std::span<const ArcEpoch<Axes>> epochs_;  ///< of the leg, with some seconds before and after
     Weights stated_;
     Weights motion_;
-    RivalErrors white_;  ///< covariances of white noise alone
-};
-
-/// The window of the highest assured speed over all clusters.
-struct Fastest {
-    double assured_m_s = -std::numeric_limits<double>::infinity();
-    double speed_m_s = 0.0;
-    double error_m_s = 0.0;
-};
-
-/// One draw. The error of the window chosen in the recording has a mean of zero over the draws, so
-/// that subtracting it makes their mean converge with fewer of them.
-struct Sample {
-    Fastest once;
-    Fastest again;
-    Fastest truly;
-    double chosen_once_m_s = 0.0;
-    double chosen_again_m_s = 0.0;
-
-    double calibrated_m_s() const {
-        return 2.0 * (once.error_m_s - chosen_once_m_s) - (again.error_m_s - chosen_again_m_s);
-    }
-};
-
-/// Adds a cluster to draw `i`: the speeds stated with errors on the motion as estimated, and on the
-/// one estimated from a drawn recording.
-template <int Axes>
-void add_to(const Rivals<Axes>& rivals, const RivalErrors& drawn, Eigen::Index i, Sample& sample) {
-    const Eigen::VectorXd errors = drawn.stated.col(i);
-    const Eigen::VectorXd& motion = rivals.velocities();
-    const Eigen::VectorXd moved = motion + drawn.motion.col(i);
-    const auto search = [&](const Eigen::VectorXd& truth, const Eigen::VectorXd& stated,
-                            Fastest& fastest) {
-        for (std::size_t w = 0; w < rivals.size(); ++w) {
-            const double speed = rivals.velocity(stated, w).norm();
-            const double assured = speed - rivals.allowance_m_s(w);
-            if (!(assured > fastest.assured_m_s)) continue;
-            fastest = {.assured_m_s = assured,
-                       .speed_m_s = speed,
-                       .error_m_s = speed - rivals.velocity(truth, w).norm()};
-        }
-    };
-    search(motion, motion + errors, sample.once);
-    search(moved, moved + errors, sample.again);
-    search(moved, moved, sample.truly);
-    if (!rivals.chosen()) return;
-    const auto along = [&](const Eigen::VectorXd& truth) {
-        return rivals.velocity(truth, *rivals.chosen())
-            .normalized()
-            .dot(rivals.velocity(errors, *rivals.chosen()));
-    };
-    sample.chosen_once_m_s = along(motion);
-    sample.chosen_again_m_s = along(moved);
-}
-
-/// The bias estimated from the draws.
-struct DrawnBias {
-    double bias_m_s = 0.0;
-    double uncertainty_m_s = 0.0;
-    double chosen_sd_m_s = 0.0;
-    double best_mean_m_s = 0.0;
-    double best_sd_m_s = 0.0;
+    LegErrors white_;  ///< covariances of white noise alone
 };
 
 /// The draws are shared out evenly among the errors, in groups.
 template <int Axes>
-DrawnBias draw_bias(const std::vector<Rivals<Axes>>& clusters,
-                    const std::vector<GaussMarkovError>& errors, std::int64_t groups,
-                    std::int64_t samples, std::int64_t seed) {
-    std::vector<std::vector<RivalErrors>> factors;
+std::vector<SimulatedChoice> simulated(const ChoiceSimulation& choice,
+                                       const std::vector<LegByPositions<Axes>>& legs,
+                                       const std::vector<GaussMarkovError>& errors,
+                                       std::int64_t groups, std::int64_t samples,
+                                       std::int64_t seed) {
+    std::vector<std::vector<LegErrors>> factors;
     for (const GaussMarkovError& error : errors) {
         auto& of_error = factors.emplace_back();
-        for (const Rivals<Axes>& rivals : clusters)
-            of_error.push_back(rivals.factors(error));
+        for (const LegByPositions<Axes>& leg : legs)
+            of_error.push_back(leg.factors(error));
     }
     RandomGenerator random(static_cast<std::uint64_t>(seed));
     const auto draws = [&](const Eigen::MatrixXd& factor, std::int64_t count) -> Eigen::MatrixXd {
@@ -326,29 +220,21 @@ DrawnBias draw_bias(const std::vector<Rivals<Axes>>& clusters,
         return factor.triangularView<Eigen::Lower>() *
                Eigen::Map<const Eigen::MatrixXd>(numbers.data(), factor.rows(), count);
     };
-    std::vector<double> stated, calibrated, best_true;
+    std::vector<SimulatedChoice> choices;
     for (std::int64_t group = 0; group < groups; ++group) {
-        const auto share = (samples - std::ssize(stated)) / (groups - group);
-        const auto& of_error = factors[static_cast<std::size_t>(group) % factors.size()];
-        std::vector<Sample> drawn(static_cast<std::size_t>(share));
-        for (std::size_t c = 0; c < clusters.size(); ++c) {
-            const RivalErrors errors_drawn{.stated = draws(of_error[c].stated, share),
-                                           .motion = draws(of_error[c].motion, share)};
-            for (std::int64_t i = 0; i < share; ++i)
-                add_to(clusters[c], errors_drawn, i, drawn[static_cast<std::size_t>(i)]);
+        const auto share = (samples - std::ssize(choices)) / (groups - group);
+        LegErrors drawn{.stated = Eigen::MatrixXd(choice.rows(), share),
+                        .motion = Eigen::MatrixXd(choice.rows(), share)};
+        Eigen::Index row = 0;
+        for (const LegErrors& leg : factors[static_cast<std::size_t>(group) % factors.size()]) {
+            drawn.stated.middleRows(row, leg.stated.rows()) = draws(leg.stated, share);
+            drawn.motion.middleRows(row, leg.stated.rows()) = draws(leg.motion, share);
+            row += leg.stated.rows();
         }
-        for (const Sample& sample : drawn) {
-            stated.push_back(sample.once.error_m_s);
-            calibrated.push_back(sample.calibrated_m_s());
-            best_true.push_back(sample.truly.speed_m_s);
-        }
+        for (std::int64_t i = 0; i < share; ++i)
+            choices.push_back(choice(drawn.stated.col(i), drawn.motion.col(i)));
     }
-    return {
-        .bias_m_s = mean(calibrated),
-        .uncertainty_m_s = standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
-        .chosen_sd_m_s = standard_deviation(stated),
-        .best_mean_m_s = mean(best_true),
-        .best_sd_m_s = standard_deviation(best_true)};
+    return choices;
 }
 
 /// Errors as large as the bound, or that wander as fast as the fitted one, of correlation times
@@ -373,46 +259,166 @@ double less_bias(double speed_m_s, double bias_m_s) {
     return std::max(0.0, speed_m_s - bias_m_s);
 }
 
+std::vector<WindowLeg> legs_of(const std::vector<FoundWindow>& all, const FoundWindow& chosen,
+                               double least_m_s, std::size_t longest) {
+    std::vector<FoundWindow> near;
+    for (const FoundWindow& window : all)
+        if (window.assured_m_s() >= least_m_s) near.push_back(window);
+    std::ranges::stable_sort(near, {}, [](const FoundWindow& window) {
+        return std::tuple(window.series, window.first, window.last);
+    });
+    std::vector<WindowLeg> legs;
+    std::size_t reach = 0;
+    for (const FoundWindow& window : near) {
+        if (legs.empty() || legs.back().series() != window.series || window.first > reach ||
+            window.first - legs.back().windows.front().first >
+                std::max(longest, window.last - window.first)) {
+            legs.emplace_back();
+            reach = 0;
+        }
+        WindowLeg& leg = legs.back();
+        reach = std::max(reach, window.last);
+        if (window.series == chosen.series && window.start == chosen.start &&
+            window.end == chosen.end)
+            leg.chosen = leg.windows.size();
+        leg.windows.push_back(window);
+    }
+    return legs;
+}
+
+ChoiceSimulation::ChoiceSimulation(Rivals rivals, double together_m_s)
+    : rivals_(std::move(rivals)),
+      together_m_s_(together_m_s),
+      likely_(Eigen::Map<const Eigen::VectorXd>(rivals_.velocities_m_s.data(),
+                                                std::ssize(rivals_.velocities_m_s))) {
+    draw_together(likely_);
+}
+
+void ChoiceSimulation::draw_together(Eigen::VectorXd& velocities) const {
+    constexpr std::size_t fewest = 3;
+    if (!(together_m_s_ > 0.0) || rivals_.legs.back() + 1 < fewest) return;
+    assert(rivals_.components == 1);
+    std::vector<double> fastest(rivals_.legs.back() + 1, -std::numeric_limits<double>::infinity());
+    for (std::size_t w = 0; w < rivals_.size(); ++w) {
+        double& of_leg = fastest[rivals_.legs[w]];
+        of_leg =
+            std::max(of_leg, velocities(static_cast<Eigen::Index>(w)) - rivals_.allowances_m_s[w]);
+    }
+    const double middle_m_s = mean(fastest);
+    const double spread_m_s = standard_deviation(fastest);
+    const double explained =
+        spread_m_s > 0.0
+            ? 1.0 - std::sqrt(std::max(0.0, 1.0 - std::pow(together_m_s_ / spread_m_s, 2)))
+            : 0.0;
+    for (std::size_t w = 0; w < rivals_.size(); ++w)
+        velocities(static_cast<Eigen::Index>(w)) -=
+            explained * (fastest[rivals_.legs[w]] - middle_m_s);
+}
+
+SimulatedChoice ChoiceSimulation::operator()(const Eigen::VectorXd& errors,
+                                             const Eigen::VectorXd& before) const {
+    struct Fastest {
+        double assured_m_s = -std::numeric_limits<double>::infinity();
+        double speed_m_s = 0.0;
+        double error_m_s = 0.0;
+    };
+    const auto velocity = [&](const auto& all, std::size_t w) {
+        return all.segment(static_cast<Eigen::Index>(w) * rivals_.components, rivals_.components);
+    };
+    const auto search = [&](const Eigen::VectorXd& truth, const Eigen::VectorXd& stated) {
+        Fastest fastest;
+        for (std::size_t w = 0; w < rivals_.size(); ++w) {
+            const double speed = velocity(stated, w).norm();
+            const double assured = speed - rivals_.allowances_m_s[w];
+            if (!(assured > fastest.assured_m_s)) continue;
+            fastest = {.assured_m_s = assured,
+                       .speed_m_s = speed,
+                       .error_m_s = speed - velocity(truth, w).norm()};
+        }
+        return fastest;
+    };
+    const auto of_chosen = [&](const Eigen::VectorXd& truth) {
+        return velocity(truth, rivals_.chosen).normalized().dot(velocity(errors, rivals_.chosen));
+    };
+    Eigen::VectorXd moved = likely_ + before;
+    draw_together(moved);
+    const Fastest once = search(likely_, likely_ + errors);
+    const Fastest again = search(moved, moved + errors);
+    return {.error = once.error_m_s,
+            .calibrated =
+                2.0 * (once.error_m_s - of_chosen(likely_)) - (again.error_m_s - of_chosen(moved)),
+            .best_true = search(moved, moved).speed_m_s};
+}
+
+SelectionBias bias_between(const std::vector<SimulatedChoice>& least,
+                           const std::vector<SimulatedChoice>& most, double widest_m_s) {
+    const auto values = [](const std::vector<SimulatedChoice>& choices,
+                           double SimulatedChoice::*figure) {
+        std::vector<double> all;
+        for (const SimulatedChoice& one : choices)
+            all.push_back(one.*figure);
+        return all;
+    };
+    const std::vector<double> of_least = values(least, &SimulatedChoice::calibrated);
+    const std::vector<double> of_most = values(most, &SimulatedChoice::calibrated);
+    const std::vector<double> errors = values(most, &SimulatedChoice::error);
+    const std::vector<double> best = values(most, &SimulatedChoice::best_true);
+    SelectionBias bias;
+    // Choosing the fastest never makes the speed too low.
+    bias.fitted_bias_m_s = std::max(0.0, mean(of_least));
+    bias.bounded_bias_m_s = std::max(bias.fitted_bias_m_s, mean(of_most));
+    bias.bias_m_s = 0.5 * (bias.fitted_bias_m_s + bias.bounded_bias_m_s);
+    bias.bias_half_range_m_s = 0.5 * (bias.bounded_bias_m_s - bias.fitted_bias_m_s);
+    if (bias.bias_half_range_m_s > widest_m_s) {
+        bias.bias_m_s = bias.fitted_bias_m_s;
+        bias.bias_half_range_m_s = bias.bounded_bias_m_s - bias.fitted_bias_m_s;
+    }
+    bias.bias_uncertainty_m_s =
+        std::max(standard_deviation(of_least), standard_deviation(of_most)) /
+        std::sqrt(static_cast<double>(most.size()));
+    bias.chosen_sd_m_s = standard_deviation(errors);
+    bias.best_mean_m_s = mean(best);
+    bias.best_sd_m_s = standard_deviation(best);
+    bias.samples = std::ssize(most);
+    return bias;
+}
+
 template <int Axes>
-SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
+SelectionBias selection_bias(const std::vector<Arc<Axes>>& arcs, const std::vector<WindowLeg>& legs,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed) {
-    SelectionBias result{.chosen_mean_m_s = stated_m_s, .best_mean_m_s = stated_m_s, .seed = seed};
-    for (const WindowCluster<Axes>& cluster : clusters)
-        result.candidates += std::ssize(cluster.windows);
-    if (samples == 0) return result;
-    // Neighbours err alike: of many windows some stand for all, more of them in more clusters.
-    const std::int64_t most = std::max<std::int64_t>(200, 40 * std::ssize(clusters));
-    const auto every = static_cast<std::size_t>((result.candidates + most - 1) / most);
-    std::vector<Rivals<Axes>> rivals;
-    for (const WindowCluster<Axes>& cluster : clusters)
-        rivals.emplace_back(cluster, models, every);
-    // The same numbers are drawn for both, so that their difference is that of the errors.
-    const std::vector<GaussMarkovError> at_bound = bounded_errors(models);
-    const auto bias_under = [&](const std::vector<GaussMarkovError>& errors) {
-        return draw_bias(rivals, errors, std::ssize(at_bound), samples, seed);
-    };
-    const DrawnBias fitted = bias_under({drawn_model(models).error});
-    const DrawnBias bounded = bias_under(at_bound);
-    // Choosing the fastest never makes the speed too low.
-    result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);
-    result.bounded_bias_m_s = std::max(result.fitted_bias_m_s, bounded.bias_m_s);
-    result.bias_m_s = 0.5 * (result.fitted_bias_m_s + result.bounded_bias_m_s);
-    result.bias_half_range_m_s = 0.5 * (result.bounded_bias_m_s - result.fitted_bias_m_s);
-    result.bias_uncertainty_m_s = std::max(fitted.uncertainty_m_s, bounded.uncertainty_m_s);
-    result.chosen_mean_m_s = stated_m_s - result.bias_m_s;
-    result.chosen_sd_m_s = bounded.chosen_sd_m_s;
-    result.best_mean_m_s = bounded.best_mean_m_s;
-    result.best_sd_m_s = bounded.best_sd_m_s;
-    result.samples = samples;
+    SelectionBias result{.chosen_mean_m_s = stated_m_s, .best_mean_m_s = stated_m_s};
+    std::int64_t candidates = 0;
+    for (const WindowLeg& leg : legs)
+        candidates += std::ssize(leg.windows);
+    if (samples > 0) {
+        // Neighbours err alike: of many windows some stand for all, more of them in more legs.
+        const std::int64_t most = std::max<std::int64_t>(200, 40 * std::ssize(legs));
+        const auto every = static_cast<std::size_t>((candidates + most - 1) / most);
+        Rivals rivals{.components = models.by_path ? 1 : Axes};
+        std::vector<LegByPositions<Axes>> of_legs;
+        for (const WindowLeg& leg : legs)
+            of_legs.emplace_back(arcs[leg.series()], leg, models, every, rivals);
+        const ChoiceSimulation choice(std::move(rivals));
+        // The same numbers are drawn for both, so that their difference is that of the errors.
+        const std::vector<GaussMarkovError> at_bound = bounded_errors(models);
+        const auto under = [&](const std::vector<GaussMarkovError>& errors) {
+            return simulated(choice, of_legs, errors, std::ssize(at_bound), samples, seed);
+        };
+        result = bias_between(under({drawn_model(models).error}), under(at_bound));
+        result.chosen_mean_m_s = stated_m_s - result.bias_m_s;
+    }
+    result.candidates = candidates;
+    result.seed = seed;
     return result;
 }
 
-template SelectionBias selection_bias<1>(const std::vector<WindowCluster<1>>&,
-                                         const SelectionModels&, double, std::int64_t,
-                                         std::int64_t);
-template SelectionBias selection_bias<2>(const std::vector<WindowCluster<2>>&,
-                                         const SelectionModels&, double, std::int64_t,
-                                         std::int64_t);
+#define RUNCERT_INSTANTIATE(AXES)                                                             \
+    template SelectionBias selection_bias<AXES>(                                              \
+        const std::vector<Arc<AXES>>&, const std::vector<WindowLeg>&, const SelectionModels&, \
+        double, std::int64_t, std::int64_t);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

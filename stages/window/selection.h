@@ -1,9 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "schemas/windows/windows.h"
+#include "stages/window/best_window.h"
 #include "witness/arcs.h"
 #include "witness/certifiable.h"
 
@@ -16,18 +19,74 @@ inline constexpr double selection_width = 4.0;
 /// has no speed to reduce.
 double less_bias(double speed_m_s, double bias_m_s);
 
-/// Windows of one arc (Axes 2: east and north; 1: heights alone) that could have been the best, and
-/// are close enough to one another to be estimated together.
-template <int Axes>
-struct WindowCluster {
-    const Arc<Axes>* arc = nullptr;
-    /// Indices into the epochs of `arc` of each window's first and last epoch.
-    std::vector<EpochPair> windows;  ///< in order of their beginning
-    /// Reductions of the windows' speeds before they are compared, m/s. Empty: none.
-    std::vector<double> allowances_m_s;
-    /// Index of the chosen window, empty if it is in another cluster.
-    std::optional<std::size_t> chosen = std::nullopt;
+/// Windows of one series that could have been the best. Each overlaps one before it.
+struct WindowLeg {
+    std::vector<FoundWindow> windows;                  ///< in order of their samples
+    std::optional<std::size_t> chosen = std::nullopt;  ///< index of the chosen one, if it is here
+
+    std::size_t series() const { return windows.front().series; }
 };
+
+/// The windows whose assured speed is at least `least_m_s`, in legs. A leg also ends where a window
+/// begins more than `longest` samples, and more than one window, after the first.
+std::vector<WindowLeg> legs_of(const std::vector<FoundWindow>& all, const FoundWindow& chosen,
+                               double least_m_s,
+                               std::size_t longest = std::numeric_limits<std::size_t>::max());
+
+/// The windows of a choice, with their velocities as the recording shows them.
+struct Rivals {
+    int components = 1;  ///< of a velocity
+    std::vector<double> velocities_m_s =
+        {};  ///< the components of one window after those of another
+    std::vector<double> allowances_m_s = {};
+    std::vector<std::size_t> legs = {};  ///< of each, in ascending order
+    std::size_t chosen = 0;
+
+    std::size_t size() const { return allowances_m_s.size(); }
+};
+
+/// What one simulated choice shows, m/s. The error of the window chosen in the recording has a mean
+/// of zero over the draws, so that subtracting it makes their mean converge with fewer of them.
+struct SimulatedChoice {
+    double error = 0.0;       ///< of the window that is then the fastest
+    double calibrated = 0.0;  ///< the bias
+    double best_true = 0.0;   ///< speed of the window that is truly the fastest
+};
+
+/// Simulates the choice of the fastest of some windows, whatever source their speeds are from.
+///
+/// Errors are drawn onto the velocities that the recording leaves likely; the error of the window
+/// that is then the fastest is the bias. What the recording shows already contains errors, which
+/// separate the windows and make the result too small. The same is therefore done from velocities
+/// with drawn errors, and the difference is added (a bootstrap, calibrated by a second one: [ET93]
+/// 18). Legs whose fastest windows differ by no more than errors of `together_m_s` explain are
+/// drawn together before: such errors would make legs like those recorded out of equal ones.
+class ChoiceSimulation {
+  public:
+    explicit ChoiceSimulation(Rivals rivals, double together_m_s = 0.0);
+
+    /// The components of all velocities together.
+    Eigen::Index rows() const { return likely_.size(); }
+
+    /// `errors` are those of the stated velocities, `before` others that part the windows before.
+    SimulatedChoice operator()(const Eigen::VectorXd& errors, const Eigen::VectorXd& before) const;
+
+  private:
+    void draw_together(Eigen::VectorXd& velocities) const;
+
+    Rivals rivals_;
+    double together_m_s_;
+    Eigen::VectorXd likely_;  ///< the velocities that the recording leaves likely
+};
+
+/// The bias between that under the least errors and that under the most, from equally many draws of
+/// each. Neither is below 0, and the bounded one is not below the fitted one. Their standard
+/// uncertainty is the larger one of both means. The middle is the bias, with half the difference
+/// as its limits. If that is more than `widest_m_s`, the range tells nothing of where in it the
+/// bias is: the bias is then the fitted one, and all of the difference its limit.
+SelectionBias bias_between(const std::vector<SimulatedChoice>& least,
+                           const std::vector<SimulatedChoice>& most,
+                           double widest_m_s = std::numeric_limits<double>::infinity());
 
 /// The models behind a selection, and how windows were compared.
 struct SelectionModels {
@@ -44,32 +103,26 @@ struct SelectionModels {
 };
 
 /// The bias (m/s) of the stated speed that results from choosing the fastest of these windows, or
-/// the one of the highest assured speed where allowances are made.
+/// the one of the highest assured speed where allowances are made, by positions.
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
 /// errors point forward. Their speeds are weighted sums of the measured positions
 /// (`Chain::weights`), so that their errors are jointly normal with covariance W R W'. Draws of
-/// these are added to the velocities of the motion, which is estimated from each cluster, and five
-/// seconds before and after it, with a jerk density fitted to that stretch alone. The bias is the
-/// mean error of the window that is then the fastest. Of many windows at least 200 stand for all,
-/// each the best of its neighbours.
-///
-/// The estimated motion still contains some noise, which makes the result too small. The same is
-/// done from motions with drawn errors, and the difference is added (a bootstrap, calibrated by a
-/// second one: [ET93] 18).
+/// these are added to the velocities of the motion, which is estimated from each leg, and five
+/// seconds before and after it, with a jerk density fitted to that stretch alone. Of many windows
+/// at least 200 stand for all, each the best of its neighbours.
 ///
 /// A time-correlated error of the positions resembles motion, so that the recording does not show
 /// how much it influenced the choice. The bias lies between that for the errors as fitted and that
 /// with the time-correlated error at its bound. Both are computed. The middle is the result, with
 /// half their difference as its limits.
 ///
-/// `stated_m_s` is the estimated speed of the chosen window, which is in one of the clusters.
-/// `samples` is the number of draws for each of the two types of errors, at least 2, or 0: nothing
-/// is drawn, and the bias is 0. The same `seed` gives the same result. Neither bias is below 0, and
-/// the bounded one is not below the fitted one. `bias_uncertainty_m_s` is the larger standard
-/// uncertainty of their means, from the finite number of draws. The caller sets `treatment`.
+/// `arcs` are those of the windows' series. `stated_m_s` is the estimated speed of the chosen
+/// window, which is in one of the legs. `samples` is the number of draws for each of the two types
+/// of errors, at least 2, or 0: nothing is drawn, and the bias is 0. The same `seed` gives the same
+/// result. The caller sets `treatment`.
 template <int Axes>
-SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
+SelectionBias selection_bias(const std::vector<Arc<Axes>>& arcs, const std::vector<WindowLeg>& legs,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed);
 

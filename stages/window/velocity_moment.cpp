@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/uncertainty.h"
+#include "stages/window/sample_series.h"
+#include "witness/recorded_velocities.h"
 
 namespace runcert {
 namespace {
@@ -88,7 +90,7 @@ double delay_of_velocities(const ScreenedTable& screened) {
 
 void move_to_moments(SampleSeries& series, double delay_s) {
     const std::size_t count = series.times.size();
-    if (delay_s == 0.0 || count < 3) return;
+    if (delay_s == 0.0) return;
     const auto time_s = [&](std::size_t k) { return series.times[k].seconds(); };
     const auto point = [&](std::size_t k) {
         const std::size_t a = k == 0 ? 0 : k - 1, b = std::min(k + 1, count - 1);
@@ -114,60 +116,77 @@ void move_to_moments(SampleSeries& series, double delay_s) {
     series.positions = std::move(moved);
 }
 
-std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& screened,
-                                                         const TrajectoryTable& trajectory,
-                                                         const ArcRows& arc, Dimension dimension) {
-    const SmoothedTrack track(trajectory, arc, dimension);
+std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
+                                           const TrajectoryTable& trajectory,
+                                           const std::vector<ArcRows>& arcs, Dimension dimension) {
+    constexpr double rounding_s = 1e-6;
+    const std::vector<bool> left_out = velocities_left_out(screened.rows, screened.basis.velocity,
+                                                           dimension != Dimension::horizontal);
+    const double longest_s = std::max(1.0, 1.5 * trajectory.facts.nominal_interval_s) + rounding_s;
     const double delay_s = delay_of_velocities(screened);
-    const std::size_t count = arc.rows.size();
-    std::vector<std::optional<TrackMoment>> moments(count);
-    TrackPoint before;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double at_s = track.time_s(k) - delay_s;
-        if (at_s < track.time_s(0) || at_s > track.time_s(count - 1)) continue;
-        const TrackPoint here = track.at(at_s);
-        TrackMoment& moment = moments[k].emplace();
-        moment.speed_m_s = here.velocity.norm();
-        moment.position_m = here.position;
-        if (k > 0 && moments[k - 1])
-            moment.step_m = path_between(before, here, track.time_s(k) - track.time_s(k - 1));
-        before = here;
+    std::vector<ComparedSpeed> compared;
+    std::int64_t stretch = 0;
+    for (const ArcRows& arc : arcs) {
+        ++stretch;
+        const SmoothedTrack track(trajectory, arc, dimension);
+        const std::size_t before_arc = compared.size();
+        const double last_s = track.time_s(arc.rows.size() - 1);
+        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
+            const auto recorded = recorded_speed(screened.rows[arc.rows[k]], dimension);
+            const double at_s = track.time_s(k) - delay_s;
+            const bool is_on_track = at_s >= track.time_s(0) && at_s <= last_s;
+            if (!recorded || !is_on_track || !track.row(k).usable || left_out[arc.rows[k]]) {
+                ++stretch;
+                continue;
+            }
+            ComparedSpeed one{.time_s = track.time_s(k),
+                              .recorded_m_s = recorded->speed_m_s,
+                              .track = track.at(at_s),
+                              .stated_m_s = recorded->standard_uncertainty_m_s};
+            one.smoothed_m_s = one.track.velocity.norm();
+            if (compared.size() > before_arc) {
+                const ComparedSpeed& before = compared.back();
+                const double step_s = one.time_s - before.time_s;
+                if (step_s > longest_s) ++stretch;
+                one.recorded_m =
+                    before.recorded_m + 0.5 * step_s * (before.recorded_m_s + one.recorded_m_s);
+                one.smoothed_m = before.smoothed_m + path_between(before.track, one.track, step_s);
+            }
+            one.stretch = stretch;
+            compared.push_back(one);
+        }
     }
-    return moments;
+    return compared;
 }
 
 SpeedEstimate track_speed(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                          const ArcRows& arc, const Profile& profile, const FoundWindow& found) {
+                          const ArcRows& arc, const Profile& profile, const FoundWindow& found,
+                          std::span<const ComparedSpeed> window) {
     const SmoothedTrack track(trajectory, arc, profile.dimension);
-    const double delay_s = delay_of_velocities(screened);
     const double duration_s = found.duration_s();
     double ends = 0.0, floors = 0.0;
     for (const std::size_t k : {found.first, found.last}) {
         ends += std::pow(sigmas_of(track.row(k), profile.dimension).position_m / duration_s, 2);
         floors += std::pow(floor_m(profile, screened.rows[arc.rows[k]].fix) / duration_s, 2);
     }
-    double of_velocities = 0.0, path_m = 0.0;
-    const auto samples = static_cast<double>(found.last - found.first + 1);
-    std::vector<TrackPoint> points;
-    for (std::size_t k = found.first; k <= found.last; ++k) {
-        of_velocities += sigmas_of(track.row(k), profile.dimension).velocity_m_s / samples;
-        points.push_back(track.at(track.time_s(k) - delay_s));
-        if (k > found.first)
-            path_m += path_between(points[points.size() - 2], points.back(),
-                                   track.time_s(k) - track.time_s(k - 1));
-    }
-    const SpeedTrack at_moments{[&](std::size_t k) { return points[k].position; },
-                                [&](std::size_t k) { return points[k].velocity; }};
-    SpeedEstimate result{.speed_m_s = speed_of(at_moments, {0, points.size() - 1}, duration_s,
+    double of_velocities = 0.0;
+    for (std::size_t k = found.first; k <= found.last; ++k)
+        of_velocities += sigmas_of(track.row(k), profile.dimension).velocity_m_s /
+                         static_cast<double>(window.size());
+    const SpeedTrack at_moments{[&](std::size_t k) { return window[k].track.position; },
+                                [&](std::size_t k) { return window[k].track.velocity; }};
+    SpeedEstimate result{.speed_m_s = speed_of(at_moments, {0, window.size() - 1}, duration_s,
                                                {.definition = profile.definition})};
     double of_shape = 0.0;
     if (profile.definition == SpeedDefinition::path_length) {
-        const double cut_short_m_s = path_m / duration_s - result.speed_m_s;
+        const double cut_short_m_s =
+            (window.back().smoothed_m - window.front().smoothed_m) / duration_s - result.speed_m_s;
         result.speed_m_s += cut_short_m_s;
         of_shape = rectangular_uncertainty(std::abs(cut_short_m_s));
     }
     const double of_delay = sigma_of_delay(screened) *
-                            (points.back().velocity - points.front().velocity).norm() / duration_s;
+                            (window.back().track.velocity - window.front().track.velocity).norm() /
+                            duration_s;
     const double of_velocity = of_velocities * of_velocities;
     const double of_motion =
         is_mean(profile.definition) ? of_velocity : std::min(ends, of_velocity);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "schemas/profile/profile.h"
@@ -56,19 +58,24 @@ double sigma_of_delay(const ScreenedTable& screened);
 /// for it.
 void move_to_moments(SampleSeries& series, double delay_s);
 
-/// The smoothed track at the moment of a recorded speed, on the axes that count: its speed, its
-/// position, and the path since the previous sample.
-struct TrackMoment {
-    double speed_m_s = 0.0;
-    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-    double step_m = 0.0;
+/// A recorded speed and the smoothed track at the same moment.
+struct ComparedSpeed {
+    double time_s = 0.0;
+    double recorded_m_s = 0.0;
+    double smoothed_m_s = 0.0;
+    double recorded_m = 0.0;  ///< distance by integrating recorded speeds, from an arbitrary start
+    double smoothed_m = 0.0;  ///< distance along the smoothed track
+    TrackPoint track = {};
+    std::optional<double> stated_m_s = std::nullopt;  ///< stated standard uncertainty
+    std::int64_t stretch = 0;  ///< samples of different stretches are not compared
 };
 
-/// One for each sample of an arc. Empty if its moment lies before the first position or after
-/// the last.
-std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& screened,
-                                                         const TrajectoryTable& trajectory,
-                                                         const ArcRows& arc, Dimension dimension);
+/// The compared speeds of all usable epochs whose speed belongs to their own moment, in order of
+/// time. A stretch ends with its arc, at an epoch that is left out, and at a step longer than a
+/// second and than one and a half intervals.
+std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
+                                           const TrajectoryTable& trajectory,
+                                           const std::vector<ArcRows>& arcs, Dimension dimension);
 
 /// The speed by the rule's definition from the smoothed positions at the moments of a window's
 /// recorded speeds. A path follows the cubics through positions and velocities, so that turns
@@ -76,8 +83,9 @@ std::vector<std::optional<TrackMoment>> track_at_moments(const ScreenedTable& sc
 ///
 /// The uncertainty is that of both ends, or that of the velocities if it is smaller, and always for
 /// means of speeds. It includes the rule's floor for time-correlated errors at either end, and the
-/// change of the speed within the uncertainty of the delay.
+/// change of the speed within the uncertainty of the delay. `window` are its compared speeds.
 SpeedEstimate track_speed(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                          const ArcRows& arc, const Profile& profile, const FoundWindow& found);
+                          const ArcRows& arc, const Profile& profile, const FoundWindow& found,
+                          std::span<const ComparedSpeed> window);
 
 }  // namespace runcert

@@ -6,8 +6,6 @@
 #include <numbers>
 
 #include "core/statistics.h"
-#include "stages/window/sample_series.h"
-#include "stages/window/velocity_moment.h"
 #include "witness/recorded_velocities.h"
 
 namespace runcert {
@@ -17,29 +15,6 @@ constexpr double ten_s = 10.0;
 constexpr std::size_t fewest_steps = 30;
 constexpr std::size_t fewest_spans = 5;
 constexpr double rounding_s = 1e-6;
-
-/// Absolute differences of the samples between two times: steps of recorded minus smoothed speed,
-/// and third differences of recorded speeds.
-struct SpeedDifferences {
-    std::vector<double> from_smoothed, third;
-};
-
-SpeedDifferences differences_between(std::span<const ComparedSpeed> compared, double from_s,
-                                     double to_s) {
-    SpeedDifferences differences;
-    for (std::size_t k = 1; k < compared.size(); ++k) {
-        const ComparedSpeed &a = compared[k - 1], &b = compared[k];
-        if (a.stretch != b.stretch || a.time_s < from_s || b.time_s > to_s) continue;
-        differences.from_smoothed.push_back(
-            std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
-        if (k < 3 || compared[k - 3].stretch != b.stretch || compared[k - 3].time_s < from_s)
-            continue;
-        differences.third.push_back(
-            std::abs(b.recorded_m_s - compared[k - 3].recorded_m_s -
-                     3.0 * (a.recorded_m_s - compared[k - 2].recorded_m_s)));
-    }
-    return differences;
-}
 
 /// The mean recorded speed of a span, and how much lower the smoothed path makes it.
 struct SpanOfSpeeds {
@@ -69,7 +44,7 @@ std::vector<SpanOfSpeeds> spans_of(std::span<const ComparedSpeed> compared, doub
         spans.push_back(
             {.mean_m_s = recorded_m / length_s,
              .difference_m_s = (recorded_m - smoothed_m) / length_s,
-             .straight = (b.position_m - a.position_m).norm() >= straight * smoothed_m});
+             .straight = (b.track.position - a.track.position).norm() >= straight * smoothed_m});
         from = to - 1;
     }
     return spans;
@@ -137,57 +112,32 @@ SpeedErrors as_stated(double stated_m_s, SpeedErrors errors) {
 
 }  // namespace
 
-std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
-                                           const TrajectoryTable& trajectory,
-                                           const std::vector<ArcRows>& arcs, Dimension dimension) {
-    const std::vector<bool> left_out = velocities_left_out(screened.rows, screened.basis.velocity,
-                                                           dimension != Dimension::horizontal);
-    const double longest_s = std::max(1.0, 1.5 * trajectory.facts.nominal_interval_s) + rounding_s;
-    std::vector<ComparedSpeed> compared;
-    std::int64_t stretch = 0;
-    for (const ArcRows& arc : arcs) {
-        ++stretch;
-        const auto moments = track_at_moments(screened, trajectory, arc, dimension);
-        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-            const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
-            const auto recorded = recorded_speed(screened.rows[arc.rows[k]], dimension);
-            if (!recorded || !moments[k] || !row.usable || left_out[arc.rows[k]]) {
-                ++stretch;
-                continue;
-            }
-            ComparedSpeed one{.time_s = row.time.seconds(),
-                              .recorded_m_s = recorded->speed_m_s,
-                              .smoothed_m_s = moments[k]->speed_m_s,
-                              .position_m = moments[k]->position_m};
-            if (!compared.empty()) {
-                const ComparedSpeed& before = compared.back();
-                const double step_s = one.time_s - before.time_s;
-                if (step_s > longest_s) ++stretch;
-                one.recorded_m =
-                    before.recorded_m + 0.5 * step_s * (before.recorded_m_s + one.recorded_m_s);
-                one.smoothed_m = before.smoothed_m + moments[k]->step_m;
-            }
-            one.stretch = stretch;
-            compared.push_back(one);
-        }
-    }
-    return compared;
-}
-
 std::optional<SpeedSpread> white_noise(std::span<const ComparedSpeed> compared, double from_s,
                                        double to_s) {
     constexpr double around_s = 30.0;
     constexpr double efficiency_of_median = 0.37;
     constexpr double ever = std::numeric_limits<double>::infinity();
-    SpeedDifferences differences =
-        differences_between(compared, from_s - around_s, to_s + around_s);
-    if (differences.third.size() < fewest_steps)
-        differences = differences_between(compared, -ever, ever);
-    if (differences.third.size() < fewest_steps) return std::nullopt;
-    const double independent = efficiency_of_median * static_cast<double>(differences.third.size());
-    return SpeedSpread{.sd_m_s = std::min(robust_sd(std::move(differences.from_smoothed), 2.0),
-                                          robust_sd(std::move(differences.third), 20.0)),
-                       .independent = independent};
+    std::vector<double> steps, third;
+    const auto gather = [&](double first_s, double last_s) {
+        steps.clear();
+        third.clear();
+        for (std::size_t k = 1; k < compared.size(); ++k) {
+            const ComparedSpeed &a = compared[k - 1], &b = compared[k];
+            if (a.stretch != b.stretch || a.time_s < first_s || b.time_s > last_s) continue;
+            steps.push_back(
+                std::abs(b.recorded_m_s - b.smoothed_m_s - a.recorded_m_s + a.smoothed_m_s));
+            if (k < 3 || compared[k - 3].stretch != b.stretch || compared[k - 3].time_s < first_s)
+                continue;
+            third.push_back(std::abs(b.recorded_m_s - compared[k - 3].recorded_m_s -
+                                     3.0 * (a.recorded_m_s - compared[k - 2].recorded_m_s)));
+        }
+        return third.size() >= fewest_steps;
+    };
+    if (!gather(from_s - around_s, to_s + around_s) && !gather(-ever, ever)) return std::nullopt;
+    const double independent = efficiency_of_median * static_cast<double>(third.size());
+    return SpeedSpread{
+        .sd_m_s = std::min(robust_sd(std::move(steps), 2.0), robust_sd(std::move(third), 20.0)),
+        .independent = independent};
 }
 
 std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {

@@ -1,15 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 #include <span>
-#include <vector>
 
-#include "schemas/profile/declared.h"
-#include "schemas/screened/screened.h"
-#include "schemas/trajectory/declared.h"
-#include "witness/certifiable.h"
+#include "stages/window/velocity_moment.h"
 
 // Errors of recorded speeds, from comparison with the positions of the recording.
 
@@ -17,24 +11,6 @@ namespace runcert {
 
 /// Least lasting error assumed (m/s), whatever a comparison shows.
 inline constexpr double least_slow_error_m_s = 0.05;
-
-/// A recorded speed and the smoothed track at the same moment.
-struct ComparedSpeed {
-    double time_s = 0.0;
-    double recorded_m_s = 0.0;
-    double smoothed_m_s = 0.0;
-    double recorded_m = 0.0;  ///< distance by integrating recorded speeds, from an arbitrary start
-    double smoothed_m = 0.0;  ///< distance along the smoothed track
-    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< on the smoothed track
-    std::int64_t stretch = 0;  ///< samples of different stretches are not compared
-};
-
-/// The compared speeds of all usable epochs whose speed belongs to their own moment, in order of
-/// time. A stretch ends with its arc, at an epoch that is left out, and at a step longer than a
-/// second and than one and a half intervals.
-std::vector<ComparedSpeed> compared_speeds(const ScreenedTable& screened,
-                                           const TrajectoryTable& trajectory,
-                                           const std::vector<ArcRows>& arcs, Dimension dimension);
 
 /// A standard deviation (m/s) and the number of independent differences behind it.
 struct SpeedSpread {

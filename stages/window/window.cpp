@@ -57,7 +57,8 @@ class Certifier {
                 !velocities_.contains(profile.dimension))
                 velocities_.emplace(
                     profile.dimension,
-                    VelocityEstimate{screened, trajectory, horizontal_.rows, config,
+                    VelocityEstimate{screened, trajectory, horizontal_.rows, horizontal_.times,
+                                     config,
                                      compared_speeds(screened, trajectory, horizontal_.rows,
                                                      profile.dimension)});
     }
@@ -172,25 +173,26 @@ class Certifier {
                               const std::optional<SurveyedCourse>& gates, bool files_answered,
                               std::span<const Contradiction> contradictions,
                               CertificateExtent extent = CertificateExtent::whole) const {
-        if (profile.speed_source == SpeedSource::velocity)
-            return certified_by_velocity(velocities_.at(profile.dimension), profile, found, all,
-                                         extent);
-        if (profile.window_kind == WindowKind::course)
+        const bool by_velocities = profile.speed_source == SpeedSource::velocity;
+        if (profile.window_kind == WindowKind::course && !by_velocities)
             return certify_course(profile, found, all, *gates, files_answered, contradictions,
                                   extent);
         const auto choice = [&](Dimension dimension) {
-            return WindowChoice{.profile = profile,
-                                .found = found,
-                                .all = all,
-                                .quantity = quantity_of(profile),
-                                .craft = craft_of(profile, found, dimension),
-                                // Of the two parts of a speed in space a witness may have heard
-                                // one, and each budget counts its own share of it.
-                                .by_positions_alone = profile.dimension == Dimension::space,
-                                .files_answered = files_answered,
-                                .contradictions = contradictions,
-                                .extent = extent};
+            return WindowChoice{
+                .profile = profile,
+                .found = found,
+                .all = all,
+                .quantity = quantity_of(profile),
+                .craft = by_velocities ? std::nullopt : craft_of(profile, found, dimension),
+                // Of the two parts of a speed in space a witness may have heard
+                // one, and each budget counts its own share of it.
+                .by_positions_alone = profile.dimension == Dimension::space,
+                .files_answered = files_answered,
+                .contradictions = contradictions,
+                .extent = extent};
         };
+        if (by_velocities)
+            return certified(velocities_.at(profile.dimension), choice(profile.dimension));
         if (profile.dimension == Dimension::vertical)
             return certified(*vertical_, choice(Dimension::vertical));
         const CertifiableWindow level = certified(horizontal_, choice(Dimension::horizontal));

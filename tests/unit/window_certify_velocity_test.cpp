@@ -14,6 +14,7 @@ struct Session {
     ScreenedTable screened;
     TrajectoryTable trajectory;
     std::vector<ArcRows> rows{ArcRows{.number = 1, .rows = {}}};
+    std::vector<std::vector<ElapsedTime>> times{1};
     WindowConfig config;
     Profile profile;
     std::vector<FoundWindow> all;
@@ -27,6 +28,7 @@ struct Session {
             TrajectoryEpoch& row = trajectory.rows.emplace_back();
             row.epoch = k + 1;
             row.time.nanoseconds = 100'000'000 * k;
+            times.front().push_back(row.time);
             row.arc = 1;
             row.usable = true;
             row.east_m = 0.0;
@@ -71,11 +73,17 @@ struct Session {
     }
 
     VelocityEstimate estimate() const {
-        return {screened, trajectory, rows, config,
-                compared_speeds(screened, trajectory, rows, profile.dimension)};
+        return {screened, trajectory,
+                rows,     times,
+                config,   compared_speeds(screened, trajectory, rows, profile.dimension)};
+    }
+    WindowChoice choice(std::size_t which,
+                        CertificateExtent extent = CertificateExtent::whole) const {
+        return {
+            .profile = profile, .found = all[which], .all = all, .quantity = {}, .extent = extent};
     }
     CertifiableWindow certified(std::size_t which = 0) const {
-        return certified_by_velocity(estimate(), profile, all[which], all);
+        return runcert::certified(estimate(), choice(which));
     }
 };
 
@@ -171,6 +179,9 @@ TEST(VelocityBudget, PricesWhatTheTestsOfTheSpeedsLeave) {
     const auto series =
         certifiable_series(session.screened, session.trajectory, session.rows, session.profile);
     EXPECT_EQ(series.front().obstacles[1010] - series.front().obstacles[1009], 1);
+    // Nor may a window begin with it: a path counts half of its first speed.
+    EXPECT_FALSE(series.front().bounds[1010]);
+    EXPECT_TRUE(series.front().bounds[1011]);
 }
 
 TEST(VelocityBudget, HoldsWhatAWindowPartsFromItsPositionsByBeyondTheUsual) {
@@ -216,14 +227,15 @@ TEST(VelocityBudget, CountsTheStepOfCoarseSpeeds) {
 
 TEST(CertificateExtent, LeavesOutTheChoiceAlone) {
     Session session;
-    const VelocityEstimate estimate = session.estimate();
     const CertifiableWindow window = session.certified();
-    const CertifiableWindow compared = certified_by_velocity(
-        estimate, session.profile, session.all[0], session.all, CertificateExtent::to_compare);
-    EXPECT_EQ(compared.budget.size() + 1, window.budget.size());
+    const CertifiableWindow compared =
+        certified(session.estimate(), session.choice(0, CertificateExtent::to_compare));
+    EXPECT_EQ(compared.budget.size(), window.budget.size());
     EXPECT_EQ(compared.bias_limit_m_s, 0.0);
+    EXPECT_EQ(row_of(compared, "f").contribution_m_s, 0.0);
     for (const BudgetRow& row : compared.budget)
-        EXPECT_EQ(row.contribution_m_s, row_of(window, row.symbol.c_str()).contribution_m_s);
+        EXPECT_EQ(row.contribution_m_s,
+                  row.symbol == "f" ? 0.0 : row_of(window, row.symbol).contribution_m_s);
 }
 
 TEST(VelocityWindow, OfSpeedsThatThePositionsDoNotShowIsContradicted) {

@@ -18,13 +18,16 @@ SelectionModels models() {
     return {.estimated = searched(), .bound_m = 0.02};
 }
 
-/// All windows of 3 s that begin in the first `begins` epochs from the fifth second on.
-WindowCluster<2> windows_of(const Arc<2>& arc, std::size_t begins) {
-    WindowCluster<2> cluster;
-    cluster.arc = &arc;
-    for (std::size_t k = 0; k < begins; ++k)
-        cluster.windows.push_back({50 + k, 80 + k});
-    return cluster;
+/// All windows of 3 s of an arc that begin in the first `begins` epochs from the fifth second on.
+WindowLeg windows_of(std::size_t arc, std::size_t begins, std::optional<std::size_t> chosen = {}) {
+    WindowLeg leg{.windows = {}, .chosen = chosen};
+    for (std::size_t k = 0; k < begins; ++k) {
+        FoundWindow& window = leg.windows.emplace_back();
+        window.series = arc;
+        window.first = 50 + k;
+        window.last = 80 + k;
+    }
+    return leg;
 }
 
 /// One arc or two, each 15 s at top speed.
@@ -36,9 +39,8 @@ std::vector<Arc<2>> at_top_speed(int count) {
 
 TEST(SelectionBias, OneWindowLeavesNoChoice) {
     const auto arcs = at_top_speed(1);
-    WindowCluster<2> cluster = windows_of(arcs[0], 1);
-    cluster.chosen = 0;
-    const SelectionBias bias = selection_bias<2>({cluster}, models(), 60.0, 100, 1);
+    const SelectionBias bias =
+        selection_bias<2>(arcs, {windows_of(0, 1, 0)}, models(), 60.0, 100, 1);
     EXPECT_EQ(bias.candidates, 1);
     // What is left is what smoothing itself does to a window at steady speed.
     EXPECT_NEAR(bias.bias_m_s, 0.0, 1e-6);
@@ -49,7 +51,7 @@ TEST(SelectionBias, OneWindowLeavesNoChoice) {
 
 TEST(SelectionBias, IsNotSimulatedWhereNothingHangsOnIt) {  // noise took minutes and a gigabyte
     const auto arcs = at_top_speed(1);
-    const SelectionBias bias = selection_bias<2>({windows_of(arcs[0], 21)}, models(), 60.0, 0, 1);
+    const SelectionBias bias = selection_bias<2>(arcs, {windows_of(0, 21)}, models(), 60.0, 0, 1);
     EXPECT_EQ(bias.candidates, 21);
     EXPECT_EQ(bias.samples, 0);
     EXPECT_EQ(bias.bounded_bias_m_s, 0.0);
@@ -58,15 +60,12 @@ TEST(SelectionBias, IsNotSimulatedWhereNothingHangsOnIt) {  // noise took minute
 
 TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
     const auto arcs = at_top_speed(2);
-    std::vector<WindowCluster<2>> one{windows_of(arcs[0], 21)};
-    one.front().chosen = 10;
-    std::vector<WindowCluster<2>> more{windows_of(arcs[0], 61)};
-    more.front().chosen = 30;
-    std::vector<WindowCluster<2>> two{windows_of(arcs[0], 61), windows_of(arcs[1], 61)};
-    two.front().chosen = 30;
-    const SelectionBias of_21 = selection_bias<2>(one, models(), 60.0, 500, 1);
-    const SelectionBias of_61 = selection_bias<2>(more, models(), 60.0, 500, 1);
-    const SelectionBias of_122 = selection_bias<2>(two, models(), 60.0, 500, 1);
+    const auto bias_of = [&](const std::vector<WindowLeg>& legs) {
+        return selection_bias<2>(arcs, legs, models(), 60.0, 500, 1);
+    };
+    const SelectionBias of_21 = bias_of({windows_of(0, 21, 10)});
+    const SelectionBias of_61 = bias_of({windows_of(0, 61, 30)});
+    const SelectionBias of_122 = bias_of({windows_of(0, 61, 30), windows_of(1, 61)});
     EXPECT_EQ(of_122.candidates, 122);
     // Beyond chance: three standard uncertainties of the difference.
     const auto chance = [](const SelectionBias& a, const SelectionBias& b) {
@@ -79,15 +78,14 @@ TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
 
 TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
     const auto arcs = at_top_speed(1);
-    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
-    clusters.front().chosen = 30;
+    const std::vector<WindowLeg> legs{windows_of(0, 61, 30)};
     SelectionModels none = models();
     none.bound_m = 0.0;
     SelectionModels large = models();
     large.bound_m = 0.1;
-    const SelectionBias of_none = selection_bias<2>(clusters, none, 60.0, 500, 1);
-    const SelectionBias of_20_mm = selection_bias<2>(clusters, models(), 60.0, 500, 1);
-    const SelectionBias of_100_mm = selection_bias<2>(clusters, large, 60.0, 500, 1);
+    const SelectionBias of_none = selection_bias<2>(arcs, legs, none, 60.0, 500, 1);
+    const SelectionBias of_20_mm = selection_bias<2>(arcs, legs, models(), 60.0, 500, 1);
+    const SelectionBias of_100_mm = selection_bias<2>(arcs, legs, large, 60.0, 500, 1);
     EXPECT_NEAR(of_none.bounded_bias_m_s, of_none.fitted_bias_m_s, 0.05 * of_none.fitted_bias_m_s);
     EXPECT_EQ(of_20_mm.fitted_bias_m_s, of_none.fitted_bias_m_s);
     EXPECT_GT(of_20_mm.bounded_bias_m_s, 1.5 * of_20_mm.fitted_bias_m_s);
@@ -95,18 +93,69 @@ TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
     EXPECT_NEAR(of_100_mm.bounded_bias_m_s / of_20_mm.bounded_bias_m_s, 5.0, 1.5);
 }
 
+TEST(WindowLegs, AreOfWindowsThatOverlap) {
+    const auto window = [](std::size_t series, std::size_t first, double speed_m_s) {
+        FoundWindow found;
+        found.series = series;
+        found.first = first;
+        found.last = first + 20;
+        found.start.nanoseconds = static_cast<std::int64_t>(first);
+        found.end.nanoseconds = found.start.nanoseconds + 20;
+        found.speed_m_s = speed_m_s;
+        return found;
+    };
+    const std::vector<FoundWindow> all{window(1, 0, 15.0),  window(0, 0, 15.0),
+                                       window(0, 20, 15.2), window(0, 25, 13.0),
+                                       window(0, 40, 15.0), window(0, 61, 15.0)};
+    const auto legs = legs_of(all, all[2], 14.0);
+    ASSERT_EQ(legs.size(), 3U);
+    EXPECT_EQ(legs[0].windows.size(), 3U);  // the slow one is none
+    EXPECT_EQ(legs[0].chosen, 1U);
+    EXPECT_EQ(legs[1].windows.front().first, 61U);
+    EXPECT_FALSE(legs[1].chosen);
+    EXPECT_EQ(legs[2].series(), 1U);
+    EXPECT_EQ(legs_of(all, all[2], 14.0, 30).size(), 4U);
+}
+
+TEST(ChoiceSimulation, CountsTheErrorOfTheWindowThatIsThenTheFastest) {
+    // The second becomes the fastest, of two speeds north and east.
+    const Rivals rivals{.components = 2,
+                        .velocities_m_s = {0.0, 10.0, 9.5, 0.0},
+                        .allowances_m_s = {0.0, 0.1},
+                        .legs = {0, 1}};
+    const Eigen::Vector4d errors(0.0, 0.2, 1.0, 0.0), none = Eigen::Vector4d::Zero();
+    const SimulatedChoice choice = ChoiceSimulation(rivals)(errors, none);
+    EXPECT_DOUBLE_EQ(choice.error, 1.0);
+    EXPECT_DOUBLE_EQ(choice.calibrated, 1.0 - 0.2);
+    EXPECT_DOUBLE_EQ(choice.best_true, 10.0);
+    // Errors that part them before keep it the slower.
+    const SimulatedChoice parted =
+        ChoiceSimulation(rivals)(errors, Eigen::Vector4d(0.0, 2.0, 0.0, 0.0));
+    EXPECT_DOUBLE_EQ(parted.calibrated, 2.0 * (1.0 - 0.2) - (0.2 - 0.2));
+}
+
+TEST(ChoiceSimulation, DrawsLegsTogetherThatErrorsExplain) {
+    const Rivals rivals{.velocities_m_s = {14.9, 15.0, 15.1},
+                        .allowances_m_s = {0.0, 0.0, 0.0},
+                        .legs = {0, 1, 2},
+                        .chosen = 2};
+    const Eigen::Vector3d errors(0.1, 0.0, 0.0), none = Eigen::Vector3d::Zero();
+    EXPECT_DOUBLE_EQ(ChoiceSimulation(rivals)(errors, none).error, 0.0);
+    EXPECT_NEAR(ChoiceSimulation(rivals, 0.2)(errors, none).error, 0.1, 1e-12);
+    EXPECT_NEAR(ChoiceSimulation(rivals, 0.2)(errors, none).best_true, 15.0, 1e-12);
+}
+
 /// A time-correlated error of 30 mm that forgets within two seconds, and windows to choose from.
 struct SlowErrors {
     std::vector<Arc<2>> arcs = at_top_speed(1);
-    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
+    std::vector<WindowLeg> legs{windows_of(0, 61, 30)};
     SelectionModels models = RUNCERT_FILE::models();
 
     SlowErrors() {
-        clusters.front().chosen = 30;
         models.estimated.error = GaussMarkovError::steady(0.03, 2.0);
         models.bound_m = 0.0;
     }
-    SelectionBias bias() const { return selection_bias<2>(clusters, models, 60.0, 300, 1); }
+    SelectionBias bias() const { return selection_bias<2>(arcs, legs, models, 60.0, 300, 1); }
 };
 
 TEST(SelectionBias, OfTheBoundWithTheFittedTimeAloneIsThatOfTheFit) {
@@ -150,11 +199,10 @@ TEST(SelectionBias, IsOfTheErrorAsLargeAsItIsAlongTheWindows) {
 
 TEST(SelectionBias, IsTheSameForASeed) {
     const auto arcs = at_top_speed(1);
-    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 31)};
-    clusters.front().chosen = 4;
-    const SelectionBias a = selection_bias<2>(clusters, models(), 60.0, 100, 7);
-    const SelectionBias b = selection_bias<2>(clusters, models(), 60.0, 100, 7);
-    const SelectionBias other = selection_bias<2>(clusters, models(), 60.0, 100, 8);
+    const std::vector<WindowLeg> legs{windows_of(0, 31, 4)};
+    const SelectionBias a = selection_bias<2>(arcs, legs, models(), 60.0, 100, 7);
+    const SelectionBias b = selection_bias<2>(arcs, legs, models(), 60.0, 100, 7);
+    const SelectionBias other = selection_bias<2>(arcs, legs, models(), 60.0, 100, 8);
     EXPECT_EQ(a.bias_m_s, b.bias_m_s);
     EXPECT_EQ(a.bias_uncertainty_m_s, b.bias_uncertainty_m_s);
     EXPECT_EQ(a.best_mean_m_s, b.best_mean_m_s);

@@ -33,7 +33,11 @@ struct Circle {
             row.velocity_north_m_s = speed_m_s * std::cos(angle);
             row.sigma_east_m = row.sigma_north_m = sigma_m;
             row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = sigma_m_s;
-            screened.rows.emplace_back().fix = FixType::fixed;
+            ScreenedEpoch& epoch = screened.rows.emplace_back();
+            epoch.fix = FixType::fixed;
+            epoch.usable = true;
+            epoch.time = row.time;
+            epoch.recorded_speed_m_s = speed_m_s;
             arc.rows.push_back(static_cast<std::size_t>(k));
         }
         screened.basis.velocity = VelocityComparison{.delay_s = delay_s, .sigma_delay_s = 0.0};
@@ -43,7 +47,14 @@ struct Circle {
         window.start.nanoseconds = 10'000'000'000;
         window.end.nanoseconds = 40'000'000'000;
     }
-    SpeedEstimate speed() const { return track_speed(screened, trajectory, arc, profile, window); }
+    SpeedEstimate speed() const {
+        const auto compared = compared_speeds(screened, trajectory, {arc}, profile.dimension);
+        const auto first =
+            std::ranges::find(compared, window.start.seconds(), &ComparedSpeed::time_s);
+        return track_speed(
+            screened, trajectory, arc, profile, window,
+            {first, first + static_cast<std::ptrdiff_t>(window.last - window.first + 1)});
+    }
 };
 
 TEST(TrackSpeed, OfATurnIsNotCutShort) {

@@ -185,7 +185,7 @@ TEST(SpreadOfSpans, IsThatOfStraightOnes) {
     // The first half goes round in circles.
     const double half_m = all[all.size() / 2].smoothed_m;
     for (ComparedSpeed& one : all) {
-        one.position_m.x() = std::max(0.0, one.smoothed_m - half_m);
+        one.track.position.x() = std::max(0.0, one.smoothed_m - half_m);
         if (one.smoothed_m < half_m) one.recorded_m += 2.0 * std::sin(one.time_s);
     }
     EXPECT_NEAR(span_spread(all, 10.0)->sd_m_s, 0.0, 1e-9);

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/statistics.h"
+#include "core/uncertainty.h"
 
 namespace runcert::velocities {
 
@@ -195,7 +196,7 @@ CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& all,
 
 Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
                      double limit_s, double interval_s) {
-    const Delay undetermined{.delay_s = std::nullopt, .sigma_s = limit_s};
+    const Delay undetermined{.delay_s = std::nullopt, .sigma_s = rectangular_uncertainty(limit_s)};
     if (limit_s <= 0.0) return undetermined;
     const auto comparisons = accelerating(knots, motion, all, limit_s);
     if (comparisons.size() < least_comparisons) return undetermined;

@@ -62,7 +62,8 @@ double scale_of(double squared_norm, double probability);
 /// The delay d of v_recorded(t) = v(t - d), between minus and plus `limit_s`. It is a Huber
 /// M-estimate (`delay_of`, with Huber's criterion in place of the square). Undetermined where
 /// hardly any epoch accelerates, where the criterion is least at the end of the range, or where the
-/// standard uncertainty exceeds half an interval.
+/// standard uncertainty exceeds half an interval. It may then lie anywhere in the range, and its
+/// standard uncertainty is that.
 Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
                      double limit_s, double interval_s);
 

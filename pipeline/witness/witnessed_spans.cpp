@@ -49,16 +49,6 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
     return differences;
 }
 
-/// For each position, the last index of its stretch.
-std::vector<std::size_t> ends_of_stretches(std::span<const TimedPosition<2>> positions) {
-    std::vector<std::size_t> ends(positions.size());
-    for (std::size_t k = positions.size(); k-- > 0;)
-        ends[k] = k + 1 < positions.size() && positions[k + 1].stretch == positions[k].stretch
-                      ? ends[k + 1]
-                      : k;
-    return ends;
-}
-
 void set_core(std::span<const TimedPosition<2>> positions, const Witness<2>& witness,
               ContradictedSpan& span) {
     const Vector2d along = span.difference_m / span.difference_m.squaredNorm();
@@ -120,11 +110,27 @@ std::optional<DisplacementSpread> displacement_spread(
     return spread;
 }
 
+std::vector<TimeSpan> stretches_of(std::span<const TimedPosition<2>> positions) {
+    std::vector<TimeSpan> stretches(positions.size());
+    for (std::size_t first = 0, end = 0; first < positions.size(); first = end) {
+        while (end < positions.size() && positions[end].stretch == positions[first].stretch)
+            ++end;
+        const TimeSpan one{positions[first].time_s, positions[end - 1].time_s};
+        for (std::size_t k = first; k < end; ++k)
+            stretches[k] = one;
+    }
+    return stretches;
+}
+
+bool holds(const TimeSpan& stretch, double from_s, double to_s, double lag_s) {
+    return from_s + std::min(0.0, lag_s) >= stretch.first_s &&
+           to_s + std::max(0.0, lag_s) <= stretch.last_s;
+}
+
 std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2>> positions,
                                                  const Witness<2>& witness, const SpanTest& test) {
     constexpr double tolerance_s = 1e-6;
-    const double lasting_m = test.lasting_m_s * test.span_s;
-    const std::vector<std::size_t> ends = ends_of_stretches(positions);
+    const std::vector<TimeSpan> stretches = stretches_of(positions);
     std::vector<ContradictedSpan> spans;
     std::size_t to = 0;
     for (std::size_t from = 0; from < positions.size(); ++from) {
@@ -134,7 +140,8 @@ std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2
             ++to;
         if (to == positions.size()) break;
         const TimedPosition<2>& end = positions[to];
-        if (end.stretch != begin.stretch || positions[ends[to]].time_s < end.time_s + test.ahead_s)
+        if (end.stretch != begin.stretch ||
+            !holds(stretches[to], begin.time_s, end.time_s, test.lag_s))
             continue;
         const auto moved = witness.between(begin.time_s, end.time_s);
         if (!moved) continue;
@@ -142,8 +149,7 @@ std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2
         if (way.norm() < test.least_speed_m_s * (end.time_s - begin.time_s)) continue;
         const Vector2d difference = way - moved->displacement_m;
         const Matrix2d covariance =
-            moved->covariance_m2 +
-            (variance_of_span(begin, end, test) + lasting_m * lasting_m) * Matrix2d::Identity();
+            moved->covariance_m2 + variance_of_span(begin, end, test) * Matrix2d::Identity();
         const double statistic = difference.dot(covariance.inverse() * difference);
         if (!(statistic > test.threshold)) continue;
         ContradictedSpan& span = spans.emplace_back();

@@ -52,6 +52,12 @@ struct WitnessedMotionComparison {
 WitnessedMotionComparison compare_motion(std::span<const TimedPosition<2>> positions,
                                          const Witness<2>& witness, double span_s);
 
+/// The time span of each position's stretch.
+std::vector<TimeSpan> stretches_of(std::span<const TimedPosition<2>> positions);
+
+/// Whether a stretch contains a span (s) and the same a lag later (`SpanTest`).
+bool holds(const TimeSpan& stretch, double from_s, double to_s, double lag_s);
+
 /// Parameters of a test of spans.
 struct SpanTest {
     double span_s = 0.0;
@@ -59,10 +65,9 @@ struct SpanTest {
     /// Stated standard deviation (m) at which the spread applies. Where positions state more, the
     /// spread grows in proportion. 0: the stated standard deviations are added to the spread.
     double typical_sigma_m = 0.0;
-    double lasting_m_s = 0.0;  ///< a lasting error too small to be a drift of the positions
-    /// The arc must continue for this long (s) beyond the span, so that the witness is not asked
-    /// about another arc.
-    double ahead_s = 0.0;
+    /// The witness knows the motion by what it recorded this much later (s; negative: earlier). The
+    /// stretch must contain that too, so that it is not asked about another one.
+    double lag_s = 0.0;
     double least_speed_m_s = 0.0;  ///< slower spans are not tested
     double threshold = 0.0;        ///< on chi-squared with two degrees of freedom
 };

@@ -29,23 +29,11 @@ struct VelocityFindings {
 };
 
 /// Checks positions against the recorded velocities as a witness. It estimates the delay of the
-/// velocities. It compares them with the smoothed motion, with the raw displacements, and with the
-/// displacements over spans of 3 and 10 s. It marks the epochs whose positions they contradict
-/// (reason and hypothesis velocity, horizontal, chi-squared with two degrees of freedom). Only
-/// usable rows of an arc are compared and marked, and arcs are never joined. A speed without a
-/// course is taken along the smoothed direction of travel.
-///
-/// An epoch is marked in three cases.
-/// - Its displacements from the previous epoch and to the next one both contradict the recorded
-///   velocities, in opposite directions. Only an outlier does that.
-/// - The smoothed velocity contradicts the recorded one there and at a neighbour in the arc, in the
-///   same direction. Drifting positions do that. A recorded velocity that is off at one epoch, as
-///   real receivers occasionally give, does not, and so contradicts no position. Within ten rows of
-///   an epoch marked for its displacements nothing is marked in this way, because the outlier has
-///   bent the smoothed motion. Smooth again without it, and check again.
-/// - It lies in the part of a span in which the difference of the two displacements arises, and
-///   that difference exceeds the spread of such spans: a slow drift, or a step. Positions before
-///   and after do not belong together, so the arc ends there (ramp).
+/// velocities, and tests displacements and the smoothed motion against them
+/// (`check_displacements`; reason and hypothesis velocity, horizontal). Only usable rows of an arc
+/// are compared and marked, and arcs are never joined. A speed without a course is taken along the
+/// smoothed direction of travel. Within one interval the delay is as uncertain as estimated; over
+/// spans of seconds also by a quarter of it, as a filter's lag varies.
 ///
 /// Rows of a stretch whose delay is beyond `delay_max_s` (`velocity_delays`) are neither compared
 /// nor marked, because their velocities belong to another moment. Where these are more than
@@ -53,9 +41,8 @@ struct VelocityFindings {
 ///
 /// `motion` has one element for each row, smoothed from the usable rows. `delay_s` of the
 /// comparison is empty if the motion does not determine it: hardly any acceleration, an estimate
-/// at the end of the range, or a standard uncertainty over half an interval. The motion is then
-/// compared undelayed, with the change of the recorded velocity within delay_max added to the
-/// standard deviation.
+/// at the end of the range, or a standard uncertainty over half an interval. The velocities are
+/// then taken as undelayed, with the standard uncertainty of a delay anywhere in the range.
 ///
 /// `compared` counts the comparisons with the smoothed motion, and `scale_m_s` is the scale of
 /// their differences. No comparison is returned where fewer than 30 rows have a recorded velocity.

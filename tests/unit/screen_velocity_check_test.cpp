@@ -254,6 +254,16 @@ TEST(VelocityCheck, AWrongPositionIsMarkedAndOnlyIt) {
     }
 }
 
+// Neighbours that err alike raise the spread about one another, but not without limit.
+TEST(VelocityCheck, WrongPositionsNearOneAnotherAreMarked) {
+    Recording recording = record({}, 600, 0.1, 0.12, 3);
+    for (const std::size_t k : {300U, 304U, 308U})
+        *recording.rows[k].east_m += 0.6;
+    smooth_positions(recording);
+    check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_EQ(marked(recording), (std::vector<std::int64_t>{301, 305, 309}));
+}
+
 // 0.6 m/s on both sides is ten standard deviations of a displacement over 0.25 s, but less than
 // what a delay of 0.3 s makes while the craft accelerates.
 TEST(VelocityCheck, DisplacementsHeedTheDelay) {
@@ -267,7 +277,7 @@ TEST(VelocityCheck, DisplacementsHeedTheDelay) {
     EXPECT_EQ(marked(recording), std::vector<std::int64_t>{301});
 }
 
-// Positions that drift at 1 m/s for a while: no displacement says so, the smoothed velocity does,
+// Positions that drift at 1 m/s for a while: no displacement says so, the smoothed motion does,
 // also where the drift is as long as the window that a local scale comes from.
 TEST(VelocityCheck, ADriftIsMarked) {
     struct Case {
@@ -295,7 +305,7 @@ TEST(VelocityCheck, ADriftIsMarked) {
     }
 }
 
-// Too slow for the smoothed velocity to tell: the displacement over three seconds does.
+// Too slow for the smoothed motion to tell: the displacement over three seconds does.
 TEST(VelocityCheck, ASlowDriftIsMarkedByItsDisplacement) {
     for (const double rate_m_s : {0.1, 0.3}) {
         Recording recording = record({.steady_m_s = 20.0, .sway_m_s = 0.0}, 1200, 0.1, 0.0, 4);

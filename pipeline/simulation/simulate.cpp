@@ -93,10 +93,6 @@ Eigen::Vector3d displacement_by(const Faults& faults, const SimulatedEpoch& epoc
     return sum_m;
 }
 
-Eigen::Vector3d vector_of(const LeverArm& arm) {
-    return {arm[0], arm[1], arm[2]};
-}
-
 /// The craft's motion with an IMU that has no errors.
 InertialRunSpec craft_run(const SimulationSpec& spec) {
     const SimulatedCraft& craft = spec.craft.value();

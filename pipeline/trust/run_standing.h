@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "reports/words/outcome.h"
 #include "schemas/common/role_signatures.h"
+#include "schemas/verdict/outcome.h"
 #include "trust/attestation.h"
 #include "trust/verification.h"
 

@@ -12,10 +12,10 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
-#include "reports/words/outcome.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
+#include "schemas/verdict/figures.h"
+#include "schemas/verdict/outcome.h"
 #include "store/atomic_file.h"
 #include "store/utc_second.h"
 #include "trust/roster.h"

@@ -13,10 +13,6 @@ namespace {
 constexpr double standard_gravity_m_s2 = 9.80665;
 constexpr double seconds_per_hour = 3600.0;
 
-Eigen::Vector3d vector_of(const LeverArm& arm) {
-    return {arm[0], arm[1], arm[2]};
-}
-
 ImuNoise noise_of(const ImuErrors& errors) {
     const double deg_h = radians_per_degree / seconds_per_hour;
     const double root_hour = std::sqrt(seconds_per_hour);
@@ -189,8 +185,8 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
 double arm_shown_sigma_m(const EstimatedArm& arm) {
     double sigma_m = 0.0;
     for (std::size_t k = 0; k < arm.declared.size(); ++k)
-        sigma_m = std::max(
-            {sigma_m, (*arm.sigma)[k], std::abs((*arm.estimated)[k] - arm.declared[k])});
+        sigma_m =
+            std::max({sigma_m, (*arm.sigma)[k], std::abs((*arm.estimated)[k] - arm.declared[k])});
     return sigma_m;
 }
 

@@ -9,9 +9,9 @@
 
 #include "core/prose.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
 #include "schemas/document/document.h"
 #include "schemas/screened/screened.h"
+#include "schemas/verdict/figures.h"
 
 // The audit of screening: its parts, which `screening_blocks` puts together, and their words.
 

@@ -10,7 +10,7 @@
 #include "reports/audit/sections.h"
 #include "reports/run_speeds/run_speeds.h"
 #include "reports/words/decision.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {
@@ -134,17 +134,16 @@ std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& v
 /// What the IMU and the positions say together.
 /// Where the craft stood, and what its positions moved there.
 Block stand_table(const std::vector<Stand>& stands) {
-    Block table_of_stands = table({">From, s", ">To, s", "Shown by", ">Moved in 3 s, mm",
-                                   ">By what is stated, mm"},
-                                  "Where the craft stood");
+    Block table_of_stands =
+        table({">From, s", ">To, s", "Shown by", ">Moved in 3 s, mm", ">By what is stated, mm"},
+              "Where the craft stood");
     const auto millimetres = [](const std::optional<double>& length_m) {
         return length_m ? format_fixed(1e3 * *length_m, 1) : std::string();
     };
     for (const Stand& stand : stands)
-        add_row(table_of_stands,
-                {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
-                 std::string(words_of(stand.shown_by)), millimetres(stand.moved_m),
-                 millimetres(stand.stated_m)});
+        add_row(table_of_stands, {format_fixed(stand.from_s, 1), format_fixed(stand.to_s, 1),
+                                  std::string(words_of(stand.shown_by)), millimetres(stand.moved_m),
+                                  millimetres(stand.stated_m)});
     return table_of_stands;
 }
 

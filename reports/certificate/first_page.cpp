@@ -10,8 +10,8 @@
 #include "reports/certificate/certificate_document.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
-#include "reports/words/outcome.h"
 #include "reports/words/recording.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 

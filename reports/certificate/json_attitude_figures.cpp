@@ -127,16 +127,12 @@ Json two_points(const AroundWindow& around, const TrajectoryTable& trajectory,
     return with_window(std::move(figure), around, speeds, *rule.verdict.window);
 }
 
-Eigen::Vector3d vector_of_arm(const LeverArm& arm) {
-    return {arm[0], arm[1], arm[2]};
-}
-
 /// The craft at one instant, drawn in a vertical plane.
 class CraftDrawing {
   public:
     CraftDrawing(const AttitudeTable& table, Json& figure) : figure_(figure) {
-        const Eigen::Vector3d reference = vector_of_arm(table.reference_point.value_or(LeverArm{}));
-        mast_ = vector_of_arm(table.antenna.used) - reference;
+        const Eigen::Vector3d reference = vector_of(table.reference_point.value_or(LeverArm{}));
+        mast_ = vector_of(table.antenna.used) - reference;
     }
 
     double size_m() const { return std::max(mast_.norm(), 1.0); }

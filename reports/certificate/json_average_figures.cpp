@@ -6,7 +6,7 @@
 
 #include "reports/certificate/json_figures.h"
 #include "reports/run_speeds/run_speeds.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

@@ -4,7 +4,7 @@
 #include "reports/certificate/json_parts.h"
 #include "reports/results/results.h"
 #include "reports/words/attempt.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/claimed_text.h"
 #include "core/text.h"
 #include "reports/certificate/certificate_document.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 

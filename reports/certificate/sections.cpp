@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "reports/certificate/certificate_document.h"
-#include "reports/words/outcome.h"
 #include "reports/words/recording.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 

@@ -4,7 +4,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/compare/compare.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

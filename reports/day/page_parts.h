@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "reports/day/day.h"
-#include "reports/words/outcome.h"
 #include "schemas/document/document.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 

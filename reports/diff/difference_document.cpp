@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "reports/diff/day_difference.h"
 #include "reports/diff/run_difference.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

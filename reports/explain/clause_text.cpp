@@ -6,7 +6,7 @@
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {

@@ -10,9 +10,9 @@
 #include "core/text.h"
 #include "reports/explain/parts.h"
 #include "reports/words/decision.h"
-#include "reports/words/outcome.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {

@@ -8,8 +8,8 @@
 #include "core/claimed_text.h"
 #include "core/text.h"
 #include "reports/export/track.h"
-#include "reports/words/figures.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/figures.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {

@@ -6,19 +6,6 @@
 #include "reports/results/results.h"
 
 namespace runcert {
-namespace {
-
-std::string arm_text(const LeverArm& arm, const LeverArm* sigma) {
-    const auto component = [&](std::size_t k) {
-        return format_fixed(arm[k], 2) +
-               (sigma ? fmt::format(" ± {}", format_fixed(2.0 * (*sigma)[k], 2)) : std::string());
-    };
-    return fmt::format("forward {}, right {}, down {} m{}", component(0), component(1),
-                       component(2), sigma ? " (k = 2)" : "");
-}
-
-}  // namespace
-
 std::vector<Block> attitude_facts(const AttitudeTable& attitude) {
     const InertialConsistency& found = attitude.consistency;
     const bool agree = found.standing == InertialStanding::consistent;
@@ -39,11 +26,10 @@ std::vector<Block> attitude_facts(const AttitudeTable& attitude) {
                          format_fixed(attitude.time_offset.declared_s, 4)));
     const EstimatedArm& arm = attitude.antenna;
     add_fact(list, "From the IMU to the antenna",
-             arm_text(arm.declared, nullptr) +
-                 (arm.used == arm.declared ? "" : ", stated and not used"));
+             arm_text(arm.declared) + (arm.used == arm.declared ? "" : ", stated and not used"));
     if (arm.estimated && arm.sigma)
         add_fact(list, "The same as the motion shows it",
-                 arm_text(*arm.estimated, &*arm.sigma) +
+                 arm_text(*arm.estimated, arm.sigma) +
                      (arm.used == arm.declared ? "" : "; the solution rests on it"));
     add_fact(list, "Stretches that only the IMU bridges", counted(std::ssize(attitude.bridged)));
     std::vector<Block> blocks{std::move(list)};

@@ -7,7 +7,7 @@
 #include "reports/results/results.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "reports/words/figures.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/attitude/declared.h"
 #include "schemas/document/document.h"
@@ -14,6 +13,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
+#include "schemas/verdict/figures.h"
 #include "schemas/windows/windows.h"
 
 // What the stages found, as blocks.
@@ -101,7 +101,8 @@ Block frame_facts(const std::optional<FrameOrigin>& origin);
 std::vector<Block> screening_results(const ScreenedTable& screened, std::size_t faults_shown = 3);
 /// The estimate, and the noise that it rests on.
 std::vector<Block> estimation_blocks(const EstimationSummary& estimation);
-/// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and axes.
+/// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and
+/// axes.
 std::vector<Block> attitude_facts(const AttitudeTable& attitude);
 
 /// Counts hold every fault of the time stamps, the table a thousand of them at most.

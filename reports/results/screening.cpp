@@ -10,6 +10,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
+#include "schemas/screened/witness_text.h"
 
 namespace runcert {
 namespace {

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "reports/results/results.h"
 #include "reports/words/screening.h"
+#include "schemas/windows/undetected_error.h"
 
 namespace runcert {
 namespace {

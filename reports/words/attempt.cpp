@@ -3,16 +3,11 @@
 #include <fmt/format.h>
 
 #include "core/claimed_text.h"
+#include "core/figures.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
-
-bool begins_after(const std::string& day, GpsTime instant) {
-    // Where the date changes first, local time is 14 hours ahead.
-    constexpr double ahead_s = 14.0 * 3600.0;
-    return parse_gps_iso(day + "T00:00:00").seconds_since(instant) > ahead_s;
-}
 
 std::string agreement_text(const std::optional<DecisionRuleAgreement>& agreed,
                            const std::optional<WindowSpan>& window) {

@@ -12,9 +12,6 @@
 
 namespace runcert {
 
-/// Whether a day, "2026-03-14", begins after an instant wherever on the Earth it is.
-bool begins_after(const std::string& day, GpsTime instant);
-
 /// "The decision rule was agreed on 2026-03-01 by the board and the team."; where that day is after
 /// the window, that it is; without an agreement, that none is stated.
 std::string agreement_text(const std::optional<DecisionRuleAgreement>& agreed,

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "reports/words/figures.h"
 #include "schemas/profile/profile.h"
+#include "schemas/verdict/figures.h"
 
 // The decision rule, and what it leaves to chance, in the words of ISO/IEC 17025 and [JCGM106].
 

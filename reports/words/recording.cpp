@@ -8,7 +8,7 @@
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {
@@ -27,14 +27,6 @@ std::string motion_sentence(const MotionComparison& motion) {
 }
 
 }  // namespace
-
-std::string processing_text(const Processing& processing) {
-    std::string text = "solved";
-    if (!processing.program.empty()) text += " by " + processing.program;
-    if (!processing.files.empty())
-        text += fmt::format(" from {}", fmt::join(processing.files, ", "));
-    return text + ", as the recording's header says";
-}
 
 std::string noise_status_text(const NoiseSummary& noise) {
     if (noise.status == NoiseBasis::fitted)

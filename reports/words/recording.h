@@ -13,9 +13,6 @@
 
 namespace runcert {
 
-/// "solved by RTKLIB ver.2.4.3 from rover.obs, as the recording's header says", as far as it does.
-std::string processing_text(const Processing& processing);
-
 /// What screening found of a receiver's carrier phases, a sentence each: slips, pairs of epochs
 /// that could not be judged, jumps of the clock, the motion beside that of the positions.
 std::vector<std::string> phase_sentences(const ScreenedPhaseTable& phases);

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <vector>
 
+#include "core/figures.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/screened/witness_text.h"
 
 namespace runcert {
 namespace {
@@ -47,32 +48,6 @@ std::string fix_type_errors_text(const FixTypeErrors& errors) {
         "{}: errors from epoch to epoch {} times the stated standard deviation ({}; {})",
         adverb(errors.axes), significant_text(std::sqrt(errors.variance_factor), 2),
         counted(errors.epochs, "epoch"), words_of(errors.judgement));
-}
-
-std::string delay_words(double delay_s) {
-    return fmt::format("{:.3g} s {}", std::abs(delay_s), delay_s < 0.0 ? "ahead of" : "behind");
-}
-
-std::string other_moments_text(const VelocityComparison& velocity) {
-    constexpr std::size_t named = 3;
-    std::vector<std::string> stretches;
-    std::size_t beyond = 0;
-    for (const VelocityDelay& one : velocity.delays) {
-        if (!one.beyond || ++beyond > named) continue;
-        stretches.push_back(fmt::format(
-            "over epochs {} to {} they are {} the positions (the speeds differ by {} m/s, at that "
-            "delay by {} m/s)",
-            one.first_epoch, one.last_epoch, delay_words(one.delay_s),
-            format_fixed(one.difference_within_m_s, 2), format_fixed(one.difference_m_s, 2)));
-    }
-    if (beyond > named) stretches.push_back(fmt::format("so over {} more", beyond - named));
-    return fmt::format("{}", fmt::join(stretches, ", "));
-}
-
-std::string unfit_text(const VelocityComparison& velocity) {
-    if (!velocity.unfit) return {};
-    return fmt::format("they contradict the positions at {:.3g} % of the epochs",
-                       100.0 * velocity.contradicted_share);
 }
 
 std::string velocity_comparison_text(const VelocityComparison& velocity) {
@@ -127,19 +102,6 @@ std::string baseline_comparison_text(const BaselineComparison& baseline) {
         counted(baseline.compared, "epoch"), counted(baseline.rejected));
 }
 
-std::string displacement_comparison_text(const DisplacementComparison& comparison) {
-    const std::string name =
-        comparison.receiver.empty()
-            ? capitalised(words_of(comparison.kind))
-            : fmt::format("Displacements by receiver “{}”", comparison.receiver);
-    if (comparison.spreads.empty())
-        return name + ": too few spans have both to compare the displacements";
-    const VelocitySpread& spread = comparison.spreads.front();
-    return fmt::format("{}: over {:g} s they differ by {} m per axis ({}) and contradict {}", name,
-                       spread.span_s, format_fixed(spread.sd_m, 3), counted(spread.spans, "span"),
-                       counted(comparison.rejected, "epoch"));
-}
-
 std::string surface_text(const SurfaceComparison& surface) {
     return fmt::format(
         "{} compared, {} beside it; median {}{} m{}, scatter {} m; {} contradicted; "
@@ -148,66 +110,6 @@ std::string surface_text(const SurfaceComparison& surface) {
         format_fixed(surface.offset_m, 3), surface.offset_removed ? " (a datum's, taken off)" : "",
         format_fixed(surface.scatter_m, 3), counted(surface.rejected),
         format_fixed(surface.detectable_m, 2));
-}
-
-std::string tested_error_text(Hypothesis hypothesis) {
-    switch (hypothesis) {
-        case Hypothesis::outlier:
-            return "outlier of one epoch";
-        case Hypothesis::burst:
-            return "outlier of several epochs";
-        case Hypothesis::step:
-            return "step of the positions";
-        case Hypothesis::ramp:
-            return "drift of the positions";
-        default:
-            return std::string(words_of(hypothesis));
-    }
-}
-
-std::string where_text(const UndetectedError& error) {
-    if (error.epoch != error.last_epoch)
-        return fmt::format("at epochs {} to {}", error.epoch, error.last_epoch);
-    switch (error.hypothesis) {
-        case Hypothesis::outlier:
-        case Hypothesis::burst:
-            return fmt::format("at epoch {}", error.epoch);
-        case Hypothesis::ramp:
-            return fmt::format("from epoch {} on", error.epoch);
-        default:
-            return fmt::format("before epoch {}", error.epoch);
-    }
-}
-
-std::string size_text(const UndetectedError& error) {
-    return fmt::format("{} {}", significant_text(error.size, 2),
-                       error.unit == "m / s" ? "m/s" : error.unit);
-}
-
-bool is_harmless(const UndetectedError& error) {
-    return !(error.speed_m_s > 0.0);
-}
-
-bool is_unlimited(const UndetectedError& error) {
-    constexpr double without_limit = 1e6;  // stands in the file for one without limit
-    return error.size >= without_limit || error.speed_m_s >= without_limit;
-}
-
-std::string undetected_error_text(const UndetectedError& error, double power,
-                                  const SpeedUnit& unit) {
-    const std::string kind = tested_error_text(error.hypothesis);
-    if (is_harmless(error))
-        return fmt::format("no undetected {} could have changed the speed", kind);
-    if (is_unlimited(error))
-        return fmt::format(
-            "an undetected {} ({}) could have any size: what it could have done to the speed has "
-            "no limit",
-            kind, where_text(error));
-    return fmt::format(
-        "an undetected {} of {} ({}) could have changed the speed by at most {} {}; a larger one "
-        "is found with a probability of more than {:g}",
-        kind, size_text(error), where_text(error),
-        significant_text(error.speed_m_s * unit.per_m_s, 3), unit.name, power);
 }
 
 }  // namespace runcert

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/rounding.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -44,6 +45,23 @@ Struct struct_of_keys(const YamlValue& map, const Keys& keys) {
 }
 
 }  // namespace
+
+Eigen::Vector3d vector_of(const LeverArm& arm) {
+    return Eigen::Vector3d(arm.data());
+}
+
+LeverArm lever_arm_of(const Eigen::Vector3d& components_m) {
+    return {components_m.x(), components_m.y(), components_m.z()};
+}
+
+std::string arm_text(const LeverArm& arm, const std::optional<LeverArm>& sigma) {
+    const auto component = [&](std::size_t k) {
+        return format_fixed(arm[k], 2) +
+               (sigma ? " ± " + format_fixed(2.0 * (*sigma)[k], 2) : std::string());
+    };
+    return fmt::format("forward {}, right {}, down {} m{}", component(0), component(1),
+                       component(2), sigma ? " (k = 2)" : "");
+}
 
 template <>
 nlohmann::ordered_json members_json(const LeverArm& arm) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <optional>
 #include <string>
@@ -16,6 +17,11 @@ template <>
 nlohmann::ordered_json members_json(const LeverArm& arm);
 template <>
 LeverArm read_members(const YamlValue& map);
+Eigen::Vector3d vector_of(const LeverArm& arm);
+LeverArm lever_arm_of(const Eigen::Vector3d& components_m);
+/// "forward 0.10, right 0.00, down -1.20 m"; with standard uncertainties as "0.10 ± 0.02" and
+/// "(k = 2)".
+std::string arm_text(const LeverArm& arm, const std::optional<LeverArm>& sigma = std::nullopt);
 
 /// Attitude of a box in the craft (deg): right side down, nose up, clockwise from the craft's
 /// forward axis seen from above.

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/decimal.h"
+#include "core/figures.h"
 #include "core/rounding.h"
 
 namespace runcert {
@@ -20,7 +21,24 @@ ElapsedTime read_elapsed(const YamlValue& value) {
     return {std::llround(seconds * 1e9)};
 }
 
+std::string after_first_epoch(ElapsedTime time) {
+    return format_fixed(time.seconds(), 1) + " s after the first epoch";
+}
+
 }  // namespace
+
+std::string seconds_text(ElapsedTime time) {
+    return format_fixed(time.seconds(), 3) + " s";
+}
+
+std::string instant_text(const std::optional<GpsTime>& first_epoch, ElapsedTime time) {
+    return first_epoch ? time_of_day_text(first_epoch->plus_nanoseconds(time.nanoseconds))
+                       : after_first_epoch(time);
+}
+
+std::string beginning_text(const WindowSpan& span) {
+    return span.start_gps ? time_of_day_text(*span.start_gps) : after_first_epoch(span.start);
+}
 
 template <>
 nlohmann::ordered_json members_json(const WindowSpan& span) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/gps_time.h"
 #include "schemas/common/codec.h"
@@ -16,6 +17,15 @@ struct WindowSpan {
     ElapsedTime duration;
     std::optional<GpsTime> start_gps;  ///< empty where the recording's time is relative
 };
+
+/// "20.100 s": three decimals.
+std::string seconds_text(ElapsedTime time);
+
+/// An instant of a recording by time of day, where it is known when it began: "at 14:03:22.1 UTC",
+/// "53.8 s after the first epoch".
+std::string instant_text(const std::optional<GpsTime>& first_epoch, ElapsedTime time);
+/// When a window begins, in the same words.
+std::string beginning_text(const WindowSpan& span);
 
 template <>
 nlohmann::ordered_json members_json(const WindowSpan& span);

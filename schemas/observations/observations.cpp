@@ -1,3 +1,6 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
@@ -22,5 +25,13 @@ Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accura
 template Eigen::Matrix<double, 1, 1> stated_covariance<1>(const StatedAccuracy&);
 template Eigen::Matrix2d stated_covariance<2>(const StatedAccuracy&);
 template Eigen::Matrix3d stated_covariance<3>(const StatedAccuracy&);
+
+std::string processing_text(const Processing& processing) {
+    std::string text = "solved";
+    if (!processing.program.empty()) text += " by " + processing.program;
+    if (!processing.files.empty())
+        text += fmt::format(" from {}", fmt::join(processing.files, ", "));
+    return text + ", as the recording's header says";
+}
 
 }  // namespace runcert

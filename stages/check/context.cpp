@@ -7,7 +7,7 @@
 #include "core/rounding.h"
 #include "core/speed_unit.h"
 #include "core/uncertainty.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 #include "witness/evidence.h"
 

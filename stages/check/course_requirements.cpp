@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 namespace runcert {

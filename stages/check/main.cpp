@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include "core/parallel.h"
-#include "reports/words/figures.h"
-#include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/handed_in_series.h"
 #include "run/stage_main.h"
+#include "schemas/verdict/figures.h"
+#include "schemas/verdict/outcome.h"
 #include "stages/check/check.h"
 #include "witness/surface_input.h"
 

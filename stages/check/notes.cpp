@@ -11,7 +11,7 @@
 #include "core/rounding.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 #include "witness/roster.h"
 

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/figures.h"
 #include "core/gps_time.h"
-#include "reports/words/attempt.h"
-#include "reports/words/recording.h"
 #include "stages/check/course.h"
 #include "stages/check/requirements.h"
 #include "witness/going_on.h"

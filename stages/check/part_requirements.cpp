@@ -5,7 +5,7 @@
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 namespace runcert {

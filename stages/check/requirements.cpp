@@ -7,7 +7,7 @@
 
 #include "core/claimed_text.h"
 #include "core/failure.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {
@@ -115,6 +115,7 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
 
 Finding against_limit(const Compared& figure, const Clause& clause) {
     const bool at_most = limit_of(clause.decided_by).at_most;
+    const LimitRelation relation = at_most ? LimitRelation::at_most : LimitRelation::at_least;
     const double limit = clause.limit.value();
     const double reach = figure.expanded_uncertainty.value_or(0.0);
     const double sign = at_most ? 1.0 : -1.0;
@@ -125,8 +126,8 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
                                                            : RequirementStatus::attest;
     std::string evidence = fmt::format(
         "{} {}, {} {}{}", figure.name,
-        quantity_text(figure.value, figure.expanded_uncertainty, clause.unit),
-        at_most ? "at most" : "at least", quantity_text(limit, std::nullopt, clause.unit),
+        quantity_text(figure.value, figure.expanded_uncertainty, clause.unit), words_of(relation),
+        quantity_text(limit, std::nullopt, clause.unit),
         status == RequirementStatus::attest
             ? ": the limit lies within the uncertainty, not decidable from the recording"
             : "");
@@ -137,6 +138,8 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
               .value = figure.value,
               .unit = clause.unit,
               .expanded_uncertainty = figure.expanded_uncertainty,
+              .relation = relation,
+              .limit = limit,
               .note = figure.note}}};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "reports/words/figures.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"

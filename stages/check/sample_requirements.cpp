@@ -7,7 +7,7 @@
 
 #include "core/speed_unit.h"
 #include "core/statistics.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 // What a rule asks of every sample of its windows, and of the device that recorded them.

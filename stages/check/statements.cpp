@@ -5,7 +5,7 @@
 
 #include "core/prose.h"
 #include "core/statistics.h"
-#include "reports/words/screening.h"
+#include "schemas/screened/witness_text.h"
 #include "stages/check/notes.h"
 
 namespace runcert {

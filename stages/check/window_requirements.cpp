@@ -7,7 +7,7 @@
 #include "core/prose.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 namespace runcert {
@@ -233,7 +233,11 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
              {.name = "speed of the other",
               .value = context.windows.further.front().speed_m_s,
               .unit = "m/s"},
-             {.name = "time that holds both", .value = to_s - from_s, .unit = "s"}}};
+             {.name = "time that holds both",
+              .value = to_s - from_s,
+              .unit = "s",
+              .relation = LimitRelation::at_most,
+              .limit = *context.profile.opposite_runs_within_s}}};
 }
 
 Finding computation::accuracy(const Clause&, const ClauseContext& context) {
@@ -256,6 +260,10 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
             shown = uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s);
         return fmt::format("{} {}", shown, unit.name);
     };
+    Figure uncertainty =
+        speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u));
+    uncertainty.relation = LimitRelation::at_most;
+    uncertainty.limit = *context.profile.accuracy_limit_m_s * unit.per_m_s;
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format(
                 "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
@@ -268,9 +276,7 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
                     ? "it rests on what the recording shows and states of its velocities' errors"
                     : "it includes the bound on time-correlated errors and, as mean square, an "
                       "error of any kind that nothing found"),
-            {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
-             speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
-                          limit)}};
+            {std::move(uncertainty)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {

@@ -9,8 +9,8 @@
 #include "core/speed_unit.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
-#include "reports/words/figures.h"
-#include "reports/words/screening.h"
+#include "schemas/screened/witness_text.h"
+#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 namespace runcert {
@@ -58,6 +58,13 @@ std::string_view silence_of_receiver(const CheckInput& input) {
     return "has no estimate over the whole of that time without a break or a step";
 }
 
+Figure normalised_error(const std::string& of, double value) {
+    return {.name = "normalised error " + of,
+            .value = value,
+            .relation = LimitRelation::at_most,
+            .limit = 1.0};
+}
+
 /// Decides by the normalised error. Agreement meets the clause only where it could have failed.
 RequirementStatus status_of(double normalised_error, bool could_fail) {
     if (normalised_error > 1.0) return RequirementStatus::not_met;
@@ -92,7 +99,7 @@ Finding by_receiver(const ClauseContext& context) {
             "station, satellites, atmosphere, frame and time scale{}",
             receiver, shown.other, context.windows.best->span.duration.seconds(), shown.difference,
             shown.judged, one->normalised_error, doubt(expanded_m_s, context)),
-        {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
+        {normalised_error("of receiver " + receiver, one->normalised_error)}};
 }
 
 ComparedSpeeds declared_speeds(const ClauseContext& context) {
@@ -124,7 +131,7 @@ Finding by_declaration(const ClauseContext& context) {
         fmt::format("{} gives {}, {} against {}; normalised error {:.2f}, at most 1{}",
                     agreement.method, shown.other, shown.difference, judged_text(shown, context),
                     agreement.normalised_error, doubt(expanded_m_s, context)),
-        {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
+        {normalised_error("of the second method", agreement.normalised_error)}};
 }
 
 /// The finding of witnesses of the same receiver, which meet the clause where it accepts them.
@@ -132,9 +139,8 @@ Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
     Finding finding{RequirementStatus::attest, {}};
     if (context.windows.best)
         for (const WitnessedSpeed& one : context.windows.best->witnesses) {
-            finding.figures.push_back(
-                {.name = fmt::format("normalised error of the {}", words_of(one.kind)),
-                 .value = one.normalised_error});
+            finding.figures.push_back(normalised_error(fmt::format("of the {}", words_of(one.kind)),
+                                                       one.normalised_error));
             finding.evidence += fmt::format("{}{}", finding.evidence.empty() ? "" : "; ",
                                             witness_text(one, context));
             finding.evidence += doubt(2.0 * one.standard_uncertainty_m_s, context);
@@ -262,7 +268,7 @@ Finding computation::recorded_speeds(const Clause&, const ClauseContext& context
     const auto one = least_agreeing(context.windows);
     if (!one) return {RequirementStatus::attest, "the positions say nothing of the window"};
     const std::vector<Figure> figures{
-        {.name = "normalised error of the positions' speed", .value = one->normalised_error}};
+        normalised_error("of the positions' speed", one->normalised_error)};
     std::string evidence = witness_text(*one, context);
     if (one->normalised_error > 1.0)
         return {RequirementStatus::not_met,

@@ -32,18 +32,8 @@ std::span<const PositionFix> fast_part(const InertialInput& input,
     const auto middle = static_cast<std::size_t>(at - all.begin());
     const std::size_t first = std::min(middle - std::min(middle, enough / 2), all.size() - enough);
     const auto part = all.subspan(first, enough);
-    const bool is_reached =
-        positions_within(input.samples, part, input.setup) >= least_positions;
+    const bool is_reached = positions_within(input.samples, part, input.setup) >= least_positions;
     return is_reached ? part : all;
-}
-
-LeverArm lever_arm_of(const Eigen::Vector3d& m) {
-    return {m.x(), m.y(), m.z()};
-}
-
-std::string arm_text(const Eigen::Vector3d& m) {
-    return fmt::format("forward {}, right {}, down {} m", format_fixed(m.x(), 2),
-                       format_fixed(m.y(), 2), format_fixed(m.z(), 2));
 }
 
 }  // namespace
@@ -71,8 +61,7 @@ std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& inp
 
     const Eigen::Vector3d stated = input.setup.antenna_m;
     const Eigen::Array3d combined =
-        (sigma.array().square() + input.setup.antenna_sigma_m * input.setup.antenna_sigma_m)
-            .sqrt();
+        (sigma.array().square() + input.setup.antenna_sigma_m * input.setup.antenna_sigma_m).sqrt();
     if (((shown - stated).array().abs() <= beyond_chance * combined).all()) return std::nullopt;
     if ((shown - stated).cwiseAbs().maxCoeff() > most_m) return std::nullopt;
     InertialSetup second = input.setup;
@@ -86,7 +75,8 @@ std::optional<InertialSolution> solution_with_arm_shown(const InertialInput& inp
         "The motion shows the antenna elsewhere than stated. From the IMU it is {} ({} stated), "
         "with standard uncertainties {}. The attitude rests on what the motion shows, and the "
         "difference is part of the uncertainty. Measure the distances on the craft again.",
-        arm_text(shown), arm_text(stated), arm_text(sigma)));
+        arm_text(lever_arm_of(shown)), arm_text(lever_arm_of(stated)),
+        arm_text(lever_arm_of(sigma))));
     return solution;
 }
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/figures.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
 #include "stages/smooth/antenna_heading.h"
 #include "stages/smooth/arm_estimate.h"
 #include "stages/smooth/mount_judgement.h"
@@ -249,8 +249,7 @@ AttitudeTable attitude_table(const ImuTable& imu, const ScreenedTable& screened,
                                     "samples, {} are needed.",
                                     within, least_positions));
     InertialSolution solution = smooth_inertial(input.samples, input.fixes, input.setup);
-    if (auto again =
-            solution_with_arm_shown(input, solution, attitude.antenna, attitude.notes))
+    if (auto again = solution_with_arm_shown(input, solution, attitude.antenna, attitude.notes))
         solution = *std::move(again);
     attitude.consistency = consistency_of(solution);
     set_estimates(solution, surface, attitude);

@@ -8,7 +8,6 @@
 
 #include "core/angle.h"
 #include "core/geodesy.h"
-#include "reports/words/screening.h"
 #include "stages/window/reliability.h"
 #include "witness/antenna_swing.h"
 #include "witness/going_on.h"

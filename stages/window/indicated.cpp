@@ -4,9 +4,9 @@
 #include <cmath>
 #include <map>
 
-#include "reports/words/figures.h"
-#include "reports/words/screening.h"
+#include "core/figures.h"
 #include "schemas/observations/stated_covariance.h"
+#include "schemas/screened/witness_text.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/window.h"

@@ -14,9 +14,9 @@
 #include <utility>
 
 #include "core/failure.h"
+#include "core/figures.h"
 #include "core/parallel.h"
 #include "core/speed_unit.h"
-#include "reports/words/figures.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
 #include "stages/window/contradictions.h"
@@ -909,7 +909,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
         std::ranges::count(attempt.overrides, "window.fault_probability") > 0;
     config.gap_max_s = attempt.parameters.screen.gap_max_s;
     config.gap_factor = attempt.parameters.screen.gap_factor;
-    if (receiver.lever_arm) config.lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
+    if (receiver.lever_arm) config.lever_arm = vector_of(*receiver.lever_arm);
     config.rotation_bound_deg = receiver.rotation_bound_deg;
     config.antenna_motion = receiver.antenna_motion;
     config.part = {.ground_height_m = attempt.ground_height_m, .part = attempt.part};

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "chain_support.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 // A figure is decided once: whatever a person reads of a run, on its page, in its explanation and
 // on the terminal, the speeds that decide stand there in one rounding. It is read as rendered, and

@@ -6,7 +6,7 @@
 #include "approved.h"
 #include "chain_support.h"
 #include "core/text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 // What people read of a run, whole: certify, audit, explain, the report's page and that of a day.
 // The texts are those of tests/approved; figures may differ by the last digit shown, as another

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "check_rules_support.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 // A second method whose result the attempt states, against the speed that is judged.
 

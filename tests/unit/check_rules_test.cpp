@@ -5,7 +5,7 @@
 
 #include "check_rules_support.h"
 #include "core/uncertainty.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 // Every computation that a clause may name, on both sides of its limit and where data are missing.
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "reports/day/day.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert::day {
 

@@ -6,7 +6,7 @@
 #include "core/failure.h"
 #include "reports/diff/day_difference.h"
 #include "reports/document/document_text.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 #include "store/process.h"
 
 // What is said of two days' results: each change by hand, at its limit and beyond.

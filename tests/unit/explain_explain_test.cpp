@@ -13,7 +13,7 @@
 #include "core/text.h"
 #include "reports/document/document_text.h"
 #include "reports/explain/parts.h"
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "core/failure.h"
 #include "core/prose.h"
-#include "reports/words/figures.h"
 #include "reports/words/recording.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "core/text.h"
 #include "reports/words/decision.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 // The one table by which speeds are rounded for people: a measured one down, an uncertainty, a
 // required speed and a limit up, all with the same decimals.

@@ -50,63 +50,65 @@ ErrorNoise error_noise(const ErrorStep& step, const ImuNoise& noise,
     return added;
 }
 
-template <int N>
-void propagate(ErrorMatrix<N>& covariance, const ErrorTransition& transition,
+void ErrorTransition::apply(ErrorMatrix& m) const {
+    using namespace error_state;
+    const auto phi = m.middleRows<3>(attitude).eval();
+    const auto v = m.middleRows<3>(velocity).eval();
+    const auto r = m.middleRows<3>(position).eval();
+    const auto bg = m.middleRows<3>(gyro_bias);
+    const auto ba = m.middleRows<3>(accelerometer_bias);
+    m.middleRows<3>(attitude).noalias() = attitude_of_attitude * phi;
+    m.middleRows<3>(attitude).noalias() += attitude_of_gyro * bg;
+    m.middleRows<3>(velocity).noalias() = velocity_of_attitude * phi;
+    m.middleRows<3>(velocity).noalias() += velocity_of_velocity * v;
+    m.middleRows<3>(velocity).noalias() += velocity_of_position * r;
+    m.middleRows<3>(velocity).noalias() += velocity_of_gyro * bg;
+    m.middleRows<3>(velocity).noalias() += velocity_of_accelerometer * ba;
+    m.middleRows<3>(position).noalias() = position_of_attitude * phi;
+    m.middleRows<3>(position).noalias() += position_of_velocity * v;
+    m.middleRows<3>(position).noalias() += position_of_position * r;
+    m.middleRows<3>(position).noalias() += position_of_accelerometer * ba;
+    m.middleRows<3>(position_error) *= error;
+}
+
+void propagate(ErrorMatrix& covariance, const ErrorTransition& transition,
                const ErrorNoise& noise) {
-    covariance.diagonal().template head<error_state::inertial>() += 0.5 * noise.white;
+    covariance.diagonal().head<error_state::inertial>() += 0.5 * noise.white;
     transition.apply(covariance);
-    ErrorMatrix<N> turned = covariance.transpose();
+    ErrorMatrix turned = covariance.transpose();
     transition.apply(turned);
-    turned.diagonal().template head<error_state::inertial>() += 0.5 * noise.white;
-    turned.diagonal().template segment<3>(error_state::position_error) += noise.error;
+    turned.diagonal().head<error_state::inertial>() += 0.5 * noise.white;
+    turned.diagonal().segment<3>(error_state::position_error) += noise.error;
     covariance = 0.5 * (turned + turned.transpose());
 }
 
-template <int N>
-Eigen::Matrix<double, 3, N> point_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                           const Eigen::Vector3d& arm_m,
-                                           const Eigen::Vector3d& point_velocity_m_s) {
+ErrorJacobian point_jacobian(const Eigen::Matrix3d& enu_from_body, const Eigen::Vector3d& arm_m,
+                             const Eigen::Vector3d& point_velocity_m_s) {
     using namespace error_state;
-    Eigen::Matrix<double, 3, N> h = Eigen::Matrix<double, 3, N>::Zero();
-    h.template middleCols<3>(attitude) = -cross_matrix(enu_from_body * arm_m);
-    h.template middleCols<3>(position).setIdentity();
-    if constexpr (N == full) h.col(time_offset) = point_velocity_m_s;
+    ErrorJacobian h = ErrorJacobian::Zero();
+    h.middleCols<3>(attitude) = -cross_matrix(enu_from_body * arm_m);
+    h.middleCols<3>(position).setIdentity();
+    h.col(time_offset) = point_velocity_m_s;
     return h;
 }
 
-template <int N>
-Eigen::Matrix<double, 3, N> position_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                              const Eigen::Vector3d& arm_m,
-                                              const Eigen::Vector3d& antenna_velocity_m_s) {
-    Eigen::Matrix<double, 3, N> h = point_jacobian<N>(enu_from_body, arm_m, antenna_velocity_m_s);
-    h.template middleCols<3>(error_state::position_error).setIdentity();
-    if constexpr (N == error_state::full)
-        h.template middleCols<3>(error_state::lever_arm) = enu_from_body;
+ErrorJacobian position_jacobian(const Eigen::Matrix3d& enu_from_body, const Eigen::Vector3d& arm_m,
+                                const Eigen::Vector3d& antenna_velocity_m_s) {
+    ErrorJacobian h = point_jacobian(enu_from_body, arm_m, antenna_velocity_m_s);
+    h.middleCols<3>(error_state::position_error).setIdentity();
+    h.middleCols<3>(error_state::lever_arm) = enu_from_body;
     return h;
 }
 
-template <int N>
-Eigen::Matrix<double, 3, N> point_velocity_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                                    const Eigen::Vector3d& arm_m,
-                                                    const Eigen::Vector3d& rate_rad_s) {
+ErrorJacobian point_velocity_jacobian(const Eigen::Matrix3d& enu_from_body,
+                                      const Eigen::Vector3d& arm_m,
+                                      const Eigen::Vector3d& rate_rad_s) {
     using namespace error_state;
-    Eigen::Matrix<double, 3, N> h = Eigen::Matrix<double, 3, N>::Zero();
-    h.template middleCols<3>(attitude) = -cross_matrix(enu_from_body * rate_rad_s.cross(arm_m));
-    h.template middleCols<3>(velocity).setIdentity();
-    h.template middleCols<3>(gyro_bias) = enu_from_body * cross_matrix(arm_m);
+    ErrorJacobian h = ErrorJacobian::Zero();
+    h.middleCols<3>(attitude) = -cross_matrix(enu_from_body * rate_rad_s.cross(arm_m));
+    h.middleCols<3>(velocity).setIdentity();
+    h.middleCols<3>(gyro_bias) = enu_from_body * cross_matrix(arm_m);
     return h;
 }
-
-#define RUNCERT_ERROR_STATES(N)                                                             \
-    template void propagate<N>(ErrorMatrix<N>&, const ErrorTransition&, const ErrorNoise&); \
-    template Eigen::Matrix<double, 3, N> point_jacobian<N>(                                 \
-        const Eigen::Matrix3d&, const Eigen::Vector3d&, const Eigen::Vector3d&);            \
-    template Eigen::Matrix<double, 3, N> position_jacobian<N>(                              \
-        const Eigen::Matrix3d&, const Eigen::Vector3d&, const Eigen::Vector3d&);            \
-    template Eigen::Matrix<double, 3, N> point_velocity_jacobian<N>(                        \
-        const Eigen::Matrix3d&, const Eigen::Vector3d&, const Eigen::Vector3d&)
-RUNCERT_ERROR_STATES(error_state::plain);
-RUNCERT_ERROR_STATES(error_state::full);
-#undef RUNCERT_ERROR_STATES
 
 }  // namespace runcert

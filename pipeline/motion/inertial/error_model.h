@@ -10,20 +10,23 @@ namespace runcert {
 /// Errors of an inertial solution as one vector: truth = estimate + error, and for the attitude
 /// C = exp([phi]) C_estimate, phi along east, north and up.
 ///
-/// 18 states: attitude (rad), velocity (m/s), position (m), gyro bias (rad/s), accelerometer bias
-/// (m/s^2), and the first-order Gauss-Markov error of the measured positions (m). 22 states: the
-/// antenna's lever arm along the body's axes (m), and the time offset (s), too.
+/// 22 states: attitude (rad), velocity (m/s), position (m), gyro bias (rad/s), accelerometer bias
+/// (m/s^2), the first-order Gauss-Markov error of the measured positions (m), the antenna's lever
+/// arm along the body's axes (m), and the time offset (s). Of the last two, one that is not
+/// estimated has next to no variance.
 namespace error_state {
 inline constexpr int attitude = 0, velocity = 3, position = 6, gyro_bias = 9;
 inline constexpr int accelerometer_bias = 12, position_error = 15, lever_arm = 18;
 inline constexpr int time_offset = 21;
-inline constexpr int inertial = 15, plain = 18, full = 22;
+inline constexpr int inertial = 15, size = 22;
 }  // namespace error_state
 
-template <int N>
-using ErrorVector = Eigen::Matrix<double, N, 1>;
-template <int N>
-using ErrorMatrix = Eigen::Matrix<double, N, N>;
+using ErrorVector = Eigen::Matrix<double, error_state::size, 1>;
+using ErrorMatrix = Eigen::Matrix<double, error_state::size, error_state::size>;
+/// What a vector changes by per error, and what each error covaries with a vector by.
+using ErrorJacobian = Eigen::Matrix<double, 3, error_state::size>;
+using ErrorColumns = Eigen::Matrix<double, error_state::size, 3>;
+using ErrorRow = Eigen::Matrix<double, 1, error_state::size>;
 
 /// The time-correlated error of measured positions: a first-order Gauss-Markov process on each
 /// axis.
@@ -58,14 +61,12 @@ struct ErrorTransition {
     Eigen::Matrix3d position_of_accelerometer;
     double error = 1.0;  ///< of the positions' Gauss-Markov error
 
-    /// The transition times a matrix of N rows.
-    template <class Matrix>
-    void apply(Matrix& matrix) const;
+    /// The transition times a matrix.
+    void apply(ErrorMatrix& matrix) const;
 
     /// All of it.
-    template <int N>
-    ErrorMatrix<N> matrix() const {
-        ErrorMatrix<N> all = ErrorMatrix<N>::Identity();
+    ErrorMatrix matrix() const {
+        ErrorMatrix all = ErrorMatrix::Identity();
         apply(all);
         return all;
     }
@@ -83,48 +84,19 @@ ErrorNoise error_noise(const ErrorStep& step, const ImuNoise& noise,
                        const PositionErrorModel& error);
 
 /// P = Phi (P + Q/2) Phi' + Q/2: the trapezoidal rule.
-template <int N>
-void propagate(ErrorMatrix<N>& covariance, const ErrorTransition& transition,
-               const ErrorNoise& noise);
+void propagate(ErrorMatrix& covariance, const ErrorTransition& transition, const ErrorNoise& noise);
 
 /// The measured position less its prediction r + C l + g (+ v_antenna tau) as a function of the
 /// errors: H = [-[C l], 0, I, 0, 0, I, C, v_antenna].
-template <int N>
-Eigen::Matrix<double, 3, N> position_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                              const Eigen::Vector3d& arm_m,
-                                              const Eigen::Vector3d& antenna_velocity_m_s);
+ErrorJacobian position_jacobian(const Eigen::Matrix3d& enu_from_body, const Eigen::Vector3d& arm_m,
+                                const Eigen::Vector3d& antenna_velocity_m_s);
 
 /// A point fixed to the body, `arm_m` from the IMU, as a function of the errors; its velocity
 /// v + C (w_eb x l), w_eb the body's rate against the Earth.
-template <int N>
-Eigen::Matrix<double, 3, N> point_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                           const Eigen::Vector3d& arm_m,
-                                           const Eigen::Vector3d& point_velocity_m_s);
-template <int N>
-Eigen::Matrix<double, 3, N> point_velocity_jacobian(const Eigen::Matrix3d& enu_from_body,
-                                                    const Eigen::Vector3d& arm_m,
-                                                    const Eigen::Vector3d& rate_rad_s);
-
-template <class Matrix>
-void ErrorTransition::apply(Matrix& m) const {
-    using namespace error_state;
-    const auto phi = m.template middleRows<3>(attitude).eval();
-    const auto v = m.template middleRows<3>(velocity).eval();
-    const auto r = m.template middleRows<3>(position).eval();
-    const auto bg = m.template middleRows<3>(gyro_bias);
-    const auto ba = m.template middleRows<3>(accelerometer_bias);
-    m.template middleRows<3>(attitude).noalias() = attitude_of_attitude * phi;
-    m.template middleRows<3>(attitude).noalias() += attitude_of_gyro * bg;
-    m.template middleRows<3>(velocity).noalias() = velocity_of_attitude * phi;
-    m.template middleRows<3>(velocity).noalias() += velocity_of_velocity * v;
-    m.template middleRows<3>(velocity).noalias() += velocity_of_position * r;
-    m.template middleRows<3>(velocity).noalias() += velocity_of_gyro * bg;
-    m.template middleRows<3>(velocity).noalias() += velocity_of_accelerometer * ba;
-    m.template middleRows<3>(position).noalias() = position_of_attitude * phi;
-    m.template middleRows<3>(position).noalias() += position_of_velocity * v;
-    m.template middleRows<3>(position).noalias() += position_of_position * r;
-    m.template middleRows<3>(position).noalias() += position_of_accelerometer * ba;
-    m.template middleRows<3>(position_error) *= error;
-}
+ErrorJacobian point_jacobian(const Eigen::Matrix3d& enu_from_body, const Eigen::Vector3d& arm_m,
+                             const Eigen::Vector3d& point_velocity_m_s);
+ErrorJacobian point_velocity_jacobian(const Eigen::Matrix3d& enu_from_body,
+                                      const Eigen::Vector3d& arm_m,
+                                      const Eigen::Vector3d& rate_rad_s);
 
 }  // namespace runcert

@@ -24,13 +24,12 @@ struct Rungs {
 
 }  // namespace
 
-template <int N>
 FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
                              std::span<const InertialNominal> about) {
     const ImuNoise own = data.noise;
     const auto likelihood = [&](const Rungs& rungs) {
         data.noise = rungs.of(own);
-        return filter_forwards<N>(data, prior, about, about.size()).log_likelihood;
+        return filter_forwards(data, prior, about, about.size()).log_likelihood;
     };
     constexpr std::array sizes{motion_ladder.size(), velocity_ladder.size(), angle_ladder.size()};
     Rungs best;
@@ -60,9 +59,7 @@ FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
     return {.noise = best.of(own), .log_likelihood = greatest, .at_limit = at_limit};
 }
 
-template FittedImuNoise fit_imu_noise<error_state::plain>(InertialData, const InertialPrior&,
-                                                          std::span<const InertialNominal>);
-template FittedImuNoise fit_imu_noise<error_state::full>(InertialData, const InertialPrior&,
-                                                         std::span<const InertialNominal>);
+template FittedImuNoise fit_imu_noise(InertialData, const InertialPrior&,
+                                      std::span<const InertialNominal>);
 
 }  // namespace runcert

@@ -14,7 +14,6 @@ struct FittedImuNoise {
 /// and 1 to 8 (angle), with noise of 0 to 0.032 of the motion. Coordinates are searched in turn
 /// over ladders of factors 2 to 2.5, twice; likelihoods are those of filters linear about one
 /// trajectory.
-template <int N>
 FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
                              std::span<const InertialNominal> about);
 

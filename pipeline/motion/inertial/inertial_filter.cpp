@@ -20,14 +20,13 @@ constexpr double missing_rate_rad_s = 0.3;
 constexpr double missing_acceleration_m_s2 = 3.0;
 
 /// Carries nominal values and errors from epoch to epoch.
-template <int N>
 class Carrier {
   public:
     Carrier(const InertialData& data, double begin_s) : data_(data), reader_(data.samples) {
         reader_.seek(begin_s);
     }
 
-    void carry(InertialNominal& nominal, ErrorMatrix<N>& covariance, ErrorMatrix<N>& product,
+    void carry(InertialNominal& nominal, ErrorMatrix& covariance, ErrorMatrix& product,
                double until_s) {
         product.setIdentity();
         gap_s_ = 0.0;
@@ -49,8 +48,7 @@ class Carrier {
             step.acceleration_m_s2 = (nominal.state.velocity_m_s - velocity).norm() / step.dt_s;
             const ErrorTransition transition =
                 error_transition(step, data_.position_error, data_.earth);
-            propagate<N>(covariance, transition,
-                         error_noise(step, data_.noise, data_.position_error));
+            propagate(covariance, transition, error_noise(step, data_.noise, data_.position_error));
             transition.apply(product);
             nominal.position_error_m *= transition.error;
         }
@@ -87,11 +85,10 @@ class Carrier {
 
 /// One position against the prediction: corrects deviation and covariance by the two-sided form of
 /// Joseph.
-template <int N>
 PositionInnovation update(const PositionFix& fix, const InertialNominal& nominal,
                           const Eigen::Vector3d& rate, double carried_offset_s,
-                          const EarthFrame& earth, ErrorVector<N>& deviation,
-                          ErrorMatrix<N>& covariance) {
+                          const EarthFrame& earth, ErrorVector& deviation,
+                          ErrorMatrix& covariance) {
     const Eigen::Matrix3d& c = nominal.state.enu_from_body;
     const Eigen::Vector3d turning =
         rate - nominal.bias.gyro_rad_s - c.transpose() * earth.rotation_rad_s();
@@ -100,16 +97,16 @@ PositionInnovation update(const PositionFix& fix, const InertialNominal& nominal
     const Eigen::Vector3d predicted = nominal.state.position_m + c * nominal.antenna_m +
                                       nominal.position_error_m +
                                       velocity * (nominal.time_offset_s - carried_offset_s);
-    const Eigen::Matrix<double, 3, N> h = position_jacobian<N>(c, nominal.antenna_m, velocity);
-    const Eigen::Matrix<double, 3, N> hp = h * covariance;
+    const ErrorJacobian h = position_jacobian(c, nominal.antenna_m, velocity);
+    const ErrorJacobian hp = h * covariance;
     const Eigen::Matrix3d s = hp * h.transpose() + fix.covariance_m2;
     const Eigen::LLT<Eigen::Matrix3d> factor(s);
     const Eigen::Vector3d innovation = fix.enu_m - predicted - h * deviation;
-    const Eigen::Matrix<double, N, 3> gain = factor.solve(hp).transpose();
+    const ErrorColumns gain = factor.solve(hp).transpose();
     deviation += gain * innovation;
-    const ErrorMatrix<N> left = covariance - gain * hp;
-    const Eigen::Matrix<double, N, 3> left_h = left * h.transpose();
-    const ErrorMatrix<N> both = left + (gain * fix.covariance_m2 - left_h) * gain.transpose();
+    const ErrorMatrix left = covariance - gain * hp;
+    const ErrorColumns left_h = left * h.transpose();
+    const ErrorMatrix both = left + (gain * fix.covariance_m2 - left_h) * gain.transpose();
     covariance = 0.5 * (both + both.transpose());
     PositionInnovation seen;
     seen.whitened = factor.matrixL().solve(innovation);
@@ -121,47 +118,38 @@ PositionInnovation update(const PositionFix& fix, const InertialNominal& nominal
 
 }  // namespace
 
-template <int N>
-InertialNominal corrected(InertialNominal nominal, const ErrorVector<N>& d) {
+InertialNominal corrected(InertialNominal nominal, const ErrorVector& d) {
     NavigationState& state = nominal.state;
-    state.enu_from_body = rotation_about(d.template segment<3>(attitude)) * state.enu_from_body;
-    state.velocity_m_s += d.template segment<3>(velocity);
-    state.position_m += d.template segment<3>(position);
-    nominal.bias.gyro_rad_s += d.template segment<3>(gyro_bias);
-    nominal.bias.accelerometer_m_s2 += d.template segment<3>(accelerometer_bias);
-    nominal.position_error_m += d.template segment<3>(position_error);
-    if constexpr (N == full) {
-        nominal.antenna_m += d.template segment<3>(lever_arm);
-        nominal.time_offset_s += d(time_offset);
-    }
+    state.enu_from_body = rotation_about(d.segment<3>(attitude)) * state.enu_from_body;
+    state.velocity_m_s += d.segment<3>(velocity);
+    state.position_m += d.segment<3>(position);
+    nominal.bias.gyro_rad_s += d.segment<3>(gyro_bias);
+    nominal.bias.accelerometer_m_s2 += d.segment<3>(accelerometer_bias);
+    nominal.position_error_m += d.segment<3>(position_error);
+    nominal.antenna_m += d.segment<3>(lever_arm);
+    nominal.time_offset_s += d(time_offset);
     return nominal;
 }
 
-template <int N>
-ErrorVector<N> deviation(const InertialNominal& a, const InertialNominal& b) {
-    ErrorVector<N> d;
-    d.template segment<3>(attitude) =
+ErrorVector deviation(const InertialNominal& a, const InertialNominal& b) {
+    ErrorVector d;
+    d.segment<3>(attitude) =
         rotation_vector(a.state.enu_from_body * b.state.enu_from_body.transpose());
-    d.template segment<3>(velocity) = a.state.velocity_m_s - b.state.velocity_m_s;
-    d.template segment<3>(position) = a.state.position_m - b.state.position_m;
-    d.template segment<3>(gyro_bias) = a.bias.gyro_rad_s - b.bias.gyro_rad_s;
-    d.template segment<3>(accelerometer_bias) =
-        a.bias.accelerometer_m_s2 - b.bias.accelerometer_m_s2;
-    d.template segment<3>(position_error) = a.position_error_m - b.position_error_m;
-    if constexpr (N == full) {
-        d.template segment<3>(lever_arm) = a.antenna_m - b.antenna_m;
-        d(time_offset) = a.time_offset_s - b.time_offset_s;
-    }
+    d.segment<3>(velocity) = a.state.velocity_m_s - b.state.velocity_m_s;
+    d.segment<3>(position) = a.state.position_m - b.state.position_m;
+    d.segment<3>(gyro_bias) = a.bias.gyro_rad_s - b.bias.gyro_rad_s;
+    d.segment<3>(accelerometer_bias) = a.bias.accelerometer_m_s2 - b.bias.accelerometer_m_s2;
+    d.segment<3>(position_error) = a.position_error_m - b.position_error_m;
+    d.segment<3>(lever_arm) = a.antenna_m - b.antenna_m;
+    d(time_offset) = a.time_offset_s - b.time_offset_s;
     return d;
 }
 
-template <int N>
-InertialNominal InertialPass<N>::solution(std::size_t k) const {
-    return corrected<N>(nominal[k], estimated[k]);
+InertialNominal InertialPass::solution(std::size_t k) const {
+    return corrected(nominal[k], estimated[k]);
 }
 
-template <int N>
-std::vector<InertialNominal> InertialPass<N>::trajectory() const {
+std::vector<InertialNominal> InertialPass::trajectory() const {
     std::vector<InertialNominal> all(nominal.size());
     for (std::size_t k = 0; k < all.size(); ++k)
         all[k] = solution(k);
@@ -170,8 +158,7 @@ std::vector<InertialNominal> InertialPass<N>::trajectory() const {
     return all;
 }
 
-template <int N>
-void InertialPass<N>::reserve(std::size_t epochs) {
+void InertialPass::reserve(std::size_t epochs) {
     nominal.reserve(epochs);
     predicted.reserve(epochs);
     estimated.reserve(epochs);
@@ -182,19 +169,18 @@ void InertialPass<N>::reserve(std::size_t epochs) {
     imu_gap_s.reserve(epochs);
 }
 
-template <int N>
-InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& prior,
-                                std::span<const InertialNominal> reference, std::size_t count) {
+InertialPass filter_forwards(const InertialData& data, const InertialPrior& prior,
+                             std::span<const InertialNominal> reference, std::size_t count) {
     const bool linear = !reference.empty();
     const double offset_s = linear ? reference[0].time_offset_s : prior.nominal.time_offset_s;
-    InertialPass<N> pass;
+    InertialPass pass;
     pass.carried_offset_s = offset_s;
     pass.reserve(count);
-    Carrier<N> carrier(data, data.fixes[0].time_s + offset_s);
+    Carrier carrier(data, data.fixes[0].time_s + offset_s);
     InertialNominal nominal = prior.nominal;
-    ErrorMatrix<N> covariance = prior.covariance.template topLeftCorner<N, N>();
-    ErrorVector<N> mean = ErrorVector<N>::Zero();
-    ErrorMatrix<N> transition;
+    ErrorMatrix covariance = prior.covariance;
+    ErrorVector mean = ErrorVector::Zero();
+    ErrorMatrix transition;
     for (std::size_t k = 0; k < count; ++k) {
         const PositionFix& fix = data.fixes[k];
         if (k > 0) {
@@ -203,16 +189,16 @@ InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& p
             pass.gain.push_back(transition);
         }
         if (linear) {
-            mean += deviation<N>(nominal, reference[k]);
+            mean += deviation(nominal, reference[k]);
             nominal = reference[k];
         }
         pass.predicted.push_back(mean);
         pass.predicted_covariance.push_back(covariance);
         pass.innovations.push_back(
-            update<N>(fix, nominal, carrier.rate_rad_s(), offset_s, data.earth, mean, covariance));
+            update(fix, nominal, carrier.rate_rad_s(), offset_s, data.earth, mean, covariance));
         pass.log_likelihood += pass.innovations.back().log_likelihood;
         if (!linear) {
-            nominal = corrected<N>(nominal, mean);
+            nominal = corrected(nominal, mean);
             pass.predicted.back() -= mean;
             mean.setZero();
         }
@@ -227,60 +213,46 @@ InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& p
 namespace {
 
 /// P^-1 applied to the columns of position.
-template <int N>
-Eigen::Matrix<double, N, 3> position_information(const ErrorMatrix<N>& covariance) {
-    Eigen::Matrix<double, N, 3> columns = Eigen::Matrix<double, N, 3>::Zero();
-    columns.template middleRows<3>(position).setIdentity();
-    return Eigen::LLT<ErrorMatrix<N>>(covariance).solve(columns);
+ErrorColumns position_information(const ErrorMatrix& covariance) {
+    ErrorColumns columns = ErrorColumns::Zero();
+    columns.middleRows<3>(position).setIdentity();
+    return Eigen::LLT<ErrorMatrix>(covariance).solve(columns);
 }
 
 /// The smoothed state has the information of the filter and that of what comes later.
-template <int N>
-LaterPosition<N> later_position(const ErrorMatrix<N>& filtered, const ErrorMatrix<N>& smoothed,
-                                const ErrorVector<N>& moved) {
-    const Eigen::Matrix<double, N, 3> of_filter = position_information<N>(filtered);
-    return {position_information<N>(smoothed) - of_filter, of_filter.transpose() * moved};
+LaterPosition later_position(const ErrorMatrix& filtered, const ErrorMatrix& smoothed,
+                             const ErrorVector& moved) {
+    const ErrorColumns of_filter = position_information(filtered);
+    return {position_information(smoothed) - of_filter, of_filter.transpose() * moved};
 }
 
 }  // namespace
 
-template <int N>
-void smooth_backwards(InertialPass<N>& pass, const InertialData& data) {
+void smooth_backwards(InertialPass& pass, const InertialData& data) {
     pass.later.assign(pass.nominal.size(), {});
     for (std::size_t k = pass.nominal.size() - 1; k-- > 0;) {
-        const Eigen::LLT<ErrorMatrix<N>> factor(pass.predicted_covariance[k + 1]);
+        const Eigen::LLT<ErrorMatrix> factor(pass.predicted_covariance[k + 1]);
         if (factor.info() != Eigen::Success || !pass.predicted_covariance[k + 1].allFinite())
             throw Failure(
                 fmt::format("time {:.3f} s", data.fixes[k + 1].time_s),
                 "the predicted covariance of the inertial solution is not positive definite",
                 "Check the stated noise of the IMU and the steps of time around this epoch");
-        const ErrorMatrix<N> gain = factor.solve(pass.gain[k] * pass.covariance[k]).transpose();
-        const ErrorVector<N> moved = gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
+        const ErrorMatrix gain = factor.solve(pass.gain[k] * pass.covariance[k]).transpose();
+        const ErrorVector moved = gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
         pass.estimated[k] += moved;
-        const ErrorMatrix<N> covariance =
+        const ErrorMatrix covariance =
             pass.covariance[k] +
             gain * (pass.covariance[k + 1] - pass.predicted_covariance[k + 1]) * gain.transpose();
-        const ErrorMatrix<N> smoothed = 0.5 * (covariance + covariance.transpose());
-        pass.later[k] = later_position<N>(pass.covariance[k], smoothed, moved);
+        const ErrorMatrix smoothed = 0.5 * (covariance + covariance.transpose());
+        pass.later[k] = later_position(pass.covariance[k], smoothed, moved);
         pass.covariance[k] = smoothed;
         pass.gain[k] = gain;
     }
     pass.predicted_covariance = {};
 }
 
-#define RUNCERT_INERTIAL_PASS(N)                                                                \
-    template InertialNominal corrected<N>(InertialNominal, const ErrorVector<N>&);              \
-    template ErrorVector<N> deviation<N>(const InertialNominal&, const InertialNominal&);       \
-    template struct InertialPass<N>;                                                            \
-    template InertialPass<N> filter_forwards<N>(const InertialData&, const InertialPrior&,      \
-                                                std::span<const InertialNominal>, std::size_t); \
-    template void smooth_backwards<N>(InertialPass<N>&, const InertialData&)
-RUNCERT_INERTIAL_PASS(plain);
-RUNCERT_INERTIAL_PASS(full);
-#undef RUNCERT_INERTIAL_PASS
-
 double log_likelihood(const InertialData& data, const InertialPrior& prior, std::size_t count) {
-    return filter_forwards<full>(data, prior, {}, count).log_likelihood;
+    return filter_forwards(data, prior, {}, count).log_likelihood;
 }
 
 }  // namespace runcert

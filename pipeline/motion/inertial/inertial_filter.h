@@ -4,8 +4,7 @@
 
 #include "inertial/inertial_smoother.h"
 
-// The passes behind `smooth_inertial`: forwards and backwards through all positions. N is the
-// number of error states, 18 or 22.
+// The passes behind `smooth_inertial`: forwards and backwards through all positions.
 namespace runcert {
 
 /// All that is estimated at an epoch, about which errors are taken.
@@ -18,12 +17,10 @@ struct InertialNominal {
 };
 
 /// The estimate with its errors removed: `deviation` is truth less estimate.
-template <int N>
-InertialNominal corrected(InertialNominal nominal, const ErrorVector<N>& deviation);
+InertialNominal corrected(InertialNominal nominal, const ErrorVector& deviation);
 
 /// The deviation of `a` from `b`: corrected(b, deviation) is `a`.
-template <int N>
-ErrorVector<N> deviation(const InertialNominal& a, const InertialNominal& b);
+ErrorVector deviation(const InertialNominal& a, const InertialNominal& b);
 
 /// What the passes work on.
 struct InertialData {
@@ -37,7 +34,7 @@ struct InertialData {
 /// Nominal values at the first epoch and the covariance of all 22 errors.
 struct InertialPrior {
     InertialNominal nominal;
-    ErrorMatrix<error_state::full> covariance;
+    ErrorMatrix covariance;
 };
 
 /// What one position said.
@@ -48,26 +45,24 @@ struct PositionInnovation {
 
 /// What the positions after an epoch say of the IMU's position there, as information: its columns
 /// of position, and the same rows of information times deviation from the smoothed state.
-template <int N>
 struct LaterPosition {
-    Eigen::Matrix<double, N, 3> information = Eigen::Matrix<double, N, 3>::Zero();
+    ErrorColumns information = ErrorColumns::Zero();
     Eigen::Vector3d vector = Eigen::Vector3d::Zero();
 };
 
 /// A pass. Deviations and covariances are those of the filter until `smooth_backwards` makes them
 /// those given all positions.
-template <int N>
 struct InertialPass {
     std::vector<InertialNominal> nominal;
-    std::vector<ErrorVector<N>> predicted;  ///< deviation from `nominal` before the position
-    std::vector<ErrorVector<N>> estimated;  ///< after it
-    std::vector<ErrorMatrix<N>> predicted_covariance;
-    std::vector<ErrorMatrix<N>> covariance;
-    std::vector<ErrorMatrix<N>> gain;  ///< transition from the epoch to the next; then the gain
+    std::vector<ErrorVector> predicted;  ///< deviation from `nominal` before the position
+    std::vector<ErrorVector> estimated;  ///< after it
+    std::vector<ErrorMatrix> predicted_covariance;
+    std::vector<ErrorMatrix> covariance;
+    std::vector<ErrorMatrix> gain;  ///< transition from the epoch to the next; then the gain
     std::vector<PositionInnovation> innovations;
-    std::vector<LaterPosition<N>> later;  ///< filled by `smooth_backwards`
-    std::vector<double> imu_gap_s;        ///< without samples before each epoch
-    double carried_offset_s = 0.0;  ///< the states are those at the positions' times plus this
+    std::vector<LaterPosition> later;  ///< filled by `smooth_backwards`
+    std::vector<double> imu_gap_s;     ///< without samples before each epoch
+    double carried_offset_s = 0.0;     ///< the states are those at the positions' times plus this
     double log_likelihood = 0.0;
 
     void reserve(std::size_t epochs);
@@ -84,15 +79,13 @@ struct InertialPass {
 /// the nominal values. With one (the nominal values of each epoch) all is linear about it, and a
 /// step of Gauss and Newton towards the most probable trajectory given the prior.
 /// `count`: only so many epochs.
-template <int N>
-InertialPass<N> filter_forwards(const InertialData& data, const InertialPrior& prior,
-                                std::span<const InertialNominal> reference, std::size_t count);
+InertialPass filter_forwards(const InertialData& data, const InertialPrior& prior,
+                             std::span<const InertialNominal> reference, std::size_t count);
 
 /// The smoother backwards [YSM22]: d_k = m_k + G_k (d_{k+1} - m-_{k+1}),
 /// P_k = P+_k + G_k (P_{k+1} - P-_{k+1}) G_k', G_k = P+_k Phi' (P-_{k+1})^-1. Failure (at the time)
 /// where a predicted covariance is not positive definite. Frees the predicted covariances.
-template <int N>
-void smooth_backwards(InertialPass<N>& pass, const InertialData& data);
+void smooth_backwards(InertialPass& pass, const InertialData& data);
 
 /// Sum of logarithms of the innovations' densities over so many epochs.
 double log_likelihood(const InertialData& data, const InertialPrior& prior, std::size_t count);

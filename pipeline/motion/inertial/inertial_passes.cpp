@@ -12,8 +12,7 @@ constexpr double settled_sigmas = 0.1;
 constexpr int most_passes = 12;
 
 /// The greatest turn of the attitude by the last pass, in units of what it may turn.
-template <int N>
-double turned_by(const InertialPass<N>& pass) {
+double turned_by(const InertialPass& pass) {
     double most = 0.0;
     for (std::size_t k = 0; k < pass.estimated.size(); ++k)
         for (int axis = 0; axis < 3; ++axis) {
@@ -26,15 +25,14 @@ double turned_by(const InertialPass<N>& pass) {
 
 }  // namespace
 
-template <int N>
-Passes<N> run_passes(const InertialData& data, const InertialPrior& prior,
-                     std::vector<InertialNominal> about) {
-    Passes<N> passes;
+Passes run_passes(const InertialData& data, const InertialPrior& prior,
+                  std::vector<InertialNominal> about) {
+    Passes passes;
     const std::size_t count = data.fixes.size();
     while (passes.count < most_passes) {
         passes.last = {};  // its memory is free before that of the next is taken
-        passes.last = filter_forwards<N>(data, prior, about, count);
-        smooth_backwards<N>(passes.last, data);
+        passes.last = filter_forwards(data, prior, about, count);
+        smooth_backwards(passes.last, data);
         ++passes.count;
         passes.turned = turned_by(passes.last);
         if (passes.turned < 1.0 || passes.count == most_passes) break;
@@ -43,11 +41,6 @@ Passes<N> run_passes(const InertialData& data, const InertialPrior& prior,
     return passes;
 }
 
-template Passes<error_state::plain> run_passes<error_state::plain>(const InertialData&,
-                                                                   const InertialPrior&,
-                                                                   std::vector<InertialNominal>);
-template Passes<error_state::full> run_passes<error_state::full>(const InertialData&,
-                                                                 const InertialPrior&,
-                                                                 std::vector<InertialNominal>);
+template Passes run_passes(const InertialData&, const InertialPrior&, std::vector<InertialNominal>);
 
 }  // namespace runcert

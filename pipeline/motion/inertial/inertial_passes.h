@@ -5,9 +5,8 @@
 namespace runcert {
 
 /// Passes from one start, until the attitude stays.
-template <int N>
 struct Passes {
-    InertialPass<N> last;  ///< smoothed
+    InertialPass last;  ///< smoothed
     int count = 0;
     /// What the last pass turned the attitude by about an axis, at most, in units of what it may:
     /// the greater of 1e-3 rad and a tenth of the standard deviation.
@@ -16,8 +15,7 @@ struct Passes {
 
 /// Forwards in closed loop and backwards, then about the smoothed trajectory until the attitude
 /// stays, 12 times at most. With a trajectory given, the first pass is about that.
-template <int N>
-Passes<N> run_passes(const InertialData& data, const InertialPrior& prior,
-                     std::vector<InertialNominal> about = {});
+Passes run_passes(const InertialData& data, const InertialPrior& prior,
+                  std::vector<InertialNominal> about = {});
 
 }  // namespace runcert

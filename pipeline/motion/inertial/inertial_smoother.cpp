@@ -79,23 +79,15 @@ std::vector<InertialNominal> found_before(const InertialData& data, const Inerti
     return all;
 }
 
-template <int N>
 InertialSolution solve(const InertialData& data, const FoundStart& start,
                        const InertialSetup& setup) {
-    Passes<N> passes = run_passes<N>(data, start.prior, found_before(data, setup));
-    InertialSolution solution = solution_of<N>(std::move(passes.last), data, setup, passes.turned);
+    Passes passes = run_passes(data, start.prior, found_before(data, setup));
+    InertialSolution solution = solution_of(std::move(passes.last), data, setup, passes.turned);
     solution.passes = passes.count;
     solution.start = start.kind;
     solution.start_attitude = {start.prior.nominal.state.enu_from_body,
                                start.prior.covariance.topLeftCorner<3, 3>()};
     return solution;
-}
-
-InertialSolution solve(const InertialData& data, const FoundStart& start,
-                       const InertialSetup& setup) {
-    return setup.estimate_antenna || setup.estimate_time_offset
-               ? solve<error_state::full>(data, start, setup)
-               : solve<error_state::plain>(data, start, setup);
 }
 
 InertialData data_of(std::span<const ImuSample> samples, std::span<const PositionFix> fixes,
@@ -150,8 +142,7 @@ std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples
                                               const InertialSetup& setup) {
     if (!setup.start) throw Failure("attitude", "there is no start to filter from", "Give one");
     const InertialData data = data_of(samples, fixes, setup);
-    const auto pass = filter_forwards<error_state::plain>(data, find_start(data, setup)->prior, {},
-                                                          data.fixes.size());
+    const auto pass = filter_forwards(data, find_start(data, setup)->prior, {}, data.fixes.size());
     std::vector<FilteredAttitude> attitudes;
     attitudes.reserve(data.fixes.size());
     for (std::size_t k = 0; k < data.fixes.size(); ++k)

@@ -16,26 +16,21 @@ const Eigen::Vector3d& arm_of(const JointCovariance& joint, CraftPoint point) {
 }
 
 /// A point's position as a function of the errors, those of an estimated antenna's arm too.
-template <int N>
-Eigen::Matrix<double, 3, N> position_gradient(const InertialEpoch& epoch,
-                                              const JointCovariance& joint, CraftPoint point) {
-    Eigen::Matrix<double, 3, N> h = point_jacobian<N>(epoch.enu_from_body, arm_of(joint, point),
-                                                      motion_of(epoch, point).velocity_m_s);
-    if constexpr (N == error_state::full)
-        if (point == CraftPoint::antenna)
-            h.template middleCols<3>(error_state::lever_arm) = epoch.enu_from_body;
+ErrorJacobian position_gradient(const InertialEpoch& epoch, const JointCovariance& joint,
+                                CraftPoint point) {
+    ErrorJacobian h = point_jacobian(epoch.enu_from_body, arm_of(joint, point),
+                                     motion_of(epoch, point).velocity_m_s);
+    if (point == CraftPoint::antenna) h.middleCols<3>(error_state::lever_arm) = epoch.enu_from_body;
     return h;
 }
 
-template <int N>
-Eigen::Matrix<double, 3, N> velocity_gradient(const InertialEpoch& epoch,
-                                              const JointCovariance& joint, CraftPoint point) {
-    Eigen::Matrix<double, 3, N> h =
-        point_velocity_jacobian<N>(epoch.enu_from_body, arm_of(joint, point), epoch.rate_rad_s);
-    if constexpr (N == error_state::full)
-        if (point == CraftPoint::antenna)
-            h.template middleCols<3>(error_state::lever_arm) =
-                epoch.enu_from_body * cross_matrix(epoch.rate_rad_s);
+ErrorJacobian velocity_gradient(const InertialEpoch& epoch, const JointCovariance& joint,
+                                CraftPoint point) {
+    ErrorJacobian h =
+        point_velocity_jacobian(epoch.enu_from_body, arm_of(joint, point), epoch.rate_rad_s);
+    if (point == CraftPoint::antenna)
+        h.middleCols<3>(error_state::lever_arm) =
+            epoch.enu_from_body * cross_matrix(epoch.rate_rad_s);
     return h;
 }
 
@@ -46,12 +41,8 @@ PointDisplacement InertialSolution::displacement(std::size_t s, std::size_t e,
     assert(s < e && e < epochs.size());
     PointDisplacement result{.enu_m = motion_of(epochs[e], point).position_m -
                                       motion_of(epochs[s], point).position_m};
-    result.covariance_m2 = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) {
-            return errors.difference(s, position_gradient<N>(epochs[s], *joint, point), e,
-                                     position_gradient<N>(epochs[e], *joint, point));
-        },
-        joint->errors);
+    result.covariance_m2 = joint->errors.difference(s, position_gradient(epochs[s], *joint, point),
+                                                    e, position_gradient(epochs[e], *joint, point));
     // The IMU lies where the antenna is seen, so that an error of the arm between them moves every
     // point but the antenna as the craft turns.
     if (point != CraftPoint::antenna) {
@@ -71,15 +62,11 @@ PointDisplacement InertialSolution::swing(std::size_t s, std::size_t e) const {
         return epoch.antenna.position_m - epoch.reference_point.position_m;
     };
     PointDisplacement result{.enu_m = arm(epochs[e]) - arm(epochs[s])};
-    result.covariance_m2 = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) {
-            const auto gradient = [&](std::size_t k) -> Eigen::Matrix<double, 3, N> {
-                return position_gradient<N>(epochs[k], *joint, CraftPoint::antenna) -
-                       position_gradient<N>(epochs[k], *joint, CraftPoint::reference_point);
-            };
-            return errors.difference(s, gradient(s), e, gradient(e));
-        },
-        joint->errors);
+    const auto gradient = [&](std::size_t k) -> ErrorJacobian {
+        return position_gradient(epochs[k], *joint, CraftPoint::antenna) -
+               position_gradient(epochs[k], *joint, CraftPoint::reference_point);
+    };
+    result.covariance_m2 = joint->errors.difference(s, gradient(s), e, gradient(e));
     const Eigen::Matrix3d turned = epochs[e].enu_from_body - epochs[s].enu_from_body;
     result.covariance_m2 +=
         2.0 * joint->antenna_sigma_m * joint->antenna_sigma_m * turned * turned.transpose();
@@ -92,9 +79,8 @@ PointDisplacement InertialSolution::swing(std::size_t s, std::size_t e) const {
 namespace {
 
 /// A measured position as the errors' function, its covariance, and what is left of it.
-template <int N>
 struct SeenPosition {
-    Eigen::Matrix<double, 3, N> h;
+    ErrorJacobian h;
     Eigen::Matrix3d covariance_m2;
     Eigen::Vector3d residual_m;
 };
@@ -104,21 +90,16 @@ struct SeenPosition {
 std::optional<PointDisplacement> InertialSolution::displacement_by_imu(std::size_t s,
                                                                        std::size_t e) const {
     assert(s < e && e < epochs.size());
-    auto found = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) {
-            const auto seen = [&](std::size_t k) {
-                const InertialEpoch& epoch = epochs[k];
-                return SeenPosition<N>{
-                    position_jacobian<N>(epoch.enu_from_body, joint->antenna_m,
-                                         epoch.antenna.velocity_m_s),
-                    joint->fixes[k].covariance_m2,
-                    joint->fixes[k].enu_m - epoch.antenna.position_m - epoch.position_error_m};
-            };
-            return errors.without(s, position_gradient<N>(epochs[s], *joint, CraftPoint::antenna),
-                                  e, position_gradient<N>(epochs[e], *joint, CraftPoint::antenna),
-                                  seen);
-        },
-        joint->errors);
+    const auto seen = [&](std::size_t k) {
+        const InertialEpoch& epoch = epochs[k];
+        return SeenPosition{
+            position_jacobian(epoch.enu_from_body, joint->antenna_m, epoch.antenna.velocity_m_s),
+            joint->fixes[k].covariance_m2,
+            joint->fixes[k].enu_m - epoch.antenna.position_m - epoch.position_error_m};
+    };
+    auto found =
+        joint->errors.without(s, position_gradient(epochs[s], *joint, CraftPoint::antenna), e,
+                              position_gradient(epochs[e], *joint, CraftPoint::antenna), seen);
     if (!found) return found;
     found->enu_m += epochs[e].antenna.position_m - epochs[s].antenna.position_m;
     // Without a position there, the antenna is as far from the IMU as the declared arm says.
@@ -143,21 +124,16 @@ PointVariance variance_of(const InertialSolution& solution, std::size_t s,
     const JointCovariance& joint = *solution.joint;
     const std::size_t count = sums.front().gradients.size();
     PointVariance variance;
-    variance.by_errors = std::visit(
-        [&]<int N>(const JointErrors<N>& errors) {
-            std::vector<Eigen::Matrix<double, 1, N>> rows(count,
-                                                          Eigen::Matrix<double, 1, N>::Zero());
-            for (const PointSum& sum : sums)
-                for (std::size_t i = 0; i < count; ++i) {
-                    const InertialEpoch& epoch = solution.epochs[s + i];
-                    rows[i] += sum.sign * (sum.gradients[i].position.transpose() *
-                                               position_gradient<N>(epoch, joint, sum.point) +
-                                           sum.gradients[i].velocity.transpose() *
-                                               velocity_gradient<N>(epoch, joint, sum.point));
-                }
-            return errors.variance(s, rows);
-        },
-        joint.errors);
+    std::vector<ErrorRow> rows(count, ErrorRow::Zero());
+    for (const PointSum& sum : sums)
+        for (std::size_t i = 0; i < count; ++i) {
+            const InertialEpoch& epoch = solution.epochs[s + i];
+            rows[i] += sum.sign * (sum.gradients[i].position.transpose() *
+                                       position_gradient(epoch, joint, sum.point) +
+                                   sum.gradients[i].velocity.transpose() *
+                                       velocity_gradient(epoch, joint, sum.point));
+        }
+    variance.by_errors = joint.errors.variance(s, rows);
     Eigen::RowVector3d by_arm = Eigen::RowVector3d::Zero();
     for (std::size_t i = 0; i < count; ++i) {
         const InertialEpoch& epoch = solution.epochs[s + i];

@@ -3,29 +3,26 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <optional>
-#include <variant>
 #include <vector>
 
 #include "inertial/inertial_filter.h"
 
 namespace runcert {
 
-/// The smoothed covariances and gains of a solution with N error states.
-template <int N>
+/// The smoothed covariances and gains of a solution.
 struct JointErrors {
-    std::vector<ErrorMatrix<N>> covariance;
-    std::vector<ErrorMatrix<N>> gain;
-    std::vector<LaterPosition<N>> later;
+    std::vector<ErrorMatrix> covariance;
+    std::vector<ErrorMatrix> gain;
+    std::vector<LaterPosition> later;
 
     /// Variance of the sum of gradients[i] x_{s+i}. The cost is linear in their number.
-    double variance(std::size_t s,
-                    const std::vector<Eigen::Matrix<double, 1, N>>& gradients) const {
+    double variance(std::size_t s, const std::vector<ErrorRow>& gradients) const {
         double sum = 0.0;
-        Eigen::Matrix<double, 1, N> carried = gradients[0];
+        ErrorRow carried = gradients[0];
         for (std::size_t i = 0; i < gradients.size(); ++i) {
             sum += carried.dot(carried * covariance[s + i]);
             if (i + 1 == gradients.size()) break;
-            const Eigen::Matrix<double, 1, N> next = carried * gain[s + i];
+            const ErrorRow next = carried * gain[s + i];
             sum -= next.dot(next * covariance[s + i + 1]);
             carried = gradients[i + 1] + next;
         }
@@ -34,9 +31,9 @@ struct JointErrors {
 
     /// Covariance of b' x_e - a' x_s, with columns of gradients a and b: the errors are a Markov
     /// chain backwards, cov(x_s, x_e) = G_s ... G_{e-1} P_e.
-    Eigen::Matrix3d difference(std::size_t s, const Eigen::Matrix<double, 3, N>& a, std::size_t e,
-                               const Eigen::Matrix<double, 3, N>& b) const {
-        Eigen::Matrix<double, 3, N> carried = a;
+    Eigen::Matrix3d difference(std::size_t s, const ErrorJacobian& a, std::size_t e,
+                               const ErrorJacobian& b) const {
+        ErrorJacobian carried = a;
         for (std::size_t k = s; k < e; ++k)
             carried = (carried * gain[k]).eval();
         const Eigen::Matrix3d cross = carried * covariance[e] * b.transpose();
@@ -50,17 +47,16 @@ struct JointErrors {
     /// that of epoch k as the function of the errors that it measures, its covariance and its
     /// residual.
     template <class Seen>
-    std::optional<PointDisplacement> without(std::size_t s, const Eigen::Matrix<double, 3, N>& a,
-                                             std::size_t e, const Eigen::Matrix<double, 3, N>& b,
-                                             const Seen& seen) const {
-        ErrorVector<N> mean = ErrorVector<N>::Zero();
-        ErrorMatrix<N> own = covariance[e];
+    std::optional<PointDisplacement> without(std::size_t s, const ErrorJacobian& a, std::size_t e,
+                                             const ErrorJacobian& b, const Seen& seen) const {
+        ErrorVector mean = ErrorVector::Zero();
+        ErrorMatrix own = covariance[e];
         Eigen::Vector3d end_mean = Eigen::Vector3d::Zero();
         Eigen::Matrix3d end = b * own * b.transpose();
-        Eigen::Matrix<double, N, 3> cross = own * b.transpose();
-        const auto take_out = [&](const Eigen::Matrix<double, 3, N>& h,
-                                  const Eigen::Matrix3d& measured, const Eigen::Vector3d& residual) {
-            const Eigen::Matrix<double, 3, N> hp = h * own;
+        ErrorColumns cross = own * b.transpose();
+        const auto take_out = [&](const ErrorJacobian& h, const Eigen::Matrix3d& measured,
+                                  const Eigen::Vector3d& residual) {
+            const ErrorJacobian hp = h * own;
             const Eigen::LLT<Eigen::Matrix3d> factor(measured - hp * h.transpose());
             if (factor.info() != Eigen::Success) return false;
             const Eigen::Vector3d innovation = residual - h * mean;
@@ -73,9 +69,8 @@ struct JointErrors {
             return true;
         };
         // A displacement of all later positions takes what they say of this one with it.
-        const LaterPosition<N>& after = later[e];
-        const Eigen::Matrix3d of_position =
-            after.information.template middleRows<3>(error_state::position);
+        const LaterPosition& after = later[e];
+        const Eigen::Matrix3d of_position = after.information.middleRows<3>(error_state::position);
         const Eigen::LLT<Eigen::Matrix3d> root(0.5 * (of_position + of_position.transpose()));
         if (root.info() == Eigen::Success) {
             const Eigen::Matrix3d whitened = Eigen::Matrix3d(root.matrixL()).inverse();
@@ -87,7 +82,7 @@ struct JointErrors {
             const auto [h, measured_m2, residual_m] = seen(k);
             if (!take_out(h, measured_m2, residual_m)) return std::nullopt;
             if (k == s) break;
-            const ErrorMatrix<N>& back = gain[k - 1];
+            const ErrorMatrix& back = gain[k - 1];
             own = (back * (own - covariance[k]) * back.transpose() + covariance[k - 1]).eval();
             mean = (back * mean).eval();
             cross = (back * cross).eval();
@@ -102,7 +97,7 @@ struct JointErrors {
 class JointCovariance {
   public:
     std::vector<PositionFix> fixes;  ///< that took part, an epoch each
-    std::variant<JointErrors<error_state::plain>, JointErrors<error_state::full>> errors;
+    JointErrors errors;
     Eigen::Vector3d reference_point_m;  ///< from the IMU
     Eigen::Vector3d antenna_m;          ///< as estimated
     double antenna_sigma_m = 0.0;       ///< 0 if it is estimated

@@ -33,18 +33,17 @@ InertialData part_of(const InertialData& data, bool from_the_beginning) {
 
 /// The likeliest noise of a part about its own trajectory. That is found with the noise of a craft,
 /// from which a wrong start recovers soonest.
-template <int N>
 Judged judge_part(InertialData part, InertialSetup setup, StartChoice choice) {
     const FoundStart start = chosen_start(choice, part, setup);
     part.noise = setup.fit_noise ? on_a_craft(setup.noise) : setup.noise;
-    const Passes<N> passes = run_passes<N>(part, start.prior);
+    const Passes passes = run_passes(part, start.prior);
     const std::vector<InertialNominal> about = passes.last.trajectory();
     double squares = 0.0;
     for (const PositionInnovation& innovation : passes.last.innovations)
         squares += innovation.whitened.squaredNorm();
     part.noise = setup.noise;
     const FittedImuNoise fitted =
-        setup.fit_noise ? fit_imu_noise<N>(part, start.prior, about)
+        setup.fit_noise ? fit_imu_noise(part, start.prior, about)
                         : FittedImuNoise{setup.noise, passes.last.log_likelihood, false};
     setup.noise = fitted.noise;
     return {.setup = setup,
@@ -54,12 +53,6 @@ Judged judge_part(InertialData part, InertialSetup setup, StartChoice choice) {
             .log_likelihood = fitted.log_likelihood,
             .nis = squares / (3.0 * static_cast<double>(about.size())),
             .noise_at_limit = fitted.at_limit};
-}
-
-Judged judge_part(const InertialData& part, const InertialSetup& setup, StartChoice choice) {
-    return setup.estimate_antenna || setup.estimate_time_offset
-               ? judge_part<error_state::full>(part, setup, choice)
-               : judge_part<error_state::plain>(part, setup, choice);
 }
 
 }  // namespace

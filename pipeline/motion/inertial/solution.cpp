@@ -22,16 +22,15 @@ constexpr double least_tilt_change_rad = 0.026;
 /// Epochs at the start whose innovations test a vague prior.
 constexpr std::size_t prior_epochs = 10;
 
-template <int N>
-PointMotion point_of(const InertialNominal& at, const ErrorMatrix<N>& covariance,
+PointMotion point_of(const InertialNominal& at, const ErrorMatrix& covariance,
                      const Eigen::Vector3d& arm_m, const Eigen::Vector3d& rate, double offset_s,
                      double rate_variance) {
     const Eigen::Matrix3d& c = at.state.enu_from_body;
     PointMotion point;
     point.velocity_m_s = at.state.velocity_m_s + c * rate.cross(arm_m);
     point.position_m = at.state.position_m + c * arm_m + offset_s * point.velocity_m_s;
-    const auto position = point_jacobian<N>(c, arm_m, point.velocity_m_s);
-    const auto velocity = point_velocity_jacobian<N>(c, arm_m, rate);
+    const auto position = point_jacobian(c, arm_m, point.velocity_m_s);
+    const auto velocity = point_velocity_jacobian(c, arm_m, rate);
     point.position_covariance_m2 = position * covariance * position.transpose();
     const Eigen::Matrix3d turning = c * cross_matrix(arm_m);
     point.velocity_covariance_m2_s2 = velocity * covariance * velocity.transpose() +
@@ -67,42 +66,37 @@ EulerAngles sigmas(const Eigen::Matrix3d& c, const Eigen::Matrix3d& covariance) 
     return {sigma.x(), sigma.y(), sigma.z()};
 }
 
-template <int N>
-InertialEpoch epoch_of(const InertialPass<N>& pass, std::size_t k, const InertialData& data,
+InertialEpoch epoch_of(const InertialPass& pass, std::size_t k, const InertialData& data,
                        const InertialSetup& setup) {
     using namespace error_state;
     const InertialNominal at = pass.solution(k);
-    const ErrorMatrix<N>& covariance = pass.covariance[k];
+    const ErrorMatrix& covariance = pass.covariance[k];
     const double carried_s = pass.carried_offset_s;
     InertialEpoch epoch;
     epoch.time_s = data.fixes[k].time_s;
     epoch.enu_from_body = at.state.enu_from_body;
     epoch.attitude = euler_angles(at.state.enu_from_body);
-    epoch.attitude_sigma =
-        sigmas(at.state.enu_from_body, covariance.template topLeftCorner<3, 3>());
+    epoch.attitude_sigma = sigmas(at.state.enu_from_body, covariance.topLeftCorner<3, 3>());
     epoch.rate_rad_s = measured_rate_rad_s(data.samples, epoch.time_s + carried_s) -
                        at.bias.gyro_rad_s -
                        at.state.enu_from_body.transpose() * data.earth.rotation_rad_s();
     const auto point = [&](const Eigen::Vector3d& arm_m) {
-        return point_of<N>(at, covariance, arm_m, epoch.rate_rad_s, at.time_offset_s - carried_s,
-                           rate_variance_of(data));
+        return point_of(at, covariance, arm_m, epoch.rate_rad_s, at.time_offset_s - carried_s,
+                        rate_variance_of(data));
     };
     epoch.antenna = point(at.antenna_m);
     epoch.reference_point = point(setup.reference_point_m);
     epoch.bias = at.bias;
     const auto sigma = [&](int from) -> Eigen::Vector3d {
-        return covariance.diagonal().template segment<3>(from).cwiseSqrt();
+        return covariance.diagonal().segment<3>(from).cwiseSqrt();
     };
     epoch.bias_sigma = {sigma(gyro_bias), sigma(accelerometer_bias)};
     epoch.position_error_m = at.position_error_m;
     epoch.innovation = pass.innovations[k].whitened;
-    if constexpr (N == full) {
-        const auto h =
-            point_jacobian<N>(at.state.enu_from_body, at.antenna_m, epoch.antenna.velocity_m_s);
-        Eigen::Matrix<double, 3, N> with_arm = h;
-        with_arm.template middleCols<3>(lever_arm) = at.state.enu_from_body;
-        epoch.antenna.position_covariance_m2 = with_arm * covariance * with_arm.transpose();
-    }
+    const auto h = point_jacobian(at.state.enu_from_body, at.antenna_m, epoch.antenna.velocity_m_s);
+    ErrorJacobian with_arm = h;
+    with_arm.middleCols<3>(lever_arm) = at.state.enu_from_body;
+    epoch.antenna.position_covariance_m2 = with_arm * covariance * with_arm.transpose();
     return epoch;
 }
 
@@ -153,8 +147,7 @@ void find_doubts(InertialSolution& solution, const InertialSetup& setup, double 
 }
 
 /// Steps between positions well above the median, and those where samples are missing.
-template <int N>
-std::vector<BridgedStretch> bridged_spans(const InertialPass<N>& pass, const InertialData& data) {
+std::vector<BridgedStretch> bridged_spans(const InertialPass& pass, const InertialData& data) {
     const std::vector<PositionFix>& fixes = data.fixes;
     std::vector<double> steps;
     for (std::size_t k = 1; k < fixes.size(); ++k)
@@ -182,35 +175,29 @@ bool InertialStatistics::tells_motion() const {
            std::ranges::none_of(doubts, fails);
 }
 
-template <int N>
-InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
+InertialSolution solution_of(InertialPass&& pass, const InertialData& data,
                              const InertialSetup& setup, double turned) {
     InertialSolution solution;
     const std::size_t count = pass.nominal.size();
     solution.epochs.reserve(count);
     for (std::size_t k = 0; k < count; ++k)
-        solution.epochs.push_back(epoch_of<N>(pass, k, data, setup));
+        solution.epochs.push_back(epoch_of(pass, k, data, setup));
     const InertialNominal last = pass.solution(count - 1);
     solution.antenna_m = {last.antenna_m, Eigen::Vector3d::Constant(setup.antenna_sigma_m)};
     solution.time_offset_s.value = last.time_offset_s;
-    if constexpr (N == error_state::full) {
-        const Eigen::Matrix<double, N, 1> sigma = pass.covariance.back().diagonal().cwiseSqrt();
-        if (setup.estimate_antenna)
-            solution.antenna_m.sigma = sigma.template segment<3>(error_state::lever_arm);
-        if (setup.estimate_time_offset)
-            solution.time_offset_s.sigma = sigma(error_state::time_offset);
-    }
+    const ErrorVector sigma = pass.covariance.back().diagonal().cwiseSqrt();
+    if (setup.estimate_antenna) solution.antenna_m.sigma = sigma.segment<3>(error_state::lever_arm);
+    if (setup.estimate_time_offset) solution.time_offset_s.sigma = sigma(error_state::time_offset);
     solution.log_likelihood = pass.log_likelihood;
     solution.noise = data.noise;
-    solution.bridged = bridged_spans<N>(pass, data);
+    solution.bridged = bridged_spans(pass, data);
     solution.consistency = consistency_of(solution.epochs);
     find_doubts(solution, setup, turned);
     auto joint = std::make_shared<JointCovariance>();
     joint->fixes = data.fixes;
-    joint->errors =
-        JointErrors<N>{.covariance = std::move(pass.covariance),
-                       .gain = std::move(pass.gain),
-                       .later = std::move(pass.later)};
+    joint->errors = JointErrors{.covariance = std::move(pass.covariance),
+                                .gain = std::move(pass.gain),
+                                .later = std::move(pass.later)};
     joint->reference_point_m = setup.reference_point_m;
     joint->antenna_m = last.antenna_m;
     joint->antenna_sigma_m = setup.estimate_antenna ? 0.0 : setup.antenna_sigma_m;
@@ -219,11 +206,7 @@ InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
     return solution;
 }
 
-template InertialSolution solution_of<error_state::plain>(InertialPass<error_state::plain>&&,
-                                                          const InertialData&, const InertialSetup&,
-                                                          double);
-template InertialSolution solution_of<error_state::full>(InertialPass<error_state::full>&&,
-                                                         const InertialData&, const InertialSetup&,
-                                                         double);
+template InertialSolution solution_of(InertialPass&&, const InertialData&, const InertialSetup&,
+                                      double);
 
 }  // namespace runcert

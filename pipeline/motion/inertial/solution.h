@@ -6,8 +6,7 @@ namespace runcert {
 
 /// The solution that a smoothed pass gives, with its consistency. `turned`: what the pass still
 /// turned the attitude by, over what it may.
-template <int N>
-InertialSolution solution_of(InertialPass<N>&& pass, const InertialData& data,
+InertialSolution solution_of(InertialPass&& pass, const InertialData& data,
                              const InertialSetup& setup, double turned);
 
 }  // namespace runcert

@@ -1,4 +1,4 @@
-#include "reports/words/outcome.h"
+#include "schemas/verdict/outcome.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -10,7 +10,7 @@
 #include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/rounding.h"
-#include "reports/words/figures.h"
+#include "schemas/verdict/figures.h"
 
 namespace runcert {
 namespace {

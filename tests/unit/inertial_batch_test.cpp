@@ -15,8 +15,18 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace error_state;
-using State = ErrorVector<plain>;
-using Matrix = ErrorMatrix<plain>;
+/// The errors that the data show here: the antenna's arm and the time offset are known.
+constexpr int shown = lever_arm;
+using State = Eigen::Matrix<double, shown, 1>;
+using Matrix = Eigen::Matrix<double, shown, shown>;
+
+Matrix shown_of(const ErrorMatrix& all) {
+    return all.topLeftCorner<shown, shown>();
+}
+
+State shown_deviation(const InertialNominal& a, const InertialNominal& b) {
+    return deviation(a, b).head<shown>();
+}
 
 Matrix whitening(const Matrix& covariance) {
     return covariance.llt().matrixL().solve(Matrix::Identity());
@@ -31,7 +41,9 @@ struct Scaled {
     State unit;
     InertialNominal at(const double* x) const {
         const State deviates = Eigen::Map<const State>(x) - State::Constant(zero);
-        return corrected<plain>(*about, unit.cwiseProduct(deviates));
+        ErrorVector all = ErrorVector::Zero();
+        all.head<shown>() = unit.cwiseProduct(deviates);
+        return corrected(*about, all);
     }
 };
 
@@ -50,7 +62,7 @@ struct MotionResidual {
             carried.state =
                 strapdown_step(carried.state, piece->sample, carried.bias, data->earth).state;
         carried.position_error_m *= std::exp(-(to_s - from_s) / data->position_error.time_s);
-        Eigen::Map<State>(residual, plain) = whiten * deviation<plain>(to.at(b), carried);
+        Eigen::Map<State>(residual, shown) = whiten * shown_deviation(to.at(b), carried);
         return true;
     }
 };
@@ -75,7 +87,7 @@ struct PriorResidual {
     Matrix whiten;
 
     bool operator()(const double* x, double* residual) const {
-        Eigen::Map<State>(residual, plain) = whiten * deviation<plain>(state.at(x), prior);
+        Eigen::Map<State>(residual, shown) = whiten * shown_deviation(state.at(x), prior);
         return true;
     }
 };
@@ -90,8 +102,8 @@ ceres::CostFunction* cost(const Residual& residual) {
 Matrix step_noise(const InertialData& data, const InertialNominal& from, std::size_t k) {
     InertialData two = data;
     two.fixes = {data.fixes[k], data.fixes[k + 1]};
-    const InertialPrior known{.nominal = from, .covariance = ErrorMatrix<full>::Zero()};
-    return filter_forwards<plain>(two, known, {}, 2).predicted_covariance[1];
+    const InertialPrior known{.nominal = from, .covariance = ErrorMatrix::Zero()};
+    return shown_of(filter_forwards(two, known, {}, 2).predicted_covariance[1]);
 }
 
 InertialNominal nominal_of(const InertialEpoch& epoch, const InertialSetup& setup) {
@@ -106,8 +118,7 @@ InertialNominal nominal_of(const InertialEpoch& epoch, const InertialSetup& setu
 
 /// The batch's own covariances, of single epochs and between two, against the smoother's.
 void expect_covariances_to_agree(ceres::Problem& problem, const std::vector<State>& x,
-                                 const std::vector<Scaled>& scaled,
-                                 const JointErrors<plain>& joint) {
+                                 const std::vector<Scaled>& scaled, const JointErrors& joint) {
     constexpr std::size_t s = 250, e = 280;
     ceres::Covariance::Options options;
     options.algorithm_type = ceres::SPARSE_QR;
@@ -117,7 +128,7 @@ void expect_covariances_to_agree(ceres::Problem& problem, const std::vector<Stat
     ASSERT_TRUE(covariance.Compute({{at_s, at_s}, {at_s, at_e}, {at_e, at_e}}, &problem));
     // All in units of the smoother's standard deviations.
     const auto block = [&](const double* a, const double* b) {
-        Eigen::Matrix<double, plain, plain, Eigen::RowMajor> found;
+        Eigen::Matrix<double, shown, shown, Eigen::RowMajor> found;
         EXPECT_TRUE(covariance.GetCovarianceBlock(a, b, found.data()));
         return Matrix(found);
     };
@@ -125,11 +136,12 @@ void expect_covariances_to_agree(ceres::Problem& problem, const std::vector<Stat
         return scaled[a].unit.cwiseInverse().asDiagonal() * m *
                scaled[b].unit.cwiseInverse().asDiagonal();
     };
-    Matrix cross = joint.covariance[e];
+    ErrorMatrix carried = joint.covariance[e];
     for (std::size_t k = e; k > s; --k)
-        cross = joint.gain[k - 1] * cross;
+        carried = joint.gain[k - 1] * carried;
+    const Matrix cross = shown_of(carried);
     const double single =
-        (block(at_s, at_s) - scaled_by(joint.covariance[s], s, s)).cwiseAbs().maxCoeff();
+        (block(at_s, at_s) - scaled_by(shown_of(joint.covariance[s]), s, s)).cwiseAbs().maxCoeff();
     const double across = (block(at_s, at_e) - scaled_by(cross, s, e)).cwiseAbs().maxCoeff();
     EXPECT_GT(scaled_by(cross, s, e).cwiseAbs().maxCoeff(), 0.5);
     EXPECT_LT(single, 1e-2);
@@ -142,7 +154,7 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
     const InertialRun run = simulate_inertial(spec);
     const InertialSetup setup = setup_of(spec);
     const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup);
-    const auto& joint = std::get<JointErrors<plain>>(solution.joint->errors);
+    const auto& joint = solution.joint->errors;
     InertialData data{.samples = run.samples,
                       .fixes = {},
                       .earth = EarthFrame(spec.origin),
@@ -160,22 +172,22 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
     RandomGenerator random(1);
     for (std::size_t k = 0; k < count; ++k) {
         about[k] = nominal_of(solution.epochs[k], setup);
-        scaled[k] = {.about = &about[k], .unit = joint.covariance[k].diagonal().cwiseSqrt()};
+        scaled[k] = {.about = &about[k],
+                     .unit = shown_of(joint.covariance[k]).diagonal().cwiseSqrt()};
         for (double& each : x[k])
             each = zero + random.normal();  // a standard deviation away
     }
     ceres::Problem problem;
-    problem.AddResidualBlock(
-        cost<plain, plain>(PriorResidual{
-            prior.nominal, scaled[0], whitening(prior.covariance.topLeftCorner<plain, plain>())}),
-        nullptr, x[0].data());
+    problem.AddResidualBlock(cost<shown, shown>(PriorResidual{
+                                 prior.nominal, scaled[0], whitening(shown_of(prior.covariance))}),
+                             nullptr, x[0].data());
     for (std::size_t k = 0; k < count; ++k) {
         const Eigen::Matrix3d whiten =
             data.fixes[k].covariance_m2.llt().matrixL().solve(Eigen::Matrix3d::Identity());
-        problem.AddResidualBlock(cost<3, plain>(PositionResidual{data.fixes[k], scaled[k], whiten}),
+        problem.AddResidualBlock(cost<3, shown>(PositionResidual{data.fixes[k], scaled[k], whiten}),
                                  nullptr, x[k].data());
         if (k + 1 == count) break;
-        problem.AddResidualBlock(cost<plain, plain, plain>(MotionResidual{
+        problem.AddResidualBlock(cost<shown, shown, shown>(MotionResidual{
                                      .data = &data,
                                      .samples = &reader,
                                      .from = scaled[k],
@@ -194,7 +206,7 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
     EXPECT_NE(summary.termination_type, ceres::FAILURE) << summary.BriefReport();
     double most[6] = {};
     for (std::size_t k = 0; k < count; ++k)
-        for (int j = 0; j < plain; ++j)
+        for (int j = 0; j < shown; ++j)
             most[j / 3] = std::max(most[j / 3], std::abs(x[k](j) - zero));
     for (const double each : most)
         EXPECT_LT(each, 1e-2);

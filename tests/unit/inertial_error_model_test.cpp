@@ -52,15 +52,14 @@ double step_of(int state) {
     return 1e-3;
 }
 
-ErrorMatrix<plain> numeric_transition(const Case& at, double dt, int steps,
-                                      const PositionErrorModel& error) {
-    ErrorMatrix<plain> numeric;
-    for (int j = 0; j < plain; ++j) {
-        const ErrorVector<plain> d = step_of(j) * ErrorVector<plain>::Unit(j);
-        const InertialNominal plus = at.carried(corrected<plain>(at.nominal, d), dt, steps, error);
-        const InertialNominal minus =
-            at.carried(corrected<plain>(at.nominal, -d), dt, steps, error);
-        numeric.col(j) = deviation<plain>(plus, minus) / (2.0 * step_of(j));
+ErrorMatrix numeric_transition(const Case& at, double dt, int steps,
+                               const PositionErrorModel& error) {
+    ErrorMatrix numeric;
+    for (int j = 0; j < size; ++j) {
+        const ErrorVector d = step_of(j) * ErrorVector::Unit(j);
+        const InertialNominal plus = at.carried(corrected(at.nominal, d), dt, steps, error);
+        const InertialNominal minus = at.carried(corrected(at.nominal, -d), dt, steps, error);
+        numeric.col(j) = deviation(plus, minus) / (2.0 * step_of(j));
     }
     return numeric;
 }
@@ -74,12 +73,12 @@ TEST(ErrorModel, TransitionIsThatOfDifferences) {
     const ErrorStep step{.dt_s = dt,
                          .enu_from_body = half.state.enu_from_body,
                          .specific_force_m_s2 = half.state.enu_from_body * at.force};
-    const ErrorMatrix<plain> analytic = error_transition(step, error, at.earth).matrix<plain>();
-    const ErrorMatrix<plain> numeric = numeric_transition(at, dt, 1, error);
-    const double largest = ((analytic - ErrorMatrix<plain>::Identity()) / dt).cwiseAbs().maxCoeff();
+    const ErrorMatrix analytic = error_transition(step, error, at.earth).matrix();
+    const ErrorMatrix numeric = numeric_transition(at, dt, 1, error);
+    const double largest = ((analytic - ErrorMatrix::Identity()) / dt).cwiseAbs().maxCoeff();
     EXPECT_GT(largest, 5.0);
-    for (int i = 0; i < plain; i += 3)
-        for (int j = 0; j < plain; j += 3)
+    for (int i = 0; i < lever_arm; i += 3)
+        for (int j = 0; j < lever_arm; j += 3)
             EXPECT_LT(((analytic - numeric).block<3, 3>(i, j) / dt).cwiseAbs().maxCoeff(),
                       1e-5 * largest)
                 << i << " " << j;
@@ -95,8 +94,8 @@ TEST(ErrorModel, TransitionOverTheFiltersStepIsGoodToItsOrder) {
         .dt_s = 0.02,
         .enu_from_body = 0.5 * (at.nominal.state.enu_from_body + end.state.enu_from_body),
         .specific_force_m_s2 = half.state.enu_from_body * at.force};
-    const ErrorMatrix<plain> analytic = error_transition(step, error, at.earth).matrix<plain>();
-    const ErrorMatrix<plain> numeric = numeric_transition(at, 0.01, 2, error);
+    const ErrorMatrix analytic = error_transition(step, error, at.earth).matrix();
+    const ErrorMatrix numeric = numeric_transition(at, 0.01, 2, error);
     EXPECT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 1e-4);
     EXPECT_LT((analytic - numeric).leftCols<3>().cwiseAbs().maxCoeff(), 2e-5);
 }
@@ -112,12 +111,12 @@ TEST(ErrorModel, JacobiansAreThoseOfDifferences) {
         at.nominal.state.velocity_m_s +
         at.nominal.state.enu_from_body * at.rate.cross(at.nominal.antenna_m);
     const auto analytic =
-        position_jacobian<full>(at.nominal.state.enu_from_body, at.nominal.antenna_m, velocity_m_s);
-    for (int j = 0; j < full; ++j) {
-        const double h = j < plain ? step_of(j) : 1e-3;
-        const ErrorVector<full> d = h * ErrorVector<full>::Unit(j);
-        const InertialNominal plus = corrected<full>(at.nominal, d);
-        const InertialNominal minus = corrected<full>(at.nominal, -d);
+        position_jacobian(at.nominal.state.enu_from_body, at.nominal.antenna_m, velocity_m_s);
+    for (int j = 0; j < size; ++j) {
+        const double h = step_of(j);
+        const ErrorVector d = h * ErrorVector::Unit(j);
+        const InertialNominal plus = corrected(at.nominal, d);
+        const InertialNominal minus = corrected(at.nominal, -d);
         const Eigen::Vector3d numeric =
             (predicted(plus, plus.time_offset_s) - predicted(minus, minus.time_offset_s)) /
             (2.0 * h);
@@ -132,14 +131,13 @@ TEST(ErrorModel, PointsMoveAsTheirJacobians) {
         const Eigen::Vector3d rate = at.rate + at.nominal.bias.gyro_rad_s - x.bias.gyro_rad_s;
         return x.state.velocity_m_s + x.state.enu_from_body * rate.cross(arm);
     };
-    const auto analytic =
-        point_velocity_jacobian<plain>(at.nominal.state.enu_from_body, arm, at.rate);
-    for (int j = 0; j < plain; ++j) {
+    const auto analytic = point_velocity_jacobian(at.nominal.state.enu_from_body, arm, at.rate);
+    for (int j = 0; j < size; ++j) {
         const double h = step_of(j);
-        const ErrorVector<plain> d = h * ErrorVector<plain>::Unit(j);
-        const Eigen::Vector3d numeric = (velocity_of(corrected<plain>(at.nominal, d)) -
-                                         velocity_of(corrected<plain>(at.nominal, -d))) /
-                                        (2.0 * h);
+        const ErrorVector d = h * ErrorVector::Unit(j);
+        const Eigen::Vector3d numeric =
+            (velocity_of(corrected(at.nominal, d)) - velocity_of(corrected(at.nominal, -d))) /
+            (2.0 * h);
         EXPECT_LT((numeric - analytic.col(j)).norm(), 1e-6) << j;
     }
 }
@@ -147,10 +145,10 @@ TEST(ErrorModel, PointsMoveAsTheirJacobians) {
 TEST(ErrorModel, CorrectionsAndDeviationsAreEachOthersInverse) {
     const Case at;
     RandomGenerator random(1);
-    ErrorVector<full> d;
-    for (int j = 0; j < full; ++j)
+    ErrorVector d;
+    for (int j = 0; j < size; ++j)
         d(j) = 0.1 * random.normal();
-    EXPECT_LT((deviation<full>(corrected<full>(at.nominal, d), at.nominal) - d).norm(), 1e-12);
+    EXPECT_LT((deviation(corrected(at.nominal, d), at.nominal) - d).norm(), 1e-12);
 }
 
 // In closed form: white acceleration noise makes q t in velocity, q t^2 / 2 across, q t^3 / 3 in
@@ -164,10 +162,10 @@ TEST(ErrorModel, NoiseGrowsAsItsIntegrals) {
     ErrorStep step{.dt_s = 0.02, .specific_force_m_s2 = {0.0, 0.0, 9.8}};
     const ErrorTransition transition = error_transition(step, error, at.earth);
     const ErrorNoise added = error_noise(step, noise, error);
-    ErrorMatrix<plain> p = ErrorMatrix<plain>::Zero();
+    ErrorMatrix p = ErrorMatrix::Zero();
     constexpr double t = 1.0;
     for (int i = 0; i < 50; ++i)
-        propagate<plain>(p, transition, added);
+        propagate(p, transition, added);
     const double qa = 0.05 * 0.05, qg = 1e-6;
     EXPECT_NEAR(p(5, 5), qa * t, 1e-3 * qa);  // up: gravity turns no part of it
     EXPECT_NEAR(p(8, 8), qa * t * t * t / 3.0, 2e-3 * qa);

@@ -143,7 +143,7 @@ TEST(InertialSmoother, AttitudeErrsAsStated) {
             seed % 2 == 0 ? lake(ImuClass::mems, seed) : oval(ImuClass::tactical, seed);
         const InertialRun run = simulate_inertial(spec);
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup_of(spec));
-        const auto& joint = std::get<JointErrors<error_state::plain>>(solution.joint->errors);
+        const auto& joint = solution.joint->errors;
         const std::size_t first = test::first_truth(run, solution);
         for (std::size_t k = 25; k < solution.epochs.size(); k += 50) {
             const Eigen::Vector3d error =

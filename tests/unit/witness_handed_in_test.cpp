@@ -145,7 +145,7 @@ TEST(WitnessOfCraft, IsLessCertainByWhatTheAntennaMaySwing) {
 InertialSolution swinging() {
     InertialSolution solution;
     auto joint = std::make_shared<JointCovariance>();
-    auto& errors = joint->errors.emplace<JointErrors<error_state::plain>>();
+    JointErrors& errors = joint->errors;
     joint->antenna_sigma_m = 0.01;
     for (int k = 0; k <= 100; ++k) {
         const double time_s = 0.1 * k, phase = std::numbers::pi * time_s;
@@ -160,8 +160,8 @@ InertialSolution swinging() {
         epoch.antenna.velocity_m_s =
             epoch.reference_point.velocity_m_s +
             std::numbers::pi * Eigen::Vector3d(0.5 * std::cos(phase), -std::sin(phase), 0.0);
-        errors.covariance.emplace_back(ErrorMatrix<error_state::plain>::Zero());
-        errors.gain.emplace_back(ErrorMatrix<error_state::plain>::Identity());
+        errors.covariance.emplace_back(ErrorMatrix::Zero());
+        errors.gain.emplace_back(ErrorMatrix::Identity());
     }
     solution.joint = joint;
     solution.bridged = {{.from_s = 7.0, .to_s = 8.0}};

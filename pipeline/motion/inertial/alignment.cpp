@@ -342,8 +342,8 @@ FoundStart search_start(const InertialData& data, const InertialSetup& setup) {
         best = prior;
         greatest = likelihood;
     }
-    auto pass = filter_forwards<error_state::full>(part, *best, {}, part.fixes.size());
-    smooth_backwards<error_state::full>(pass, part);
+    auto pass = filter_forwards(part, *best, {}, part.fixes.size());
+    smooth_backwards(pass, part);
     const InertialNominal found = pass.solution(0);
     const Eigen::Matrix3d first =
         found.state.enu_from_body * body_rotation(data.samples,

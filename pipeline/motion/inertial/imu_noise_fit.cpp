@@ -59,7 +59,4 @@ FittedImuNoise fit_imu_noise(InertialData data, const InertialPrior& prior,
     return {.noise = best.of(own), .log_likelihood = greatest, .at_limit = at_limit};
 }
 
-template FittedImuNoise fit_imu_noise(InertialData, const InertialPrior&,
-                                      std::span<const InertialNominal>);
-
 }  // namespace runcert

@@ -41,6 +41,4 @@ Passes run_passes(const InertialData& data, const InertialPrior& prior,
     return passes;
 }
 
-template Passes run_passes(const InertialData&, const InertialPrior&, std::vector<InertialNominal>);
-
 }  // namespace runcert

@@ -206,7 +206,4 @@ InertialSolution solution_of(InertialPass&& pass, const InertialData& data,
     return solution;
 }
 
-template InertialSolution solution_of(InertialPass&&, const InertialData&, const InertialSetup&,
-                                      double);
-
 }  // namespace runcert

@@ -172,17 +172,6 @@ Fit fitted(const Regression& all, int order) {
     return fit;
 }
 
-/// Half of the speed that a tenth of them exceed.
-double half_of_fastest_tenth(const std::vector<std::optional<double>>& all) {
-    std::vector<double> speeds;
-    for (const auto& speed : all)
-        if (speed) speeds.push_back(*speed);
-    if (speeds.empty()) return 0.0;
-    const auto tenth = speeds.begin() + std::ssize(speeds) * 9 / 10;
-    std::ranges::nth_element(speeds, tenth);
-    return 0.5 * *tenth;
-}
-
 /// The speeds at the times of the positions. Where samples are sparser than rows, only the rows
 /// next to a sample depend on the samples through one and the same filter.
 std::vector<std::optional<double>> at_rows(std::span<const TimedValue> speeds, Positions positions,
@@ -242,7 +231,10 @@ VelocityOrigin made_from(std::span<const TimedValue> speeds, Positions positions
     if (!(step_s > 0.0)) return VelocityOrigin::unclear;
     const double speed_rounding_m_s = rounding_deviation(resolution_m_s(speeds));
     const auto beside = at_rows(speeds, positions, delay_s);
-    const double least_m_s = half_of_fastest_tenth(beside);
+    std::vector<double> known;
+    for (const auto& speed : beside)
+        if (speed) known.push_back(*speed);
+    const double least_m_s = half_of_fastest_tenth(std::move(known));
     bool compared = false, unclear = false;
     for (const std::size_t either_side : {1U, 2U, 5U, 10U, 32U}) {
         // More weights follow rougher motion, and only what they do not follow is noise to them.
@@ -284,41 +276,6 @@ bool made_from(Positions second, Positions first, double offset_s) {
     return from(second, offset_s, first) || from(first, -offset_s, second);
 }
 
-namespace {
-
-/// Robust standard deviation of what a witness departs from the positions along the way, over spans
-/// in which the craft moves at half the speed of its fastest tenth or more. Empty if these cover
-/// less than five lengths.
-std::optional<double> departure_m(const Witness<2>& witness, Positions positions, double span_s) {
-    constexpr double tolerance_s = 1e-6;
-    constexpr double fewest = 5.0;
-    std::vector<std::optional<double>> speeds;
-    std::vector<double> departures;
-    std::size_t to = 0;
-    for (std::size_t from = 0; from < positions.size(); ++from) {
-        while (to < positions.size() &&
-               positions[to].time_s < positions[from].time_s + span_s - tolerance_s)
-            ++to;
-        if (to == positions.size()) break;
-        const double length_s = positions[to].time_s - positions[from].time_s;
-        if (positions[to].stretch != positions[from].stretch || length_s > 1.2 * span_s) continue;
-        const auto moved = witness.between(positions[from].time_s, positions[to].time_s);
-        const Vector2d way = positions[to].position - positions[from].position;
-        if (!moved || !(way.norm() > 0.0)) continue;
-        speeds.emplace_back(way.norm() / length_s);
-        departures.push_back((way - moved->displacement_m).dot(way.normalized()));
-    }
-    const double least_m_s = half_of_fastest_tenth(speeds);
-    std::vector<double> fast;
-    for (std::size_t i = 0; i < speeds.size(); ++i)
-        if (*speeds[i] >= least_m_s) fast.push_back(departures[i]);
-    if (static_cast<double>(fast.size()) * median_step_s(positions) < fewest * span_s)
-        return std::nullopt;
-    return robust_scatter(std::move(fast));
-}
-
-}  // namespace
-
 bool made_from(const Witness<2>& integrated, double rounding_m_s, double interval_s,
                Positions positions) {
     constexpr double least_density = 0.003;  // m s^-1/2
@@ -339,16 +296,15 @@ bool made_from(const Witness<2>& integrated, double rounding_m_s, double interva
         if (!spread) break;
         keeps = keeps || spread->sd_m < least_density * std::sqrt(span_s) ||
                 (of_code && span_s >= of_code_s && spread->sd_m < of_code_m);
-        if (const auto departure = departure_m(integrated, positions, span_s)) {
-            longest_s = span_s;
-            last_m = *departure;
-        }
+        longest_s = span_s;
+        last_m = spread->along_m;
     }
     if (!keeps) return false;
-    const auto soon_m =
-        departure_m(integrated, positions, std::max(1.0, 3.0 * median_step_s(positions)));
-    return !soon_m || last_m <= std::hypot(growth * *soon_m, share_of_rounding * rounding_m_s *
-                                                                 std::sqrt(interval_s * longest_s));
+    const auto soon =
+        displacement_spread(integrated, positions, std::max(1.0, 3.0 * median_step_s(positions)));
+    return !soon ||
+           last_m <= std::hypot(growth * soon->along_m, share_of_rounding * rounding_m_s *
+                                                            std::sqrt(interval_s * longest_s));
 }
 
 bool made_from(std::span<const Way> ways, Positions positions) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "core/statistics.h"
+#include "witness/velocity_delay.h"
 
 namespace runcert {
 namespace {
@@ -16,6 +17,7 @@ using Eigen::Matrix2d, Eigen::Vector2d;
 template <int Axes>
 struct SpanDifference {
     PositionVector<Axes> difference_m = PositionVector<Axes>::Zero();
+    double along_m = 0.0;    ///< its part along the way
     double speed_m_s = 0.0;  ///< mean along the path
 };
 
@@ -39,11 +41,13 @@ std::vector<SpanDifference<Axes>> span_differences(const Witness<Axes>& witness,
         const auto path_m = witness.path_between(from.time_s, last.time_s);
         if (!moved || !path_m) continue;
         const double length_s = last.time_s - from.time_s;
+        const PositionVector<Axes> way = last.position - from.position;
         // Scaled by the variance of the span's own length, which may be one interval longer.
-        differences.push_back(
-            {.difference_m = std::sqrt(span_s / length_s) *
-                             (last.position - from.position - moved->displacement_m),
-             .speed_m_s = *path_m / length_s});
+        const PositionVector<Axes> difference =
+            std::sqrt(span_s / length_s) * (way - moved->displacement_m);
+        differences.push_back({.difference_m = difference,
+                               .along_m = difference.dot(way.stableNormalized()),
+                               .speed_m_s = *path_m / length_s});
         next_s = from.time_s + spans_apart * span_s;
     }
     return differences;
@@ -79,23 +83,29 @@ double variance_of_span(const TimedPosition<2>& begin, const TimedPosition<2>& e
 
 }  // namespace
 
+double half_of_fastest_tenth(std::vector<double> speeds_m_s) {
+    if (speeds_m_s.empty()) return 0.0;
+    const auto tenth = speeds_m_s.begin() + (std::ssize(speeds_m_s) - 1) * 9 / 10;
+    std::ranges::nth_element(speeds_m_s, tenth);
+    return 0.5 * *tenth;
+}
+
 template <int Axes>
 std::optional<DisplacementSpread> displacement_spread(
     const Witness<Axes>& witness, std::span<const TimedPosition<Axes>> positions, double span_s) {
     constexpr double fewest = 5.0;
-    constexpr double fast = 0.9;  // the speed that a tenth of the spans exceed
-    std::vector<SpanDifference<Axes>> all = span_differences(witness, positions, span_s);
+    const std::vector<SpanDifference<Axes>> all = span_differences(witness, positions, span_s);
     if (all.empty()) return std::nullopt;
     std::vector<double> speeds;
     for (const SpanDifference<Axes>& one : all)
         speeds.push_back(one.speed_m_s);
-    const auto at =
-        speeds.begin() + static_cast<std::ptrdiff_t>(fast * static_cast<double>(speeds.size() - 1));
-    std::nth_element(speeds.begin(), at, speeds.end());
-    const double least_m_s = 0.5 * *at;
-    std::vector<double> squares;
-    for (const SpanDifference<Axes>& one : all)
-        if (one.speed_m_s >= least_m_s) squares.push_back(one.difference_m.squaredNorm());
+    const double least_m_s = half_of_fastest_tenth(std::move(speeds));
+    std::vector<double> squares, along;
+    for (const SpanDifference<Axes>& one : all) {
+        if (one.speed_m_s < least_m_s) continue;
+        squares.push_back(one.difference_m.squaredNorm());
+        along.push_back(std::abs(one.along_m));
+    }
     DisplacementSpread spread{.span_s = span_s, .spans = std::ssize(squares)};
     spread.least_speed_m_s = least_m_s;
     // Consecutive spans are a tenth of their length apart, or one interval if that is longer.
@@ -105,6 +115,7 @@ std::optional<DisplacementSpread> displacement_spread(
         static_cast<double>(squares.size()) * std::min(1.0, std::max(0.1, interval_s / span_s));
     if (spread.independent < fewest) return std::nullopt;
     spread.sd_m = std::sqrt(median(std::move(squares)) / chi_squared_quantile(0.5, Axes));
+    spread.along_m = median(std::move(along)) / normal_quantile(0.75);
     const int degrees = static_cast<int>(Axes * spread.independent);
     spread.sd_upper_m = spread.sd_m * std::sqrt(degrees / chi_squared_quantile(0.05, degrees));
     return spread;
@@ -208,19 +219,22 @@ WitnessedMotionComparison compare_motion(std::span<const TimedPosition<2>> posit
     WitnessedMotionComparison result =
         compare_shifted(positions, witness, span_s, 0.0, spans_compared);
     if (!result.contradicts) return result;
-    constexpr int farthest_s = 60;
+    constexpr double farthest_s = 60.0;
     constexpr std::size_t of_a_shift = 60;
     constexpr double much_better = 0.2;
-    double least_m = much_better * result.median_difference_m;
-    for (int shift_s = -farthest_s; shift_s <= farthest_s; ++shift_s) {
-        const WitnessedMotionComparison shifted =
-            compare_shifted(positions, witness, span_s, shift_s, of_a_shift);
-        if (shifted.contradicts || shifted.spans < least_spans ||
-            shifted.median_difference_m >= least_m)
-            continue;
-        least_m = shifted.median_difference_m;
-        result.positions_ahead_s = shift_s;
-    }
+    const auto shifted = [&](double shift_s) {
+        return compare_shifted(positions, witness, span_s, shift_s, of_a_shift);
+    };
+    const auto typical_m2 = [&](double shift_s) {
+        const WitnessedMotionComparison one = shifted(shift_s);
+        return one.spans < least_spans ? std::numeric_limits<double>::infinity()
+                                       : one.median_difference_m * one.median_difference_m;
+    };
+    const auto ahead_s = velocities::delay_of(typical_m2, 0.0, farthest_s + 1.0, 1.0, 1.0).delay_s;
+    if (!ahead_s) return result;
+    const WitnessedMotionComparison best = shifted(std::round(*ahead_s));
+    if (!best.contradicts && best.median_difference_m < much_better * result.median_difference_m)
+        result.positions_ahead_s = std::llround(*ahead_s);
     return result;
 }
 

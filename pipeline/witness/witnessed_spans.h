@@ -25,9 +25,14 @@ struct DisplacementSpread {
     std::int64_t spans = 0;        ///< number compared; they overlap
     double independent = 0.0;      ///< covered time in span lengths
     double sd_m = 0.0;             ///< robust standard deviation, each axis
+    double along_m = 0.0;          ///< the same along the way
     double sd_upper_m = 0.0;       ///< upper 95 % limit of sd_m, for normal errors
     double least_speed_m_s = 0.0;  ///< of the spans compared
 };
+
+/// Half of the speed that a tenth of them exceed: a craft that is faster counts as moving fast. 0
+/// if there are none.
+double half_of_fastest_tenth(std::vector<double> speeds_m_s);
 
 /// The spread over spans of `span_s` in which the craft moved at half the speed of its fastest
 /// tenth or more. Empty if these cover less than five span lengths.

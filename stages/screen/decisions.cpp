@@ -158,22 +158,36 @@ RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
                      by.rate_up_m_s.value_or(0.0)}};
 }
 
+/// The least norm of a velocity that is compared at a lag, over the lags of the recorded velocities
+/// of up to half a second. Infinite if it is nowhere known.
+template <class AtLag>
+double least_over_lags(const std::vector<ScreenedEpoch>& rows,
+                       std::span<const std::size_t> arc_rows, std::size_t from,
+                       const AtLag& velocity_at) {
+    constexpr double longest_lag_s = 0.5;
+    double least_m_s = std::numeric_limits<double>::infinity();
+    for (std::size_t lag = 0;
+         from + lag < arc_rows.size() && away_s(rows, arc_rows, from + lag, from) <= longest_lag_s;
+         ++lag)
+        if (const std::optional<Eigen::Vector3d> velocity = velocity_at(lag))
+            least_m_s = std::min(least_m_s, velocity->norm());
+    return least_m_s;
+}
+
 /// Whether the recorded velocities change with the positions where these seem to begin to drift.
 /// The craft then really moved so, harder than the class's motion model allows. The velocities
-/// would not show a drift of the positions alone. They may lag by up to half a second.
+/// would not show a drift of the positions alone.
 bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
-    constexpr double longest_lag_s = 0.5;
     const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, tested, on_the_ground);
-    for (std::size_t lag = 0; ramp.first + lag < arc_rows.size() &&
-                              away_s(rows, arc_rows, ramp.first + lag, ramp.first) <= longest_lag_s;
-         ++lag) {
+    const auto change = [&](std::size_t lag) -> std::optional<Eigen::Vector3d> {
         const auto before = unrecorded_velocity(rows, arc_rows, sides.before, lag, sides.axes);
         const auto after = unrecorded_velocity(rows, arc_rows, sides.after, lag, sides.axes);
-        if (before && after && (*after - *before).norm() < 0.5 * sides.rate.norm()) return true;
-    }
-    return false;
+        if (!before || !after) return std::nullopt;
+        return *after - *before;
+    };
+    return least_over_lags(rows, arc_rows, ramp.first, change) < 0.5 * sides.rate.norm();
 }
 
 /// The side of a ramp that the recorded velocities confirm.
@@ -185,7 +199,6 @@ enum class VouchedSide { neither, before, after };
 VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
                          std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                          const RampSides& sides) {
-    constexpr double longest_lag_s = 0.5;
     constexpr double apart_s = 2.0;
     const double rate = sides.rate.norm();
     const ScreenedEpoch& at = rows[arc_rows[ramp.first]];
@@ -193,14 +206,9 @@ VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
                                .value_or(std::numeric_limits<double>::infinity());
     if (std::numbers::sqrt2 * sigma_m / apart_s > 0.25 * rate) return VouchedSide::neither;
     const auto least = [&](EpochRange side) {
-        double least_m_s = std::numeric_limits<double>::infinity();
-        for (std::size_t lag = 0;
-             ramp.first + lag < arc_rows.size() &&
-             away_s(rows, arc_rows, ramp.first + lag, ramp.first) <= longest_lag_s;
-             ++lag)
-            if (const auto moved = unrecorded_velocity(rows, arc_rows, side, lag, sides.axes))
-                least_m_s = std::min(least_m_s, moved->norm());
-        return least_m_s;
+        return least_over_lags(rows, arc_rows, ramp.first, [&](std::size_t lag) {
+            return unrecorded_velocity(rows, arc_rows, side, lag, sides.axes);
+        });
     };
     const double before = least(sides.before);
     const double after = least(sides.after);

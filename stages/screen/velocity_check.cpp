@@ -27,44 +27,51 @@ constexpr double lasting_m_s = 0.01;
 /// Beyond the delay, the velocities are interpolated from one sample more.
 constexpr double sample_s = 0.5;
 
-/// Data gathered from the tables. `comparisons` and `recorded` belong to the same rows.
+/// The smoothed motion at the rows of the arcs, and the usable ones with a recorded velocity.
 struct Gathered {
     Knots smoothed;
     std::vector<Comparison> comparisons;
-    Knots recorded;
 };
-
-/// Squared norms of the differences of recorded and smoothed velocities, m^2/s^2.
-std::vector<double> squared_differences(const Gathered& gathered, const Delay& delay) {
-    std::vector<double> squares;
-    for (std::size_t k = 0; k < gathered.recorded.size(); ++k) {
-        const Knot& recorded = gathered.recorded[k];
-        const auto at = motion_at(gathered.smoothed, gathered.comparisons[k].knot,
-                                  recorded.time_s - delay.delay_s.value_or(0.0));
-        if (at) squares.push_back((recorded.velocity - at->velocity).squaredNorm());
-    }
-    return squares;
-}
 
 Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
                 const Directions& directions, const std::vector<bool>& left_out) {
     Gathered gathered;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (!rows[i].arc || !motion[i]) continue;
-        Knot knot{.row = i,
-                  .arc = *rows[i].arc,
-                  .time_s = rows[i].time.seconds(),
-                  .velocity = motion[i]->velocity,
-                  .acceleration = motion[i]->acceleration,
-                  .covariance = motion[i]->velocity_covariance};
-        gathered.smoothed.push_back(knot);
+        gathered.smoothed.push_back({.row = i,
+                                     .arc = *rows[i].arc,
+                                     .time_s = rows[i].time.seconds(),
+                                     .velocity = motion[i]->velocity,
+                                     .acceleration = motion[i]->acceleration,
+                                     .covariance = motion[i]->velocity_covariance});
         const auto recorded = recorded_velocity<2>(rows[i], directions[i]);
-        if (!rows[i].usable || !recorded || left_out[i]) continue;
-        gathered.comparisons.push_back({gathered.smoothed.size() - 1, *recorded});
-        knot.velocity = *recorded;
-        gathered.recorded.push_back(knot);
+        if (rows[i].usable && recorded && !left_out[i])
+            gathered.comparisons.push_back({gathered.smoothed.size() - 1, *recorded});
     }
     return gathered;
+}
+
+/// A recorded velocity beside the smoothed one of its moment, m/s.
+struct BothVelocities {
+    Eigen::Vector2d recorded, smoothed;
+};
+
+std::vector<BothVelocities> both_velocities(const Gathered& gathered, const Delay& delay) {
+    std::vector<BothVelocities> both;
+    for (const Comparison& one : gathered.comparisons) {
+        const double time_s = gathered.smoothed[one.knot].time_s - delay.delay_s.value_or(0.0);
+        if (const auto at = motion_at(gathered.smoothed, one.knot, time_s))
+            both.push_back({one.recorded, at->velocity});
+    }
+    return both;
+}
+
+/// Scale of the differences of recorded and smoothed velocities, m/s on each axis.
+double scale_of_differences(const std::vector<BothVelocities>& all) {
+    std::vector<double> squares;
+    for (const BothVelocities& both : all)
+        squares.push_back((both.recorded - both.smoothed).squaredNorm());
+    return scale_of(median(std::move(squares)), 0.5);
 }
 
 Directions directions_of(const Motion& motion) {
@@ -173,21 +180,14 @@ struct Ratio {
 
 /// Ratio of the recorded velocities to the smoothed ones, along the motion, where the craft moves
 /// at half the speed of its fastest tenth or more. Empty if too few rows do.
-std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
+std::optional<Ratio> ratio_of(const std::vector<BothVelocities>& all) {
     std::vector<double> speeds, ratios;
-    for (const Comparison& one : gathered.comparisons)
-        speeds.push_back(gathered.smoothed[one.knot].velocity.norm());
-    if (speeds.empty()) return std::nullopt;
-    const auto tenth = speeds.begin() + std::ssize(speeds) * 9 / 10;
-    std::ranges::nth_element(speeds, tenth);
-    const double least_m_s = std::max(1.0, 0.5 * *tenth);
-    for (std::size_t k = 0; k < gathered.recorded.size(); ++k) {
-        const Knot& recorded = gathered.recorded[k];
-        const auto at = motion_at(gathered.smoothed, gathered.comparisons[k].knot,
-                                  recorded.time_s - delay.delay_s.value_or(0.0));
-        if (at && at->velocity.norm() >= least_m_s)
-            ratios.push_back(recorded.velocity.dot(at->velocity) / at->velocity.squaredNorm());
-    }
+    for (const BothVelocities& both : all)
+        speeds.push_back(both.smoothed.norm());
+    const double least_m_s = std::max(1.0, half_of_fastest_tenth(std::move(speeds)));
+    for (const BothVelocities& both : all)
+        if (both.smoothed.norm() >= least_m_s)
+            ratios.push_back(both.recorded.dot(both.smoothed) / both.smoothed.squaredNorm());
     if (ratios.size() < least_comparisons) return std::nullopt;
     const double ratio = median(ratios);
     for (double& one : ratios)
@@ -232,8 +232,8 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     const Gathered gathered = gather(rows, motion, directions, left_out);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,
                                        options.delay_max_s, options.nominal_interval_s);
-    std::vector<double> squares = squared_differences(gathered, delay);
-    if (squares.size() < least_comparisons) return findings;
+    const std::vector<BothVelocities> compared = both_velocities(gathered, delay);
+    if (compared.size() < least_comparisons) return findings;
     const Delay wandering = over_spans(delay);
     const auto steady = undisturbed_witness<2>(rows, directions, delay, left_out, options);
     const auto undisturbed = undisturbed_witness<2>(rows, directions, wandering, left_out, options);
@@ -243,12 +243,12 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
         comparison.unfit = false;
         return findings;
     }
-    if (const auto ratio = ratio_of(gathered, delay)) {
+    if (const auto ratio = ratio_of(compared)) {
         comparison.ratio = ratio->value;
         comparison.sigma_ratio = ratio->standard_uncertainty;
     }
-    comparison.compared = std::ssize(squares);
-    comparison.scale_m_s = scale_of(median(std::move(squares)), 0.5);
+    comparison.compared = std::ssize(compared);
+    comparison.scale_m_s = scale_of_differences(compared);
     comparison.delay_s = delay.delay_s;
     if (delay.delay_s) comparison.sigma_delay_s = delay.sigma_s;
     const double delay_s = delay.delay_s.value_or(0.0);

@@ -17,11 +17,10 @@ struct VelocityEstimate {
     std::vector<ComparedSpeed> compared;  ///< in the rule's dimension
 };
 
-/// The same of a window of recorded velocities. Their errors come from the recording
-/// (`speed_errors`). The bias of the choice comes from draws of those errors that may differ
-/// between windows (`speed_choice_bias`). The smoothed positions serve as a witness.
-///
-/// Failure if an epoch inside states no standard deviation of its velocity.
+/// A window certified by the recorded velocities, as `certified` does by positions. Their errors
+/// come from the recording (`speed_errors`). The bias of the choice comes from draws of those
+/// errors that may differ between windows (`speed_choice_bias`). The smoothed positions serve as a
+/// witness. Every epoch of the window must state the standard deviation of its velocity.
 CertifiableWindow certified(const VelocityEstimate& estimate, const WindowChoice& choice);
 
 /// Whether every epoch of the window states the standard deviation of its velocity.

@@ -36,8 +36,8 @@ std::vector<WindowLeg> legs_of(const std::vector<FoundWindow>& all, const FoundW
 /// The windows of a choice, with their velocities as the recording shows them.
 struct Rivals {
     int components = 1;  ///< of a velocity
-    std::vector<double> velocities_m_s =
-        {};  ///< the components of one window after those of another
+    /// The components of one window after those of another.
+    std::vector<double> velocities_m_s = {};
     std::vector<double> allowances_m_s = {};
     std::vector<std::size_t> legs = {};  ///< of each, in ascending order
     std::size_t chosen = 0;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "core/random.h"
-#include "core/statistics.h"
 #include "stages/window/best_window_sums.h"
 
 namespace runcert {

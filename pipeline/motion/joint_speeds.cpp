@@ -14,8 +14,16 @@ namespace {
 /// Keeps the covariance positive definite: below what any speed is written to.
 constexpr double least_own_m_s = 1e-9;
 
+/// Beyond so many standard deviations a normal distribution holds nothing that counts.
+constexpr double enough = 10.0;
+
 double square(double x) {
     return x * x;
+}
+
+/// Whether a fault of source j moves the speed by source i.
+bool moves(std::span<const SpeedBySource> speeds, std::size_t j, std::size_t i) {
+    return i == j || (j == 0 && speeds[i].shares_fault);
 }
 
 /// What the differences of the sources say, by the formulas of the header.
@@ -34,12 +42,18 @@ struct Differences {
             sum += weights.emplace_back(1.0 / (square(one.alone_m_s()) + square(least_own_m_s)));
         for (std::size_t i = 0; i < speeds.size(); ++i)
             mean_m_s += weights[i] / sum * speeds[i].speed_m_s;
-        for (std::size_t i = 0; i < speeds.size(); ++i) {
-            const double apart_m_s = speeds[i].speed_m_s - mean_m_s;
-            const double of_others = (sum - weights[i]) / sum;
-            sum_of_squares += weights[i] * square(apart_m_s);
-            of.push_back(speeds.size() > 1 ? OfSource{weights[i] * of_others, apart_m_s / of_others}
-                                           : OfSource{});
+        for (std::size_t j = 0; j < speeds.size(); ++j) {
+            sum_of_squares += weights[j] * square(speeds[j].speed_m_s - mean_m_s);
+            double moved = 0.0, score = 0.0, others = 0.0;
+            for (std::size_t i = 0; i < speeds.size(); ++i)
+                if (moves(speeds, j, i)) {
+                    moved += weights[i];
+                    score += weights[i] * (speeds[i].speed_m_s - mean_m_s);
+                } else {
+                    others += weights[i];
+                }
+            const double precision = moved * others / sum;
+            of.push_back(others > 0.0 ? OfSource{precision, score / precision} : OfSource{});
         }
     }
 };
@@ -83,25 +97,37 @@ double SpeedBySource::alone_m_s() const {
 
 MeanSpeed mean_of(std::span<const SpeedBySource> speeds, double fault_m_s) {
     const Eigen::Index size = std::ssize(speeds);
-    const auto at = [&](Eigen::Index i) -> const SpeedBySource& {
-        return speeds[static_cast<std::size_t>(i)];
-    };
-    const Eigen::MatrixXd slow =
-        Eigen::MatrixXd::NullaryExpr(size, size, [&](Eigen::Index i, Eigen::Index k) {
-            return square(std::min(at(i).slow_m_s, at(k).slow_m_s));
-        });
-    Eigen::MatrixXd covariance = slow;
+    const auto at = [&](Eigen::Index i) { return speeds[static_cast<std::size_t>(i)]; };
+    Eigen::MatrixXd slow(size, size), covariance(size, size);
     for (Eigen::Index i = 0; i < size; ++i)
-        covariance(i, i) += square(at(i).own_m_s) + square(least_own_m_s);
-    covariance(0, 0) += square(fault_m_s);
-    // Below zero is rounding.
-    Eigen::VectorXd weights = covariance.ldlt().solve(Eigen::VectorXd::Ones(size)).cwiseMax(0.0);
-    weights /= weights.sum();
+        for (Eigen::Index k = 0; k < size; ++k) {
+            slow(i, k) = square(std::min(at(i).slow_m_s, at(k).slow_m_s));
+            covariance(i, k) = slow(i, k);
+            if (i == k) covariance(i, k) += square(at(i).own_m_s) + square(least_own_m_s);
+            if ((i == 0 || at(i).shares_fault) && (k == 0 || at(k).shares_fault))
+                covariance(i, k) += square(fault_m_s);
+        }
+    std::vector<Eigen::Index> kept(speeds.size());
+    std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+    Eigen::VectorXd weights = Eigen::VectorXd::Zero(size);
+    for (bool found = false; !found;) {
+        const Eigen::MatrixXd of_kept = covariance(kept, kept);
+        const Eigen::VectorXd inverse =
+            of_kept.ldlt().solve(Eigen::VectorXd::Ones(std::ssize(kept)));
+        Eigen::Index least = 0;
+        found = kept.size() == 1 || inverse.minCoeff(&least) >= 0.0;
+        if (found)
+            weights(kept) = inverse / inverse.sum();
+        else
+            kept.erase(kept.begin() + least);
+    }
     MeanSpeed mean{.weights = {weights.begin(), weights.end()},
                    .standard_uncertainty_m_s = std::sqrt(weights.dot(covariance * weights)),
                    .slow_m_s = std::sqrt(weights.dot(slow * weights))};
-    for (Eigen::Index i = 0; i < size; ++i)
-        mean.speed_m_s += weights(i) * at(i).speed_m_s;
+    for (std::size_t i = 0; i < speeds.size(); ++i) {
+        mean.speed_m_s += mean.weights[i] * speeds[i].speed_m_s;
+        if (moves(speeds, 0, i)) mean.fault_share += mean.weights[i];
+    }
     return mean;
 }
 
@@ -153,9 +179,9 @@ SpeedMixture::SpeedMixture(std::span<const SpeedBySource> speeds, double common_
     for (std::size_t j = 0; j < speeds.size(); ++j) {
         sound -= at_fault[j];
         if (!(at_fault[j] > 0.0)) continue;
-        // Faults beyond `enough` standard deviations do not explain the differences. Their density
-        // is constant enough within half a standard deviation of it and of the speed.
-        constexpr double enough = 9.0, half = 0.5, most_parts = 4000.0;
+        const double share = j == 0 ? mean.fault_share : mean.weights[j];
+        // Their density is constant enough within half a standard deviation of it and of the speed.
+        constexpr double half = 0.5, most_parts = 4000.0;
         const auto& source = differences.of[j];
         const double of_fault_m_s = 1.0 / std::sqrt(source.precision);
         FaultRange range = range_of(speeds[j].fault);
@@ -163,7 +189,7 @@ SpeedMixture::SpeedMixture(std::span<const SpeedBySource> speeds, double common_
                  std::min(range.highest_m_s, source.fault_m_s + enough * of_fault_m_s)};
         if (range.width() <= 0.0) continue;
         const double step_m_s =
-            half * std::min(of_fault_m_s, sigma_m_s / std::max(mean.weights[j], least_own_m_s));
+            half * std::min(of_fault_m_s, sigma_m_s / std::max(share, least_own_m_s));
         const double parts = std::clamp(std::ceil(range.width() / step_m_s), 1.0, most_parts);
         const double part_m_s = range.width() / parts;
         const std::size_t first = components_.size();
@@ -173,9 +199,8 @@ SpeedMixture::SpeedMixture(std::span<const SpeedBySource> speeds, double common_
             const double weight =
                 std::exp(-0.5 * source.precision * square(fault_m_s - source.fault_m_s));
             sum += weight;
-            components_.push_back(
-                {weight, mean.speed_m_s - mean.weights[j] * fault_m_s,
-                 std::hypot(sigma_m_s, mean.weights[j] * part_m_s / std::sqrt(12.0))});
+            components_.push_back({weight, mean.speed_m_s - share * fault_m_s,
+                                   std::hypot(sigma_m_s, share * part_m_s / std::sqrt(12.0))});
         }
         for (std::size_t k = first; k < components_.size(); ++k)
             components_[k].weight *= sum > 0.0 ? at_fault[j] / sum : 0.0;
@@ -209,7 +234,6 @@ double SpeedMixture::probability_below(double speed_m_s, double standard_uncerta
 double SpeedMixture::quantile(double probability) const {
     double low = components_.front().mean_m_s, high = low;
     for (const Component& one : components_) {
-        constexpr double enough = 40.0;
         const double reach = enough * std::hypot(one.sigma_m_s, common_m_s_);
         low = std::min(low, one.mean_m_s - reach);
         high = std::max(high, one.mean_m_s + reach);
@@ -219,7 +243,6 @@ double SpeedMixture::quantile(double probability) const {
 }
 
 double SpeedMixture::half_width(double speed_m_s, double probability) const {
-    constexpr double enough = 10.0;
     double high = 0.0;
     for (const Component& one : components_)
         high = std::max(high, std::abs(one.mean_m_s - speed_m_s) +

@@ -9,19 +9,21 @@
 //
 //   y = 1 v + f e_j + errors,   S_ik = [i = k] own_i^2 + min(slow_i, slow_k)^2
 //   g = S^-1 1 / (1' S^-1 1),   u^2 = g' S g                    least variance ([GUM] F.1.2)
-//   v | y, f e_j  ~  N(g' y - f g_j, u^2)
+//   v | y, f e_j  ~  N(g' y - f g' e_j, u^2)
+//
+// Sources that would have a negative weight are left out. What was calibrated by the first source
+// has its fault, too: e_0 is 1 there as well.
 //
 // The differences of the speeds tell who is at fault. What sources may share, or may not, counts on
 // the safe side: in S they share it, which makes the variance of any mean largest. In their
 // differences they share nothing, which makes the variances of these largest. With w_i the inverse
 // of the variance of source i alone, W their sum, m the mean with these weights:
 //
-//   X = sum w_i (y_i - m)^2,   q_j = w_j (1 - w_j / W),   f_j = (y_j - m) / (1 - w_j / W)
-//   L(f e_j) = exp(-1/2 (X - q_j f_j^2 + q_j (f - f_j)^2)),   L(sound) = exp(-X / 2)
+//   X = sum w_i (y_i - m)^2,   q_j = e_j' w (1 - e_j' w / W),   f_j = sum_i e_ji w_i (y_i - m) /
+//   q_j L(f e_j) = exp(-1/2 (X - q_j f_j^2 + q_j (f - f_j)^2)),   L(sound) = exp(-X / 2)
 //
 // Each hypothesis has its prior probability times its likelihood. Faults are uniform within their
-// limits. S is positive definite, and g is not negative: min(slow_i, slow_k)^2 is the inverse of an
-// M-matrix.
+// limits.
 
 namespace runcert {
 
@@ -41,6 +43,8 @@ struct SpeedBySource {
     double slow_m_s = 0.0;  ///< by time-correlated errors, which others have as far as theirs reach
     /// False: its time-correlated error is the first source's, so that no difference shows it.
     bool slow_differs = true;
+    /// Whether it was calibrated by the first source: a fault of that is then its own, too.
+    bool shares_fault = false;
     FaultPrior fault = {};
 
     /// Standard uncertainty as a difference from other sources shows it.
@@ -52,7 +56,8 @@ struct MeanSpeed {
     std::vector<double> weights;  ///< not negative; their sum is 1
     double speed_m_s = 0.0;
     double standard_uncertainty_m_s = 0.0;
-    double slow_m_s = 0.0;  ///< the part of it by time-correlated errors
+    double slow_m_s = 0.0;     ///< the part of it by time-correlated errors
+    double fault_share = 0.0;  ///< weight of all that a fault of the first source moves
 };
 
 /// The mean of one or more sources. `fault_m_s` is a standard uncertainty of the first by a rare

@@ -24,6 +24,7 @@ std::vector<SpeedBySource> speeds_of(const SpeedEvidence& evidence, double speed
                  .slow_m_s = one.slow_standard_uncertainty_m_s,
                  // Phases come from the positions' own antenna.
                  .slow_differs = one.kind != WitnessKind::phases,
+                 .shares_fault = one.calibrated_by_positions,
                  .fault = {.probability = one.fault_probability, .largest_m_s = one.fault_m_s}});
     return speeds;
 }

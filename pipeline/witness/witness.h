@@ -15,6 +15,8 @@ struct WitnessedMotion {
     std::int64_t satellites = 0;  ///< number of satellites behind it; 0 for a witness without its
                                   ///< own
     bool confirms = true;  ///< false: fitted to the positions there, so it can only contradict them
+    /// It was calibrated by other positions of the recording, and has what lasts of their errors.
+    bool calibrated_by_positions = false;
 };
 
 /// A time span (s), both ends included.

@@ -152,14 +152,14 @@ std::vector<SpanComparison> compare_spans(const Witness<Axes>& velocities,
     std::vector<SpanComparison> spans;
     for (std::size_t from = 0, to = 0; from < positions.size(); ++to) {
         while (to < positions.size() && positions[to].stretch == positions[from].stretch &&
-               positions[to].time_s < positions[from].time_s + compared_span_s - tolerance_s)
+               positions[to].time_s < positions[from].time_s + usual_window_s - tolerance_s)
             ++to;
         if (to == positions.size()) break;
         const TimedPosition<Axes>& begin = positions[from];
         const TimedPosition<Axes>& end = positions[to];
         const std::size_t first = std::exchange(from, to);
         const double duration_s = end.time_s - begin.time_s;
-        if (end.stretch != begin.stretch || duration_s > 2.0 * compared_span_s) continue;
+        if (end.stretch != begin.stretch || duration_s > 2.0 * usual_window_s) continue;
         const auto moved = velocities.between(begin.time_s, end.time_s);
         const PositionVector<Axes> way = end.position - begin.position;
         const double speed_m_s = way.norm() / duration_s;
@@ -253,7 +253,7 @@ LastingDifference lasting_difference(const ScreenedTable& screened,
     const auto& all = screened.basis.velocity_errors;
     return weigh_scale_and_drift(
         size_m_s, compare_spans<Axes>(*velocities, timed_positions<Axes>(screened.rows)),
-        std::sqrt(Explained(screened, axes).over_m2(compared_span_s)) / compared_span_s,
+        std::sqrt(Explained(screened, axes).over_m2(usual_window_s)) / usual_window_s,
         known_of_velocities_m_s(*std::ranges::find(all, axes, &VelocityErrors::axes)));
 }
 template LastingDifference lasting_difference(const ScreenedTable&, const Witness<1>*);

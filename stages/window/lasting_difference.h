@@ -20,8 +20,8 @@ struct SpanComparison {
     double across_m_s = 0.0;  ///< the same across the direction of travel; 0 of heights
 };
 
-/// Length of those spans, s.
-inline constexpr double compared_span_s = 3.0;
+/// The rules' usual window, s: the length of those spans.
+inline constexpr double usual_window_s = 3.0;
 
 /// The comparisons over spans of that length that do not overlap and in which the craft moved.
 template <int Axes>

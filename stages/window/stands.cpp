@@ -8,17 +8,17 @@
 #include "motion/joint_speeds.h"
 #include "motion/motion_model.h"
 #include "schemas/observations/stated_covariance.h"
+#include "stages/window/lasting_difference.h"
 
 namespace runcert {
 namespace {
 
-constexpr double stated_lag_s = 3.0;         // the rules' usual window
-constexpr double wheel_turns_m_s = 0.01;     // resolution of recorded wheel speeds
-constexpr double longest_step_s = 1.0;       // slowest recording of a wheel that counts
-constexpr double standing_below_m_s = 0.2;   // slower than a wheel begins to count
-constexpr double least_by_wheel_s = 10.0;    // chosen, as the next four: a wheel stops before and
-constexpr double left_out_by_wheel_s = 1.0;  // turns after the craft does,
-constexpr double within_m = 1.0;             // and positions alone wander by some decimetres
+constexpr double wheel_turns_m_s = 0.01;    // resolution of recorded wheel speeds
+constexpr double standing_below_m_s = 0.2;  // slower than a wheel begins to count
+constexpr double least_by_wheel_s = 10.0;   // chosen, as the next four: a wheel stops before and
+constexpr double left_out_by_wheel_s =
+    1.0;                          // turns after the craft does, by samples a second apart
+constexpr double within_m = 1.0;  // and positions alone wander by some decimetres
 constexpr double least_by_positions_s = 30.0;
 constexpr double left_out_by_positions_s = 5.0;
 constexpr double fewest_spans = 5.0;  // 10 squares of two axes: a standard deviation to a quarter
@@ -47,7 +47,7 @@ std::vector<Stand> stands_by_wheel(const MeasuredSeries& wheel) {
         const std::size_t first = k;
         if (!(samples[k].value <= wheel_turns_m_s)) continue;
         while (k + 1 < samples.size() && samples[k + 1].value <= wheel_turns_m_s &&
-               samples[k + 1].time_s - samples[k].time_s <= longest_step_s)
+               samples[k + 1].time_s - samples[k].time_s <= left_out_by_wheel_s)
             ++k;
         const double from_s = samples[first].time_s + left_out_by_wheel_s;
         const double to_s = samples[k].time_s - left_out_by_wheel_s;
@@ -175,7 +175,7 @@ std::vector<Stand> stands_of(const ScreenedTable& screened, const TrajectoryTabl
     }
     if (stands.empty()) stands = stands_by_positions(trajectory);
     for (Stand& stand : stands) {
-        const Movement moved = movement_in<2>(screened, stand, std::nullopt, stated_lag_s);
+        const Movement moved = movement_in<2>(screened, stand, std::nullopt, usual_window_s);
         stand.pairs = moved.pairs;
         if (moved.pairs == 0) continue;
         stand.drift_m_s = moved.drift_m_s;
@@ -215,12 +215,12 @@ std::string standing_text(const std::vector<Stand>& stands) {
         pairs += weight;
         drift_m_s = std::max(drift_m_s, *stand.drift_m_s);
     }
-    if (lasted_s < fewest_spans * stated_lag_s) return {};
+    if (lasted_s < fewest_spans * usual_window_s) return {};
     // Two axes, and pairs that overlap count once.
-    const int independent = std::max(1, static_cast<int>(2.0 * lasted_s / stated_lag_s));
+    const int independent = std::max(1, static_cast<int>(2.0 * lasted_s / usual_window_s));
     const bool more = over_chance(independent * moved_m2 / stated_m2, independent) > 1.0;
     const bool alone = stands.front().shown_by == StandSource::positions;
-    const bool drifts = drift_m_s * stated_lag_s > std::sqrt(stated_m2 / pairs);
+    const bool drifts = drift_m_s * usual_window_s > std::sqrt(stated_m2 / pairs);
     if (alone && !more) return {};
     std::string text =
         alone
@@ -235,7 +235,7 @@ std::string standing_text(const std::vector<Stand>& stands) {
     text += fmt::format(
         " Over {:g} s they moved {}by {:.1f} mm in each horizontal axis (root mean square). Their "
         "stated standard deviations make {:.1f} mm.",
-        stated_lag_s, drifts ? "beyond that " : "", 1e3 * std::sqrt(moved_m2 / pairs),
+        usual_window_s, drifts ? "beyond that " : "", 1e3 * std::sqrt(moved_m2 / pairs),
         1e3 * std::sqrt(stated_m2 / pairs));
     if (more)
         text += alone ? " Either the craft moved, or they err by more than they state."

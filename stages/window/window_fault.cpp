@@ -91,11 +91,11 @@ WindowFault window_fault(const ScreenedTable& screened, const FoundWindow& found
     const double duration_s = found.end.seconds() - found.start.seconds();
     WindowFault fault;
     const FixErrors errors = errors_in(screened, rows);
-    constexpr double nominal_window_s = 3.0, of_disturbed = 5.0;
+    constexpr double of_disturbed = 5.0;
     const bool disturbed = errors.times == 1.0 && is_disturbed(screened, found);
     fault.prior.probability =
         std::min(largest_rare_probability, probability * (disturbed ? of_disturbed : errors.times) *
-                                               std::max(1.0, duration_s / nominal_window_s));
+                                               std::max(1.0, duration_s / usual_window_s));
     fault.prior.upwards_alone = by_path;
     if (!reliability.empty()) fault.prior.largest_m_s = reliability.front().speed_m_s;
     fault.prior.largest_m_s =

@@ -29,6 +29,7 @@ WitnessEvidence evidence_of(const WitnessedSpeed& one, double slow_m_s, double b
                 is_receiver ? std::sqrt(std::max(0.0, u_m_s * u_m_s - slow_m_s * slow_m_s)) : u_m_s,
             .slow_standard_uncertainty_m_s =
                 is_receiver ? slow_m_s : one.shared_standard_uncertainty_m_s,
+            .calibrated_by_positions = one.calibrated_by_positions,
             .fault_probability = one.fault_probability.value_or(0.0),
             .fault_m_s = one.fault_m_s.value_or(0.0)};
 }
@@ -78,8 +79,10 @@ std::vector<BudgetRow> rows_of(std::vector<BudgetRow> rows, const Combination& o
     const double apart =
         of_slow * std::sqrt(positions.slow_m_s * positions.slow_m_s - common_m_s * common_m_s);
     for (BudgetRow& row : rows)
-        if (row.touches == RowScope::source || row.touches == RowScope::fault)
+        if (row.touches == RowScope::source)
             scale(row, weights.front());
+        else if (row.touches == RowScope::fault)
+            scale(row, of.mean.fault_share);
         else if (row.touches == RowScope::slow && positions.slow_m_s > 0.0)
             scale(row, apart / positions.slow_m_s);
     for (std::size_t i = 0; i < witnesses.size(); ++i) {
@@ -182,8 +185,10 @@ double least_expanded_m_s(const SpeedEvidence& evidence, double speed_m_s, doubl
     const double half_width_m_s =
         mixture_of(stated, speed_m_s, WitnessSet::all).half_width(speed_m_s, coverage);
     const double at_fault = fault_posteriors(speeds_of(stated, speed_m_s)).front();
+    constexpr double rounding = 1e-9;
     const bool is_likelier =
-        at_fault > (is_alone ? largest_rare_probability : evidence.chosen_fault_probability);
+        at_fault > (1.0 + rounding) *
+                       (is_alone ? largest_rare_probability : evidence.chosen_fault_probability);
     return is_likelier ? half_width_m_s : std::min(half_width_m_s, alone_m_s);
 }
 

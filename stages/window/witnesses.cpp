@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/angle.h"
+#include "stages/window/lasting_difference.h"
 #include "stages/window/witnessed_budget.h"
 #include "witness/kinds/imu.h"
 #include "witness/receiver_witness.h"
@@ -156,16 +157,15 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
 }
 
 std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened) {
-    constexpr double span_s = 3.0;
     if (witness.kind == WitnessKind::phases) return {};
     const WitnessedMotionComparison found =
-        compare_motion(timed_positions<2>(screened.rows), *witness.motion, span_s);
+        compare_motion(timed_positions<2>(screened.rows), *witness.motion, usual_window_s);
     if (!found.contradicts) return {};
     std::string text = fmt::format(
         "The {} show another motion than the positions: over {:g} s they differ by {:.2f} m "
         "(median "
         "of {} spans).",
-        words_of(witness.kind), span_s, found.median_difference_m, found.spans);
+        words_of(witness.kind), usual_window_s, found.median_difference_m, found.spans);
     if (found.positions_ahead_s)
         text += fmt::format(
             " The clock of the positions is {} s {} theirs: shifted by this the two agree.",
@@ -254,6 +254,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
         std::min(positions.speed.fault.largest_m_s, found_in_units * sigma_m_s);
     witnessed.unanswered = witness.unanswered;
     witnessed.confirms = witness.confirms && moved->confirms;
+    witnessed.calibrated_by_positions = moved->calibrated_by_positions;
     return witnessed;
 }
 

@@ -101,9 +101,9 @@ template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions);
 
-/// What a comparison by E_n at k = 2 finds with a probability of 0.8, in standard uncertainties of
-/// the difference.
-inline constexpr double found_in_units = 2.0 + 0.84;
+/// What a comparison by the 95 % of both finds with a probability of 0.8, in standard uncertainties
+/// of the difference.
+inline constexpr double found_in_units = 1.96 + 0.84;
 
 /// Standard uncertainty (m/s) of the difference of a window's speeds by positions and by a witness.
 double sigma_of_difference(const WitnessedSpeed& one);

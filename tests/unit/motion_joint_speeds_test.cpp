@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -136,7 +137,7 @@ double below_by_sum(const std::array<SpeedBySource, 3>& speeds, double speed_m_s
                 log -= 0.5 * off * off / (one.own_m_s * one.own_m_s);
             }
             all += prior * std::exp(log);
-            if (v < speed_m_s) below += prior * std::exp(log);
+            below += prior * std::exp(log) * std::clamp((speed_m_s - v) / step_m_s + 0.5, 0.0, 1.0);
         }
     };
     for (int j = -1; j < 3; ++j) {
@@ -229,6 +230,39 @@ TEST(MeanSpeeds, HaveNoNegativeWeights) {
         EXPECT_LE(mean.standard_uncertainty_m_s, least * (1.0 + 1e-9));
         EXPECT_LE(mean.slow_m_s, mean.standard_uncertainty_m_s);
     }
+}
+
+// A wheel whose scale was fitted to other runs confirmed positions that drifted in all of them.
+TEST(ASourceCalibratedByTheFirst, HasItsFaultAndConfirmsNothingOfIt) {
+    SpeedBySource wheel = witness_at(60.0);
+    wheel.shares_fault = true;
+    const std::array alone{positions_at(60.0)};
+    const std::array speeds{positions_at(60.0), wheel};
+    const MeanSpeed mean = mean_of(speeds, 0.1);
+    EXPECT_DOUBLE_EQ(mean.fault_share, 1.0);
+    EXPECT_NEAR(mean.standard_uncertainty_m_s,
+                std::hypot(0.1, mean_of(speeds).standard_uncertainty_m_s), 1e-9);
+    EXPECT_LE(fault_posteriors(speeds)[0], fault_posteriors(alone)[0] * (1.0 + 1e-9));
+    EXPECT_NEAR(SpeedMixture(speeds).quantile(1e-4), SpeedMixture(alone).quantile(1e-4), 0.05);
+    // Beside another witness neither is believed the more.
+    const auto three = [&](const SpeedBySource& second) {
+        return fault_posteriors(std::array{positions_at(60.3), second, witness_at(60.0)});
+    };
+    SpeedBySource off = witness_at(60.3);
+    off.shares_fault = true;
+    EXPECT_NEAR(three(off)[0] / three(off)[2], 0.002 / 0.01 / largest, 0.05);
+    EXPECT_LT(three(witness_at(60.3))[0], 1e-4);
+    // Weights that would be negative are none.
+    const MeanSpeed held = mean_of(std::array{SpeedBySource{.own_m_s = 0.001, .slow_m_s = 0.1},
+                                              SpeedBySource{.own_m_s = 0.01, .slow_m_s = 0.1},
+                                              SpeedBySource{.own_m_s = 0.01, .shares_fault = true}},
+                                   0.1);
+    double sum = 0.0;
+    for (const double weight : held.weights) {
+        EXPECT_GE(weight, 0.0);
+        sum += weight;
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-12);
 }
 
 TEST(Disagreement, IsThatOfAllTogether) {

@@ -210,6 +210,7 @@ std::optional<WitnessedMotion<2>> WheelMotion::between(double from_s, double to_
     motion->covariance_m2 +=
         scale.sigma * scale.sigma * motion->displacement_m * motion->displacement_m.transpose();
     motion->confirms = scale.independent;
+    motion->calibrated_by_positions = !calibrated_;
     return motion;
 }
 

@@ -130,8 +130,8 @@ struct Fit {
 /// Least squares of |sum of weighted displacements|, linearised about the direction of that sum,
 /// after differences of an order. Distant outliers are dropped.
 Fit fitted(const Regression& all, int order) {
-    constexpr int rounds = 3;  // directions and outliers stand by then
-    constexpr double far_off = 5.0;
+    constexpr int rounds = 3;        // directions and outliers stand by then
+    constexpr double far_off = 5.0;  // standard deviations: one normal error in two million
     constexpr std::array<double, 4> none{1.0, 0.0, 0.0, 0.0}, third{1.0, -3.0, 3.0, -1.0};
     const auto& signs = order == 0 ? none : third;
     const auto width = static_cast<Eigen::Index>(2 * all.either_side);

@@ -14,6 +14,9 @@ namespace runcert::velocities {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
+namespace {
+
+/// The first of the two knots around `time_s`, in the arc of knot `near`. Empty outside the arc.
 std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, double time_s) {
     const std::int64_t arc = knots[near].arc;
     std::size_t k = near;
@@ -30,6 +33,8 @@ std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, dou
     return k - 1;
 }
 
+}  // namespace
+
 std::optional<Knot> motion_at(const Knots& knots, std::size_t near, double time_s) {
     const auto before = knot_before(knots, near, time_s);
     if (!before) return std::nullopt;
@@ -41,7 +46,6 @@ std::optional<Knot> motion_at(const Knots& knots, std::size_t near, double time_
                   s * s * ((1.0 + 2.0 * r) * b.velocity - r * h * b.acceleration);
     at.acceleration = 6.0 * s * r / h * (b.velocity - a.velocity) +
                       r * (1.0 - 3.0 * s) * a.acceleration + s * (1.0 - 3.0 * r) * b.acceleration;
-    at.covariance = r * a.covariance + s * b.covariance;
     return at;
 }
 

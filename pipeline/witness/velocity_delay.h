@@ -24,16 +24,11 @@ struct Knot {
     double time_s = 0.0;
     Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
     Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
-    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 using Knots = std::vector<Knot>;
 
-/// The first of the two knots around `time_s`, in the arc of knot `near`, where the search starts.
-/// Empty outside the arc.
-std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, double time_s);
-
-/// Velocity and acceleration between knots, by the cubic that has both at either end (Hermite). The
-/// covariance is interpolated linearly. Empty outside the arc.
+/// Velocity and acceleration between knots, by the cubic that has both at either end (Hermite), in
+/// the arc of knot `near`, where the search starts. Empty outside the arc.
 std::optional<Knot> motion_at(const Knots& knots, std::size_t near, double time_s);
 
 /// A usable row with a recorded velocity, and the knot of its smoothed motion.

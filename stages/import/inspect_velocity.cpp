@@ -139,8 +139,7 @@ std::optional<double> raw_velocity_delay_s(const Observations& observations) {
                          .arc = arc,
                          .time_s = points[i].time_s,
                          .velocity = motion[i]->velocity,
-                         .acceleration = motion[i]->acceleration,
-                         .covariance = motion[i]->velocity_covariance});
+                         .acceleration = motion[i]->acceleration});
         const Observation& row = *points[i].row;
         if (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s)
             comparisons.push_back(

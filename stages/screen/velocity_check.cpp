@@ -42,8 +42,7 @@ Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
                                      .arc = *rows[i].arc,
                                      .time_s = rows[i].time.seconds(),
                                      .velocity = motion[i]->velocity,
-                                     .acceleration = motion[i]->acceleration,
-                                     .covariance = motion[i]->velocity_covariance});
+                                     .acceleration = motion[i]->acceleration});
         const auto recorded = recorded_velocity<2>(rows[i], directions[i]);
         if (rows[i].usable && recorded && !left_out[i])
             gathered.comparisons.push_back({gathered.smoothed.size() - 1, *recorded});

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/gps_time.h"
+#include "core/prose.h"
 #include "core/rounding.h"
 
 // Figures and units as people read them: the one place that writes them. A measured speed is

@@ -326,7 +326,7 @@ void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns
 }
 
 /// How the positions were solved, as the header says: files, times, options.
-std::string processing_text(const Processing& processing) {
+std::string solving_text(const Processing& processing) {
     std::vector<std::string> parts = processing.options;
     if (!processing.begin.empty() && !processing.end.empty())
         parts.insert(parts.begin(), fmt::format("{} to {}", processing.begin, processing.end));
@@ -345,7 +345,7 @@ Block recording_facts(const Inspection& it) {
     add_fact(all, "Made by", it.device);
     for (const std::string& said : it.written_by)
         if (said != it.device) add_fact(all, "It says", said);
-    if (it.processing) add_fact(all, "Solved", processing_text(*it.processing));
+    if (it.processing) add_fact(all, "Solved", solving_text(*it.processing));
     add_times(it, all);
     add_fact(all, "Clock", it.time_origin);
     add_fact(all, "Epochs", epochs_text(it));

@@ -257,7 +257,7 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
                              const InertialSetup& setup);
 
 /// Attitude, velocity and position of a craft by an inertial measurement unit and positions: a
-/// closed-loop extended Kalman filter of 18 or 22 error states (`error_model.h`), an RTS smoother,
+/// closed-loop extended Kalman filter of 22 error states (`error_model.h`), an RTS smoother,
 /// and again about the smoothed trajectory until the attitude stays.
 ///
 /// Starts where the craft moves at 5 m/s or more, with the heading of its course and level

@@ -431,10 +431,10 @@ TEST(RecordedPair, IsFlaggedInItsFirstMinute) {
     ScreenConfig config = screen_config(default_attempt());
     config.counted_fixes = {FixType::fixed, FixType::float_ambiguities};
     const ScreenedTable positions = screen(table, config);
-    const UsablePositions usable = usable_positions(positions.rows);
+    const std::vector<TimedPosition<2>> usable = timed_positions<2>(positions.rows);
     int early = 0, early_flagged = 0, late = 0, late_flagged = 0;
-    for (std::size_t k = 0; k + 3 < usable.positions.size(); ++k) {
-        const TimedPosition<2>&from = usable.positions[k], &to = usable.positions[k + 3];
+    for (std::size_t k = 0; k + 3 < usable.size(); ++k) {
+        const TimedPosition<2>&from = usable[k], &to = usable[k + 3];
         if (std::abs(to.time_s - from.time_s - 3.0) > 0.1 ||
             !witness->between(from.time_s, to.time_s))
             continue;

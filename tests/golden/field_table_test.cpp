@@ -50,8 +50,9 @@ const Names without_unit{
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",
     "decision.by_uncertainty", "decision.by_faults", "decision.tail_risk", "decision.level",
     "decision.risk", "results[].probability", "results[].level", "best.probability", "best.level",
-    "clauses[].limit", "figures[].value", "figures[].expanded_uncertainty", "course[].value",
-    "course[].expanded_uncertainty", "overrides[].rule", "overrides[].used",
+    "clauses[].limit", "figures[].limit", "course[].limit", "figures[].value",
+    "figures[].expanded_uncertainty", "course[].value", "course[].expanded_uncertainty",
+    "overrides[].rule", "overrides[].used",
     // of a device, where the unit stands beside
     "device_deduction.speed",
     // of a calibration, and of a wheel

@@ -160,10 +160,13 @@ std::optional<SpeedScale> speed_scale(std::span<const ComparedSpeed> compared) {
         std::max(residuals / static_cast<double>(spans.size() - 1), square(least_slow_error_m_s));
     const double variance = spans_alike * scatter / squares;
     double weights = 0.0, values = 0.0, moments = 0.0;
+    // Beside that of the wider prior, as both densities are 0 of a scale that is far off.
+    const double widest = square(priors[1].sigma) + variance;
     for (const auto& [probability, sigma] : priors) {
         const double of_both = square(sigma) + variance;
         const double weight =
-            probability * std::exp(-0.5 * square(scale.shown) / of_both) / std::sqrt(of_both);
+            probability * std::exp(-0.5 * square(scale.shown) * (1.0 / of_both - 1.0 / widest)) /
+            std::sqrt(of_both);
         const double kept = square(sigma) / of_both;
         weights += weight;
         values += weight * kept * scale.shown;

@@ -251,7 +251,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     comparison.delay_s = delay.delay_s;
     if (delay.delay_s) comparison.sigma_delay_s = delay.sigma_s;
     const double delay_s = delay.delay_s.value_or(0.0);
-    if (undisturbed)
+    if (undisturbed) {
         comparison.rejected =
             check_displacements(rows,
                                 {.kind = WitnessKind::velocities,
@@ -262,9 +262,9 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
                                  .adds_stated = true},
                                 options.nominal_interval_s, options.test_size)
                 .rejected;
-    if (undisturbed)
         if (auto errors = errors_of<2>(*undisturbed, rows, comparison.scale_m_s))
             findings.errors.push_back(std::move(*errors));
+    }
     if (options.vertical_measured)
         if (const auto witness =
                 undisturbed_witness<1>(rows, directions, wandering, left_out, options))

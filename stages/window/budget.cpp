@@ -337,24 +337,21 @@ BudgetRow selection_row(const BudgetInput& input) {
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     const bool middle =
         selection.bias_m_s > selection.fitted_bias_m_s || selection.bias_half_range_m_s == 0.0;
+    const std::string between =
+        fmt::format("{:.4f} m/s{} and {:.4f} m/s,{}", selection.fitted_bias_m_s,
+                    input.recorded ? ", by white noise alone," : "", selection.bounded_bias_m_s,
+                    input.recorded ? " by all errors that differ between windows;" : "");
     BudgetRow row = speed_row(
         "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_m_s,
         RowScope::window,
-        fmt::format(
-            fmt::runtime(
-                input.recorded
-                    ? "bias between {:.4f} m/s, by white noise alone, and {:.4f} m/s, by all "
-                      "errors that differ between windows; {} could have been the fastest; {}"
-                    : "bias between {:.4f} m/s and {:.4f} m/s, {} could have been the "
-                      "fastest; {}"),
-            selection.fitted_bias_m_s, selection.bounded_bias_m_s,
-            selection.candidates == 1 ? std::string("no other window")
-                                      : fmt::format("{} windows", selection.candidates),
-            !subtracted ? "the larger is added to the expanded uncertainty"
-            : middle    ? "the middle is subtracted from the speed, half the difference "
-                          "added to the expanded uncertainty"
-                        : "the smaller is subtracted from the speed, the difference "
-                          "added to the expanded uncertainty"));
+        fmt::format("bias between {} {} could have been the fastest; {}", between,
+                    selection.candidates == 1 ? std::string("no other window")
+                                              : fmt::format("{} windows", selection.candidates),
+                    !subtracted ? "the larger is added to the expanded uncertainty"
+                    : middle    ? "the middle is subtracted from the speed, half the difference "
+                                  "added to the expanded uncertainty"
+                                : "the smaller is subtracted from the speed, the difference "
+                                  "added to the expanded uncertainty"));
     row.estimate = subtracted ? selection.bias_m_s : 0.0;
     row.sensitivity = subtracted ? -1.0 : 1.0;
     return row;

@@ -170,6 +170,7 @@ InertialInput inertial_input(const ImuTable& imu, const ScreenedTable& screened,
                                   .noise = imu_noise(imu.grade),
                                   .antenna_m = vector_of(imu.antenna),
                                   .antenna_sigma_m = arm_sigma_m(imu)}};
+    input.setup.noise.motion_sqrt_s = least_motion(class_of(imu.grade));
     if (second) input.setup.baseline = baseline_of(imu, screened, *second);
     if (imu.reference_point) input.setup.reference_point_m = vector_of(*imu.reference_point);
     const NoiseSummary& noise = trajectory.estimation.horizontal.noise;

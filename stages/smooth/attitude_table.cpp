@@ -61,6 +61,28 @@ Doubted doubted_for(const InertialDoubt& doubt) {
     return {InertialStanding::not_aligned, ""};
 }
 
+/// What shakes the IMU, where that may be why its solution is refused. A craft on wheels at speed
+/// has 1 to 2 m/s^2; an IMU's own noise some hundredths.
+std::string shaken_by(const Shaking& shaking) {
+    constexpr double of_an_engine_m_s2 = 0.5, of_vibration_m_s2 = 3.0, growing = 2.0;
+    std::string text;
+    if (shaking.standing_m_s2 > of_an_engine_m_s2)
+        text += fmt::format(
+            " While the craft stands, the specific force scatters by {:.1f} m/s^2 within a second: "
+            "an engine that idles shakes the IMU.",
+            shaking.standing_m_s2);
+    if (shaking.fast_m_s2 > of_vibration_m_s2 && shaking.slow_m_s2 > 0.0 &&
+        shaking.fast_m_s2 > growing * shaking.slow_m_s2)
+        text += fmt::format(
+            " At speed the specific force scatters by {:.1f} m/s^2 within a second, by {:.1f} "
+            "below "
+            "half of it: vibration that grows with speed shakes the IMU. Mount it on something "
+            "that "
+            "damps.",
+            shaking.fast_m_s2, shaking.slow_m_s2);
+    return text;
+}
+
 InertialStart start_of(StartMethod method) {
     switch (method) {
         case StartMethod::given:
@@ -107,7 +129,7 @@ InertialConsistency consistency_of(const InertialSolution& solution) {
     if (!solution.consistency.consistent()) {
         const Doubted doubted = doubted_for(solution.consistency.doubts.front());
         consistency.standing = doubted.standing;
-        consistency.reason = doubted.reason;
+        consistency.reason = doubted.reason + shaken_by(solution.consistency.shaking);
     }
     return consistency;
 }

@@ -6,6 +6,7 @@
 
 #include "core/parallel.h"
 #include "core/random.h"
+#include "inertial/alignment.h"
 #include "inertial/surface_attitude.h"
 #include "inertial_test_support.h"
 
@@ -96,7 +97,10 @@ StartAttitude start_of(AlignmentStart start, const AlignmentCell& cell, const In
             break;
     }
     const SurfaceMotion motion{surveyed(truth, surveyed_sigma_m, random), velocity};
-    return start_on_surface(motion, {}, lean, cell.velocity_sigma_m_s).value();
+    const Eigen::Matrix3d attitude = attitude_on_surface(motion).value();
+    EulerAngles sigma = lean;
+    sigma.heading = std::hypot(lean.heading, std::atan2(cell.velocity_sigma_m_s, velocity.norm()));
+    return {attitude, attitude_covariance(attitude, sigma)};
 }
 
 /// The truth turned by an error about one axis.
@@ -114,19 +118,30 @@ StartAttitude wrong_start(const InertialTruth& truth, double error_deg, int star
 Alignment align(const StudiedRun& studied, const StartAttitude& start) {
     InertialSetup setup = studied.setup;
     setup.start = start;
-    const auto attitudes = filter_attitude(studied.run.samples, studied.run.fixes, setup);
-    const double step_s = attitudes[1].time_s - attitudes[0].time_s;
+    InertialData data{.samples = studied.run.samples,
+                      .fixes = {},
+                      .earth = EarthFrame(setup.origin),
+                      .noise = setup.noise,
+                      .position_error = setup.position_error};
+    // The samples reach half a second beyond the positions, as a smoother asks.
+    for (std::size_t k = studied.first; k < studied.run.fixes.size(); ++k)
+        if (studied.run.fixes[k].time_s <= studied.run.samples.back().time_s - 0.5)
+            data.fixes.push_back(studied.run.fixes[k]);
+    const std::size_t count = data.fixes.size();
+    const InertialPass pass = filter_forwards(data, find_start(data, setup).prior, {}, count);
+    const double step_s = data.fixes[1].time_s - data.fixes[0].time_s;
     Alignment found{.initial_error_deg = test::attitude_error_deg(
                         start.enu_from_body, studied.start().imu.enu_from_body)};
     double since_s = 0.0;
-    for (std::size_t k = 0; k < attitudes.size(); ++k) {
-        const double time_s = attitudes[k].time_s - attitudes[0].time_s;
-        const double error_deg = test::attitude_error_deg(
-            attitudes[k].enu_from_body, studied.run.truth[studied.first + k].imu.enu_from_body);
-        found.nis += attitudes[k].nis / 3.0 / static_cast<double>(attitudes.size());
+    for (std::size_t k = 0; k < count; ++k) {
+        const double time_s = data.fixes[k].time_s - data.fixes[0].time_s;
+        const double error_deg =
+            test::attitude_error_deg(pass.nominal[k].state.enu_from_body,
+                                     studied.run.truth[studied.first + k].imu.enu_from_body);
+        found.nis += pass.innovations[k].whitened.squaredNorm() / 3.0 / static_cast<double>(count);
         if (error_deg >= converged_deg) since_s = time_s + step_s;
         if (found.stated_s ||
-            std::sqrt(attitudes[k].covariance_rad2.trace()) >= converged_deg * rad)
+            std::sqrt(pass.covariance[k].topLeftCorner<3, 3>().trace()) >= converged_deg * rad)
             continue;
         found.stated_s = time_s;
         found.error_when_stated_deg = error_deg;
@@ -260,8 +275,7 @@ SurfaceAccuracy study_surface(double vertex_sigma_m, double velocity_sigma_m_s, 
             const InertialTruth& truth = run.truth[k];
             const auto found =
                 attitude_on_surface({surveyed(truth, vertex_sigma_m, random),
-                                     truth.imu.velocity_m_s + velocity_sigma_m_s * drawn(random)},
-                                    {});
+                                     truth.imu.velocity_m_s + velocity_sigma_m_s * drawn(random)});
             const EulerAngles by_surface = euler_angles(found.value());
             const EulerAngles is = euler_angles(truth.imu.enu_from_body);
             const double differences[]{by_surface.roll - is.roll, by_surface.pitch - is.pitch,

@@ -1,14 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
+#include <vector>
 
 #include "core/angle.h"
-#include "core/failure.h"
 #include "core/random.h"
-#include "inertial/attitude.h"
+#include "inertial/alignment.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -116,43 +119,56 @@ TEST(Attitude, NearestRotationLeavesRotationsAndMeansThem) {
                 1e-14);
 }
 
-TEST(Attitude, TwoVectorsGiveTheRotation) {
+// Wahba's problem: directions without error give the rotation, and errors of the stated size a
+// scatter of the stated covariance.
+TEST(Attitude, DirectionsGiveTheRotationAndItsCovariance) {
     RandomGenerator random(6);
-    for (int i = 0; i < 2'000; ++i) {
+    Eigen::Matrix3d normalised = Eigen::Matrix3d::Zero();
+    constexpr int runs = 2'000;
+    for (int i = 0; i < runs; ++i) {
         const Eigen::Matrix3d c = any_rotation(random);
-        const VectorPair from{5.0 * any_vector(random), any_vector(random)};
-        if (from.first.cross(from.second).norm() < 0.2 * from.first.norm() * from.second.norm())
-            continue;
-        const VectorPair to{c * from.first, c * from.second};
-        EXPECT_LT((rotation_of_two_vectors(from, to, {}) - c).norm(), 1e-12);
-        // Errors of 1e-4 give no more than errors of their size over the sine of the angle.
-        const VectorPair wrong{
-            to.first + 1e-4 * to.first.norm() * any_vector(random).normalized(),
-            to.second + 1e-4 * to.second.norm() * any_vector(random).normalized()};
-        const Eigen::Matrix3d found =
-            rotation_of_two_vectors(from, wrong, {.length = 1e-3, .angle_rad = 1e-2});
-        EXPECT_LT(rotation_vector(found * c.transpose()).norm(), 3e-4 / 0.2);
-        EXPECT_NEAR(found.determinant(), 1.0, 1e-13);
+        const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+        const Eigen::Vector3d ahead = Eigen::Vector3d(random.normal(), random.normal(), 0.0);
+        const Eigen::Vector3d right = ahead.cross(up);
+        // Gravity to 0.02 rad about both horizontal axes, a course to 0.05 about the vertical one.
+        const Eigen::Matrix3d of_gravity =
+            information_about(ahead, 0.02) + information_about(right, 0.02);
+        const Eigen::Matrix3d of_course = information_about(up, 0.05);
+        const auto solved = [&](const Eigen::Vector3d& tilt, double turn) {
+            return attitude_by_directions(std::array{
+                DirectionPair{c.transpose() * up, 9.8 * rotation_about(tilt) * up, of_gravity},
+                DirectionPair{5.0 * c.transpose() * ahead, rotation_about(turn * up) * ahead,
+                              of_course}});
+        };
+        const auto exact = solved(Eigen::Vector3d::Zero(), 0.0);
+        ASSERT_TRUE(exact);
+        EXPECT_LT((exact->enu_from_body - c).norm(), 1e-9);
+        const Eigen::Vector3d tilt(0.02 * random.normal(), 0.02 * random.normal(), 0.0);
+        const auto found = solved(tilt, 0.05 * random.normal());
+        ASSERT_TRUE(found);
+        const Eigen::Vector3d error = rotation_vector(c * found->enu_from_body.transpose());
+        const Eigen::Vector3d white = found->covariance_rad2.llt().matrixL().solve(error);
+        normalised += white * white.transpose() / runs;
     }
+    EXPECT_LT((normalised - Eigen::Matrix3d::Identity()).norm(), 0.2) << normalised;
 }
 
-TEST(Attitude, TwoVectorsThatCannotBeTheSameAreRefused) {
-    const VectorPair pair{{1, 0, 0}, {0, 1, 0}};
-    const auto problem = [&](const VectorPair& to) -> std::string {
-        try {
-            rotation_of_two_vectors(pair, to, {});
-        } catch (const Failure& failure) {
-            EXPECT_EQ(failure.where(), "attitude");
-            return failure.problem();
-        }
-        return "";
-    };
-    EXPECT_EQ(problem({{0, 1, 0}, {0, 0, 1}}), "");
-    EXPECT_NE(problem({{0, 1.01, 0}, {0, 0, 1}}).find("long"), std::string::npos);
-    EXPECT_NE(problem({{0, 1, 0}, {0, std::sin(0.01), std::cos(0.01)}}).find("apart"),
-              std::string::npos);
-    EXPECT_NE(problem({{0, 1, 0}, {0, 1, 0}}).find("parallel"), std::string::npos);
-    EXPECT_NE(problem({{0, std::nan(""), 0}, {0, 1, 0}}).find("finite"), std::string::npos);
+// Of three directions with equal weights the answer is the rotation nearest to their sum (Kabsch).
+TEST(Attitude, EqualWeightsGiveTheNearestRotation) {
+    RandomGenerator random(8);
+    const Eigen::Matrix3d c = any_rotation(random);
+    std::vector<DirectionPair> pairs;
+    Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d body = any_vector(random).normalized();
+        const Eigen::Vector3d enu = rotation_about(1e-4 * any_vector(random)) * c * body;
+        pairs.push_back({body, enu, Eigen::Matrix3d::Identity() - enu * enu.transpose()});
+        sum += enu * body.transpose();
+    }
+    const auto found = attitude_by_directions(pairs);
+    ASSERT_TRUE(found);
+    EXPECT_LT((found->enu_from_body - nearest_rotation(sum)).norm(), 1e-7);
+    EXPECT_FALSE(attitude_by_directions(std::span(pairs).first(1)));
 }
 
 TEST(Attitude, QuaternionTurnsAsTheRotation) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -59,9 +60,10 @@ TEST(AntennaBaseline, GivesTheHeadingOfACraftThatStands) {
         Eigen::Vector3d force = Eigen::Vector3d::Zero();
         for (std::size_t k = 0; k < 2500; ++k)
             force += run.samples[k].velocity_m_s / 25.0;
-        const auto start = start_by_baseline(baseline, 0.5, 25.0, force,
-                                             earth.gravity_m_s2(Eigen::Vector3d::Zero()), 0.3 * rad,
-                                             spec.position_error);
+        const DirectionPair gravity = StandingMeans{.force_m_s2 = force}.gravity(earth, 0.3 * rad);
+        const auto antennas = direction_of(baseline, 0.5, 25.0, gravity, spec.position_error);
+        ASSERT_TRUE(antennas);
+        const auto start = attitude_by_directions(std::array{gravity, *antennas});
         ASSERT_TRUE(start);
         const Eigen::Vector3d error =
             rotation_vector(start->enu_from_body * run.truth[0].imu.enu_from_body.transpose());

@@ -163,7 +163,7 @@ void expect_the_batch_to_agree(InertialRunSpec spec) {
     const std::size_t first = test::first_truth(run, solution), count = solution.epochs.size();
     for (std::size_t k = 0; k < count; ++k)
         data.fixes.push_back(run.fixes[first + k]);
-    const InertialPrior prior = find_start(data, setup)->prior;
+    const InertialPrior prior = find_start(data, setup).prior;
     const SampleReader reader(data.samples);
 
     std::vector<InertialNominal> about(count);

@@ -56,8 +56,10 @@ Coverage coverage_of(InertialCourse course, ImuClass grade, Errors kind, bool ma
         const InertialRun run = simulate_inertial(spec);
         InertialSetup setup = setup_of(spec);
         // The arm is measured without error; the axes are those of the class.
-        setup.antenna_sigma_m =
-            kind == Errors::scale ? axes_error(grade) * spec.antenna_m.norm() : 0.0;
+        if (kind == Errors::scale) {
+            setup.antenna_sigma_m = axes_error(grade) * spec.antenna_m.norm();
+            setup.noise.motion_sqrt_s = least_motion(grade);
+        }
         const InertialSolution solution = smooth_inertial(run.samples, run.fixes, setup);
         const test::SpeedErrors errors = test::speed_errors(run, solution, 30, 3);
         One& one = all[static_cast<std::size_t>(i)];

@@ -114,33 +114,31 @@ bool is_stated_length(const AntennaBaseline& baseline, const Estimated<double>& 
     return std::abs(length_m.value - baseline.body_m.norm()) <= 3.0 * sigma_m;
 }
 
-std::optional<StartAttitude> start_by_baseline(const AntennaBaseline& baseline, double from_s,
-                                               double to_s, const Eigen::Vector3d& force_m_s2,
-                                               const Eigen::Vector3d& gravity_m_s2,
-                                               double tilt_sigma_rad,
-                                               const PositionErrorModel& error) {
+std::optional<DirectionPair> direction_of(const AntennaBaseline& baseline, double from_s,
+                                          double to_s, const DirectionPair& gravity,
+                                          const PositionErrorModel& error) {
     const auto begin = std::ranges::lower_bound(baseline.fixes, from_s, {}, &BaselineFix::time_s);
     const auto end = std::ranges::upper_bound(baseline.fixes, to_s, {}, &BaselineFix::time_s);
     if (end <= begin || !shows_heading(baseline)) return std::nullopt;
     const auto fix = mean_fix({begin, end}, error);
     const double across_m = fix->enu_m.head<2>().norm();
-    if (across_m < least_across_m || !is_stated_length(baseline, fix->length_m))
+    const double across_sigma_m = std::hypot(fix->across_sigma_m, baseline.body_sigma_m);
+    if (across_m < least_across_m || !is_stated_length(baseline, fix->length_m) ||
+        across_sigma_m >= useful_heading_rad * across_m)
         return std::nullopt;
     const double length_m = fix->length_m.value;
-    const double heading_sigma_rad =
-        std::hypot(fix->across_sigma_m, baseline.body_sigma_m, tilt_sigma_rad * fix->enu_m.z()) /
-        across_m;
-    if (heading_sigma_rad >= useful_heading_rad) return std::nullopt;
-    const VectorTolerance tolerance{
-        .length = 3.0 * std::hypot(fix->length_m.sigma, baseline.body_sigma_m) / length_m + 0.01,
-        .angle_rad = 3.0 * std::hypot(tilt_sigma_rad, fix->up_sigma_m / length_m,
-                                      baseline.body_sigma_m / length_m)};
-    const VectorPair body{force_m_s2.normalized(), baseline.body_m};
-    const VectorPair enu{-gravity_m_s2.normalized(), fix->enu_m};
-    if (!are_the_same_vectors(body, enu, tolerance)) return std::nullopt;
-    const Eigen::Matrix3d c = rotation_of_two_vectors(body, enu, tolerance);
-    return StartAttitude{
-        c, attitude_covariance(c, {tilt_sigma_rad, tilt_sigma_rad, heading_sigma_rad})};
+    const double up_sigma_rad = std::hypot(fix->up_sigma_m, baseline.body_sigma_m) / length_m;
+    const double tilt_sigma_rad = std::sqrt(2.0 / gravity.information.trace());
+    const auto angle = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+        return std::atan2(a.cross(b).norm(), a.dot(b));
+    };
+    if (std::abs(angle(gravity.body, baseline.body_m) - angle(gravity.enu, fix->enu_m)) >
+        3.0 * std::hypot(tilt_sigma_rad, up_sigma_rad))
+        return std::nullopt;
+    const Eigen::Vector3d right = right_of(fix->enu_m);
+    return DirectionPair{baseline.body_m, fix->enu_m,
+                         information_about(right.cross(fix->enu_m), across_sigma_m / length_m) +
+                             information_about(right, up_sigma_rad)};
 }
 
 std::optional<BaselineJudgement> judge_baseline(const InertialSolution& solution,

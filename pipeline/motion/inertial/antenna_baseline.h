@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "inertial/inertial_smoother.h"
+#include "inertial/alignment.h"
 
 namespace runcert {
 
@@ -29,16 +29,12 @@ struct BaselineJudgement {
 /// errors of `fix_sigma_m` in the distance between them.
 bool is_stated_length(const AntennaBaseline& baseline, const Estimated<double>& length_m);
 
-/// The start of a craft that stands from one time to another: up and the direction from antenna to
-/// antenna, known along the body's axes and along east, north and up (`rotation_of_two_vectors`).
-/// `force_m_s2` is the mean specific force there. Nothing where no epoch has both antennas, their
-/// distance or height above one another is not as stated, or the heading's standard deviation is 15
-/// degrees or more.
-std::optional<StartAttitude> start_by_baseline(const AntennaBaseline& baseline, double from_s,
-                                               double to_s, const Eigen::Vector3d& force_m_s2,
-                                               const Eigen::Vector3d& gravity_m_s2,
-                                               double tilt_sigma_rad,
-                                               const PositionErrorModel& error);
+/// The mean direction from antenna to antenna of a craft that stands from one time to another.
+/// Nothing where no epoch has both antennas, their distance or height above one another is not as
+/// stated (beside `gravity`), or the heading's standard deviation is 15 degrees or more.
+std::optional<DirectionPair> direction_of(const AntennaBaseline& baseline, double from_s,
+                                          double to_s, const DirectionPair& gravity,
+                                          const PositionErrorModel& error);
 
 /// Headings by the antennas beside those of a solution, at the epochs that have both. The mean
 /// difference errs by what both positions err by, the time-correlated error over its correlation

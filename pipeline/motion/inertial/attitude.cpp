@@ -1,15 +1,10 @@
 #include "inertial/attitude.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
-
-#include "core/failure.h"
 
 namespace runcert {
 namespace {
@@ -22,45 +17,6 @@ double versine_over_square(double x) {
     if (x < 1e-4) return 0.5 - x * x / 24.0;
     const double half = std::sin(0.5 * x) / x;
     return 2.0 * half * half;
-}
-
-/// The columns u, v and u x v, each of length 1.
-Eigen::Matrix3d triad(const VectorPair& pair) {
-    Eigen::Matrix3d columns;
-    columns << pair.first.normalized(), pair.second.normalized(),
-        pair.first.cross(pair.second).normalized();
-    return columns;
-}
-
-double angle_between(const VectorPair& pair) {
-    return std::atan2(pair.first.cross(pair.second).norm(), pair.first.dot(pair.second));
-}
-
-std::optional<Failure> why_not_the_same(const VectorPair& from, const VectorPair& to,
-                                        const VectorTolerance& tolerance) {
-    const double angle_from = angle_between(from);
-    const double angle_to = angle_between(to);
-    if (!from.first.allFinite() || !from.second.allFinite() || !to.first.allFinite() ||
-        !to.second.allFinite())
-        return Failure("attitude", "a component of a vector is not a finite number",
-                       "Check the vectors");
-    for (const auto& [a, b] : {std::pair(from.first, to.first), std::pair(from.second, to.second)})
-        if (!(std::abs(a.norm() - b.norm()) <= tolerance.length * std::max(a.norm(), b.norm())))
-            return Failure(
-                "attitude",
-                fmt::format("a vector is {:.6g} long in one frame and {:.6g} in the other",
-                            a.norm(), b.norm()),
-                "Give the same vector in both frames");
-    if (!(std::min(std::sin(angle_from), std::sin(angle_to)) >= tolerance.least_sine))
-        return Failure("attitude", "the two vectors are nearly parallel",
-                       "Give vectors that are not");
-    if (!(std::abs(angle_from - angle_to) <= tolerance.angle_rad))
-        return Failure("attitude",
-                       fmt::format("the two vectors are {:.6g} rad apart in one frame and {:.6g} "
-                                   "in the other",
-                                   angle_from, angle_to),
-                       "Give the same two vectors in both frames");
-    return std::nullopt;
 }
 
 }  // namespace
@@ -143,17 +99,6 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
     const Eigen::Matrix3d& v = svd.matrixV();
     const Eigen::Vector3d signs(1.0, 1.0, (u * v.transpose()).determinant() < 0.0 ? -1.0 : 1.0);
     return u * signs.asDiagonal() * v.transpose();
-}
-
-bool are_the_same_vectors(const VectorPair& from, const VectorPair& to,
-                          const VectorTolerance& tolerance) {
-    return !why_not_the_same(from, to, tolerance);
-}
-
-Eigen::Matrix3d rotation_of_two_vectors(const VectorPair& from, const VectorPair& to,
-                                        const VectorTolerance& tolerance) {
-    if (const auto failure = why_not_the_same(from, to, tolerance)) throw *failure;
-    return nearest_rotation(triad(to) * triad(from).inverse());
 }
 
 Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& rotation) {

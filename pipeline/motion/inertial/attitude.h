@@ -55,31 +55,6 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
 /// singular value decomposition. A sum of rotations gives their mean.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
-/// Two vectors along the axes of one frame.
-struct VectorPair {
-    Eigen::Vector3d first;
-    Eigen::Vector3d second;
-};
-
-/// What two vectors known in both frames may differ by, beyond what turns one frame into the other.
-struct VectorTolerance {
-    double length = 1e-3;      ///< of each vector's length, relative
-    double angle_rad = 1e-3;   ///< of the angle between the two
-    double least_sine = 0.05;  ///< of that angle: two vectors along one line give no attitude
-};
-
-/// Whether two pairs may be the same vectors in two frames: see `rotation_of_two_vectors`.
-bool are_the_same_vectors(const VectorPair& from, const VectorPair& to,
-                          const VectorTolerance& tolerance);
-
-/// The rotation that takes `from` to `to` ([NAV] 3.4): R = B L^-1, where the columns of L and B are
-/// u, v and u x v of either pair, made orthonormal. Lengths do not count in R: all are made 1.
-///
-/// Failure (at "attitude") where lengths or angles of the pairs differ by more than the tolerance,
-/// where the two vectors are nearly parallel, or where a component is not finite.
-Eigen::Matrix3d rotation_of_two_vectors(const VectorPair& from, const VectorPair& to,
-                                        const VectorTolerance& tolerance);
-
 /// The unit quaternion of a rotation, its scalar not negative.
 Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& rotation);
 

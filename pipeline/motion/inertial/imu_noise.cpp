@@ -54,6 +54,10 @@ double axes_error(ImuClass grade) {
     return 0.0;
 }
 
+double least_motion(ImuClass grade) {
+    return 0.2 * axes_error(grade);
+}
+
 ImuNoise on_a_craft(ImuNoise noise) {
     noise.velocity_walk_m_s_sqrt_s *= 10.0;
     noise.angle_walk_rad_sqrt_s *= 2.0;

@@ -32,6 +32,12 @@ ImuNoise imu_noise(ImuClass grade);
 /// the antenna errs by this share of its length.
 double axes_error(ImuClass grade);
 
+/// The noise with motion (`ImuNoise::motion_sqrt_s`) that such scale factors and axes need at
+/// least, a fifth of their errors. A run's likelihood shows less of it than its speeds err by: of a
+/// phone on a lake, without it, 90 % of the intervals held the truth, with it 93 %, with twice as
+/// much 94 %.
+double least_motion(ImuClass grade);
+
 /// Noise with the random walks, and the noise that grows with motion, that real MEMS sensors on a
 /// craft need: velocity random walk ten times, angular random walk twice, 0.006 of the motion. On a
 /// car drive with a MEMS IMU data sheet figures gave innovations whose mean square was 20 times

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -108,7 +109,8 @@ PositionInnovation update(const PositionFix& fix, const InertialNominal& nominal
     const ErrorColumns left_h = left * h.transpose();
     const ErrorMatrix both = left + (gain * fix.covariance_m2 - left_h) * gain.transpose();
     covariance = 0.5 * (both + both.transpose());
-    PositionInnovation seen;
+    PositionInnovation seen{
+        .h = h, .covariance_m2 = fix.covariance_m2, .residual_m = fix.enu_m - predicted};
     seen.whitened = factor.matrixL().solve(innovation);
     seen.log_likelihood =
         -0.5 * (seen.whitened.squaredNorm() + 3.0 * std::log(2.0 * std::numbers::pi)) -
@@ -164,6 +166,7 @@ void InertialPass::reserve(std::size_t epochs) {
     estimated.reserve(epochs);
     predicted_covariance.reserve(epochs);
     covariance.reserve(epochs);
+    transition.reserve(epochs);
     gain.reserve(epochs);
     innovations.reserve(epochs);
     imu_gap_s.reserve(epochs);
@@ -186,7 +189,7 @@ InertialPass filter_forwards(const InertialData& data, const InertialPrior& prio
         if (k > 0) {
             carrier.carry(nominal, covariance, transition, fix.time_s + offset_s);
             mean = transition * mean;
-            pass.gain.push_back(transition);
+            pass.transition.push_back(transition);
         }
         if (linear) {
             mean += deviation(nominal, reference[k]);
@@ -200,6 +203,7 @@ InertialPass filter_forwards(const InertialData& data, const InertialPrior& prio
         if (!linear) {
             nominal = corrected(nominal, mean);
             pass.predicted.back() -= mean;
+            pass.innovations.back().residual_m -= pass.innovations.back().h * mean;
             mean.setZero();
         }
         pass.nominal.push_back(nominal);
@@ -210,26 +214,8 @@ InertialPass filter_forwards(const InertialData& data, const InertialPrior& prio
     return pass;
 }
 
-namespace {
-
-/// P^-1 applied to the columns of position.
-ErrorColumns position_information(const ErrorMatrix& covariance) {
-    ErrorColumns columns = ErrorColumns::Zero();
-    columns.middleRows<3>(position).setIdentity();
-    return Eigen::LLT<ErrorMatrix>(covariance).solve(columns);
-}
-
-/// The smoothed state has the information of the filter and that of what comes later.
-LaterPosition later_position(const ErrorMatrix& filtered, const ErrorMatrix& smoothed,
-                             const ErrorVector& moved) {
-    const ErrorColumns of_filter = position_information(filtered);
-    return {position_information(smoothed) - of_filter, of_filter.transpose() * moved};
-}
-
-}  // namespace
-
 void smooth_backwards(InertialPass& pass, const InertialData& data) {
-    pass.later.assign(pass.nominal.size(), {});
+    pass.gain.resize(pass.transition.size());
     for (std::size_t k = pass.nominal.size() - 1; k-- > 0;) {
         const Eigen::LLT<ErrorMatrix> factor(pass.predicted_covariance[k + 1]);
         if (factor.info() != Eigen::Success || !pass.predicted_covariance[k + 1].allFinite())
@@ -237,22 +223,55 @@ void smooth_backwards(InertialPass& pass, const InertialData& data) {
                 fmt::format("time {:.3f} s", data.fixes[k + 1].time_s),
                 "the predicted covariance of the inertial solution is not positive definite",
                 "Check the stated noise of the IMU and the steps of time around this epoch");
-        const ErrorMatrix gain = factor.solve(pass.gain[k] * pass.covariance[k]).transpose();
-        const ErrorVector moved = gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
-        pass.estimated[k] += moved;
+        const ErrorMatrix gain = factor.solve(pass.transition[k] * pass.covariance[k]).transpose();
+        pass.estimated[k] += gain * (pass.estimated[k + 1] - pass.predicted[k + 1]);
         const ErrorMatrix covariance =
             pass.covariance[k] +
             gain * (pass.covariance[k + 1] - pass.predicted_covariance[k + 1]) * gain.transpose();
-        const ErrorMatrix smoothed = 0.5 * (covariance + covariance.transpose());
-        pass.later[k] = later_position(pass.covariance[k], smoothed, moved);
-        pass.covariance[k] = smoothed;
+        pass.covariance[k] = 0.5 * (covariance + covariance.transpose());
         pass.gain[k] = gain;
     }
-    pass.predicted_covariance = {};
 }
 
 double log_likelihood(const InertialData& data, const InertialPrior& prior, std::size_t count) {
     return filter_forwards(data, prior, {}, count).log_likelihood;
+}
+
+namespace {
+
+/// About each axis the attitude may turn by the greater of these in the last pass.
+constexpr double settled_rad = 1e-3;
+constexpr double settled_sigmas = 0.1;
+constexpr int most_passes = 12;
+
+/// The greatest turn of the attitude by the last pass, in units of what it may turn.
+double turned_by(const InertialPass& pass) {
+    double most = 0.0;
+    for (std::size_t k = 0; k < pass.estimated.size(); ++k)
+        for (int axis = 0; axis < 3; ++axis) {
+            const double sigma = std::sqrt(pass.covariance[k](axis, axis));
+            const double turned = std::abs(pass.estimated[k](error_state::attitude + axis));
+            most = std::max(most, turned / std::max(settled_rad, settled_sigmas * sigma));
+        }
+    return most;
+}
+
+}  // namespace
+
+Passes run_passes(const InertialData& data, const InertialPrior& prior,
+                  std::vector<InertialNominal> about) {
+    Passes passes;
+    const std::size_t count = data.fixes.size();
+    while (passes.count < most_passes) {
+        passes.last = {};  // its memory is free before that of the next is taken
+        passes.last = filter_forwards(data, prior, about, count);
+        smooth_backwards(passes.last, data);
+        ++passes.count;
+        passes.turned = turned_by(passes.last);
+        if (passes.turned < 1.0 || passes.count == most_passes) break;
+        about = passes.last.trajectory();
+    }
+    return passes;
 }
 
 }  // namespace runcert

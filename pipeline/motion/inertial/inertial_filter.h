@@ -37,17 +37,14 @@ struct InertialPrior {
     ErrorMatrix covariance;
 };
 
-/// What one position said.
+/// A measured position as a linear function of the errors about `nominal`, and how the filter found
+/// it.
 struct PositionInnovation {
+    ErrorJacobian h = ErrorJacobian::Zero();
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d residual_m = Eigen::Vector3d::Zero();  ///< less that of `nominal`
     Eigen::Vector3d whitened = Eigen::Vector3d::Zero();
     double log_likelihood = 0.0;
-};
-
-/// What the positions after an epoch say of the IMU's position there, as information: its columns
-/// of position, and the same rows of information times deviation from the smoothed state.
-struct LaterPosition {
-    ErrorColumns information = ErrorColumns::Zero();
-    Eigen::Vector3d vector = Eigen::Vector3d::Zero();
 };
 
 /// A pass. Deviations and covariances are those of the filter until `smooth_backwards` makes them
@@ -58,11 +55,11 @@ struct InertialPass {
     std::vector<ErrorVector> estimated;  ///< after it
     std::vector<ErrorMatrix> predicted_covariance;
     std::vector<ErrorMatrix> covariance;
-    std::vector<ErrorMatrix> gain;  ///< transition from the epoch to the next; then the gain
+    std::vector<ErrorMatrix> transition;  ///< from the epoch to the next
+    std::vector<ErrorMatrix> gain;        ///< filled by `smooth_backwards`
     std::vector<PositionInnovation> innovations;
-    std::vector<LaterPosition> later;  ///< filled by `smooth_backwards`
-    std::vector<double> imu_gap_s;     ///< without samples before each epoch
-    double carried_offset_s = 0.0;     ///< the states are those at the positions' times plus this
+    std::vector<double> imu_gap_s;  ///< without samples before each epoch
+    double carried_offset_s = 0.0;  ///< the states are those at the positions' times plus this
     double log_likelihood = 0.0;
 
     void reserve(std::size_t epochs);
@@ -84,8 +81,22 @@ InertialPass filter_forwards(const InertialData& data, const InertialPrior& prio
 
 /// The smoother backwards [YSM22]: d_k = m_k + G_k (d_{k+1} - m-_{k+1}),
 /// P_k = P+_k + G_k (P_{k+1} - P-_{k+1}) G_k', G_k = P+_k Phi' (P-_{k+1})^-1. Failure (at the time)
-/// where a predicted covariance is not positive definite. Frees the predicted covariances.
+/// where a predicted covariance is not positive definite.
 void smooth_backwards(InertialPass& pass, const InertialData& data);
+
+/// Passes from one start, until the attitude stays.
+struct Passes {
+    InertialPass last;  ///< smoothed
+    int count = 0;
+    /// What the last pass turned the attitude by about an axis, at most, in units of what it may:
+    /// the greater of 1e-3 rad and a tenth of the standard deviation.
+    double turned = 0.0;
+};
+
+/// Forwards in closed loop and backwards, then about the smoothed trajectory until the attitude
+/// stays, 12 times at most. With a trajectory given, the first pass is about that.
+Passes run_passes(const InertialData& data, const InertialPrior& prior,
+                  std::vector<InertialNominal> about = {});
 
 /// Sum of logarithms of the innovations' densities over so many epochs.
 double log_likelihood(const InertialData& data, const InertialPrior& prior, std::size_t count);

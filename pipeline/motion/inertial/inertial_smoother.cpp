@@ -8,8 +8,6 @@
 
 #include "core/failure.h"
 #include "core/statistics.h"
-#include "inertial/inertial_filter.h"
-#include "inertial/inertial_passes.h"
 #include "inertial/joint_covariance.h"
 #include "inertial/judgement.h"
 #include "inertial/solution.h"
@@ -112,45 +110,28 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup) {
     InertialData data = data_of(samples, fixes, setup);
-    if (setup.before)
-        return solve(data,
-                     chosen_start(setup.before->searched ? StartChoice::search : StartChoice::found,
-                                  data, setup),
-                     setup);
+    if (setup.before) return solve(data, find_start(data, setup, setup.before->searched), setup);
     const Judged judged = judge(data, setup);
     data.noise = judged.setup.noise;
-    const auto solved_from = [&](StartChoice choice) {
-        return solve(data, chosen_start(choice, data, judged.setup), judged.setup);
-    };
-    InertialSolution solution = solved_from(judged.start);
-    // The surface may be wrong elsewhere than where it was judged.
-    if (solution.start == StartMethod::surface && !solution.consistency.consistent()) {
-        InertialSolution without = solved_from(StartChoice::found);
-        if (without.log_likelihood > solution.log_likelihood) solution = std::move(without);
-    }
+    InertialSolution solution =
+        solve(data, find_start(data, judged.setup, judged.search), judged.setup);
     solution.time_offset_asked_by_innovations =
         judged.setup.estimate_time_offset && !setup.estimate_time_offset;
     if (judged.noise_at_limit)
         solution.consistency.doubts.push_back({InertialFinding::noise_large,
                                                judged.setup.noise.motion_sqrt_s,
                                                setup.noise.motion_sqrt_s});
+    if (!solution.consistency.consistent())
+        solution.consistency.shaking = shaking_of(samples, [&](double time_s) {
+            const auto at = std::ranges::lower_bound(
+                data.fixes, time_s - judged.setup.time_offset_s, {}, &PositionFix::time_s);
+            if (at == data.fixes.end()) return std::nan("");
+            return velocity_of_positions(data.fixes,
+                                         static_cast<std::size_t>(at - data.fixes.begin()))
+                .head<2>()
+                .norm();
+        });
     return solution;
-}
-
-std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples,
-                                              std::span<const PositionFix> fixes,
-                                              const InertialSetup& setup) {
-    if (!setup.start) throw Failure("attitude", "there is no start to filter from", "Give one");
-    const InertialData data = data_of(samples, fixes, setup);
-    const auto pass = filter_forwards(data, find_start(data, setup)->prior, {}, data.fixes.size());
-    std::vector<FilteredAttitude> attitudes;
-    attitudes.reserve(data.fixes.size());
-    for (std::size_t k = 0; k < data.fixes.size(); ++k)
-        attitudes.push_back({.time_s = data.fixes[k].time_s,
-                             .enu_from_body = pass.nominal[k].state.enu_from_body,
-                             .covariance_rad2 = pass.covariance[k].topLeftCorner<3, 3>(),
-                             .nis = pass.innovations[k].whitened.squaredNorm()});
-    return attitudes;
 }
 
 }  // namespace runcert

@@ -12,6 +12,7 @@
 #include "inertial/attitude.h"
 #include "inertial/error_model.h"
 #include "inertial/imu_noise.h"
+#include "inertial/still_spans.h"
 #include "inertial/strapdown.h"
 
 namespace runcert {
@@ -158,6 +159,7 @@ struct InertialStatistics {
     /// err. 1 is expected.
     double usual_nis = 0.0;
     std::vector<InertialDoubt> doubts = {};
+    Shaking shaking = {};  ///< found where there are doubts
     bool consistent() const { return doubts.empty(); }
     /// Whether the IMU can say how the antenna moved, if not where another point of the craft did:
     /// the solution converged, with innovations that are mostly as expected.
@@ -215,12 +217,11 @@ struct InertialSolution {
     /// estimated may be `unseen_lag_s`.
     PointDisplacement swing(std::size_t s, std::size_t e) const;
 
-    /// The antenna's displacement between two epochs by the IMU alone: the positions from s to e,
-    /// both included, are left out, and those after may all be displaced by one unknown vector. So
-    /// only attitude, velocity and biases at both ends are known by positions. Their information is
-    /// taken back out of the joint covariance, with a Kalman filter backwards in time that has
-    /// negative covariances of measurement. None where rounding leaves too little of it.
-    std::optional<PointDisplacement> displacement_by_imu(std::size_t s, std::size_t e) const;
+    /// The antenna's displacement between two epochs by the IMU alone: the stretch is solved again
+    /// without the positions from s to e, both included, and those after may all be displaced by
+    /// one unknown vector. So only attitude, velocity and biases at both ends are known by
+    /// positions.
+    PointDisplacement displacement_by_imu(std::size_t s, std::size_t e) const;
 
     /// Variance of a sum over the epochs from s on: gradients[i].position' position +
     /// gradients[i].velocity' velocity of a point at epoch s + i, from the joint covariance of all.
@@ -260,12 +261,9 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 /// closed-loop extended Kalman filter of 22 error states (`error_model.h`), an RTS smoother,
 /// and again about the smoothed trajectory until the attitude stays.
 ///
-/// Starts where the craft moves at 5 m/s or more, with the heading of its course and level
-/// (standard deviations of 9 degrees in roll, 4 in pitch, 5 in heading), carried back by the gyros.
-/// A craft that stands at first is levelled by gravity and its gyros' bias measured; with a second
-/// antenna the direction to that is its heading, unless the course that follows says otherwise.
-/// Without motion the likeliest of twelve headings over 60 s is taken. A craft that moves over a
-/// surface (`ground_normal`) may start with the attitude of that [FHB03]: if it is likelier.
+/// Starts from the directions known at the first position (`find_start`): gravity, course and
+/// ground, the Earth's rotation, two antennas. Without a course the likeliest of twelve headings
+/// over 60 s is taken.
 ///
 /// Noise is that which is likeliest over two minutes about the highest speed, no less than the
 /// setup's (`fit_imu_noise`). Scale factors and axes that err by 0.2 to 1 %, as those of MEMS
@@ -278,17 +276,5 @@ std::size_t positions_within(std::span<const ImuSample> samples, std::span<const
 /// finite or a covariance not positive.
 InertialSolution smooth_inertial(std::span<const ImuSample> samples,
                                  std::span<const PositionFix> fixes, const InertialSetup& setup);
-
-/// The filter's own attitude at each epoch, from the positions up to it: what convergence is judged
-/// by. `setup.start` must be given.
-struct FilteredAttitude {
-    double time_s = 0.0;
-    Eigen::Matrix3d enu_from_body = Eigen::Matrix3d::Identity();
-    Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
-    double nis = 0.0;  ///< of this epoch's innovation, 3 degrees of freedom
-};
-std::vector<FilteredAttitude> filter_attitude(std::span<const ImuSample> samples,
-                                              std::span<const PositionFix> fixes,
-                                              const InertialSetup& setup);
 
 }  // namespace runcert

@@ -1,5 +1,7 @@
 #include "inertial/joint_covariance.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -34,7 +36,81 @@ ErrorJacobian velocity_gradient(const InertialEpoch& epoch, const JointCovarianc
     return h;
 }
 
+/// The filter's errors after a position.
+struct Updated {
+    ErrorVector mean;
+    ErrorMatrix covariance;
+};
+Updated updated(const ErrorVector& mean, const ErrorMatrix& covariance,
+                const PositionInnovation& seen) {
+    const ErrorJacobian hp = seen.h * covariance;
+    const Eigen::LLT<Eigen::Matrix3d> factor(hp * seen.h.transpose() + seen.covariance_m2);
+    return {mean + hp.transpose() * factor.solve(seen.residual_m - seen.h * mean),
+            covariance - hp.transpose() * factor.solve(hp)};
+}
+
 }  // namespace
+
+StretchErrors::StretchErrors(InertialPass& pass)
+    : predicted(std::move(pass.predicted)),
+      predicted_covariance(std::move(pass.predicted_covariance)),
+      transition(std::move(pass.transition)),
+      positions(std::move(pass.innovations)),
+      smoothed(std::move(pass.estimated)),
+      later(predicted.size()) {
+    for (std::size_t k = later.size() - 1; k-- > 0;) {
+        const PositionInnovation& seen = positions[k + 1];
+        const ErrorColumns weighted = seen.covariance_m2.llt().solve(seen.h).transpose();
+        const ErrorMatrix information = later[k + 1].information + weighted * seen.h;
+        const ErrorVector vector = later[k + 1].vector + weighted * seen.residual_m;
+        const Updated here = updated(predicted[k], predicted_covariance[k], positions[k]);
+        const ErrorMatrix& phi = transition[k];
+        const ErrorMatrix noise =
+            predicted_covariance[k + 1] - phi * here.covariance * phi.transpose();
+        const ErrorVector moved = predicted[k + 1] - phi * here.mean;
+        const Eigen::PartialPivLU<ErrorMatrix> factor(ErrorMatrix::Identity() +
+                                                      information * noise);
+        const ErrorMatrix carried = phi.transpose() * factor.solve(information) * phi;
+        later[k] = {0.5 * (carried + carried.transpose()),
+                    phi.transpose() * factor.solve(vector - information * moved)};
+    }
+}
+
+PointDisplacement StretchErrors::without(std::size_t s, const ErrorJacobian& a, std::size_t e,
+                                         const ErrorJacobian& b) const {
+    ErrorVector mean = predicted[s];
+    ErrorMatrix covariance = predicted_covariance[s];
+    const ErrorColumns begin = covariance * a.transpose();
+    ErrorColumns cross = begin;
+    for (std::size_t k = s; k < e; ++k) {
+        const Updated with = updated(predicted[k], predicted_covariance[k], positions[k]);
+        const ErrorMatrix& phi = transition[k];
+        mean = (predicted[k + 1] + phi * (mean - with.mean)).eval();
+        covariance =
+            (predicted_covariance[k + 1] + phi * (covariance - with.covariance) * phi.transpose())
+                .eval();
+        cross = (phi * cross).eval();
+    }
+    ErrorMatrix information = later[e].information;
+    ErrorVector vector = later[e].vector;
+    // A displacement of all later positions takes what they say of this one with it.
+    const ErrorColumns of_position = information.middleCols<3>(error_state::position);
+    const Eigen::LLT<Eigen::Matrix3d> root(of_position.middleRows<3>(error_state::position));
+    if (root.info() == Eigen::Success) {
+        vector -= of_position * root.solve(vector.segment<3>(error_state::position));
+        information -= of_position * root.solve(of_position.transpose());
+    }
+    const ErrorJacobian by_end = b * covariance - cross.transpose();
+    const Eigen::PartialPivLU<ErrorMatrix> factor(ErrorMatrix::Identity() +
+                                                  information * covariance);
+    const Eigen::Matrix3d a_cross = b * cross;
+    const Eigen::Matrix3d variance = b * covariance * b.transpose() + a * begin - a_cross -
+                                     a_cross.transpose() -
+                                     by_end * factor.solve(information * by_end.transpose());
+    return {.enu_m = b * (mean - smoothed[e]) - a * (predicted[s] - smoothed[s]) +
+                     by_end * factor.solve(vector - information * mean),
+            .covariance_m2 = 0.5 * (variance + variance.transpose())};
+}
 
 PointDisplacement InertialSolution::displacement(std::size_t s, std::size_t e,
                                                  CraftPoint point) const {
@@ -76,35 +152,15 @@ PointDisplacement InertialSolution::swing(std::size_t s, std::size_t e) const {
     return result;
 }
 
-namespace {
-
-/// A measured position as the errors' function, its covariance, and what is left of it.
-struct SeenPosition {
-    ErrorJacobian h;
-    Eigen::Matrix3d covariance_m2;
-    Eigen::Vector3d residual_m;
-};
-
-}  // namespace
-
-std::optional<PointDisplacement> InertialSolution::displacement_by_imu(std::size_t s,
-                                                                       std::size_t e) const {
+PointDisplacement InertialSolution::displacement_by_imu(std::size_t s, std::size_t e) const {
     assert(s < e && e < epochs.size());
-    const auto seen = [&](std::size_t k) {
-        const InertialEpoch& epoch = epochs[k];
-        return SeenPosition{
-            position_jacobian(epoch.enu_from_body, joint->antenna_m, epoch.antenna.velocity_m_s),
-            joint->fixes[k].covariance_m2,
-            joint->fixes[k].enu_m - epoch.antenna.position_m - epoch.position_error_m};
-    };
-    auto found =
-        joint->errors.without(s, position_gradient(epochs[s], *joint, CraftPoint::antenna), e,
-                              position_gradient(epochs[e], *joint, CraftPoint::antenna), seen);
-    if (!found) return found;
-    found->enu_m += epochs[e].antenna.position_m - epochs[s].antenna.position_m;
+    PointDisplacement found =
+        joint->stretch.without(s, position_gradient(epochs[s], *joint, CraftPoint::antenna), e,
+                               position_gradient(epochs[e], *joint, CraftPoint::antenna));
+    found.enu_m += epochs[e].antenna.position_m - epochs[s].antenna.position_m;
     // Without a position there, the antenna is as far from the IMU as the declared arm says.
     const Eigen::Matrix3d turned = epochs[e].enu_from_body - epochs[s].enu_from_body;
-    found->covariance_m2 +=
+    found.covariance_m2 +=
         joint->antenna_sigma_m * joint->antenna_sigma_m * turned * turned.transpose();
     return found;
 }

@@ -15,12 +15,6 @@ namespace {
 
 constexpr std::size_t least_epochs = 10;
 
-/// The normal of ground that holds the velocity and is level across it.
-Eigen::Vector3d level_across(const Eigen::Vector3d& velocity) {
-    const Eigen::Vector3d right(velocity.y(), -velocity.x(), 0.0);
-    return right.cross(velocity).normalized();
-}
-
 std::vector<Eigen::Matrix3d> gated_mounts(const InertialSolution& solution, const MountGate& gate,
                                           std::span<const std::optional<Eigen::Vector3d>> normals) {
     std::vector<Eigen::Matrix3d> mounts;
@@ -33,9 +27,8 @@ std::vector<Eigen::Matrix3d> gated_mounts(const InertialSolution& solution, cons
             std::abs(turning) * speed > gate.most_lateral_m_s2)
             continue;
         if (!normals.empty() && !normals[k]) continue;
-        const Eigen::Vector3d normal = normals.empty() ? level_across(v) : *normals[k];
-        if (const auto enu_from_craft =
-                attitude_on_surface({normal, v}, {.least_speed_m_s = gate.least_speed_m_s}))
+        const Eigen::Vector3d normal = normals.empty() ? level_normal(v) : *normals[k];
+        if (const auto enu_from_craft = attitude_on_surface({normal, v}, gate.least_speed_m_s))
             mounts.push_back(enu_from_craft->transpose() * epoch.enu_from_body);
     }
     return mounts;

@@ -194,10 +194,8 @@ InertialSolution solution_of(InertialPass&& pass, const InertialData& data,
     solution.consistency = consistency_of(solution.epochs);
     find_doubts(solution, setup, turned);
     auto joint = std::make_shared<JointCovariance>();
-    joint->fixes = data.fixes;
-    joint->errors = JointErrors{.covariance = std::move(pass.covariance),
-                                .gain = std::move(pass.gain),
-                                .later = std::move(pass.later)};
+    joint->errors = {std::move(pass.covariance), std::move(pass.gain)};
+    joint->stretch = StretchErrors(pass);
     joint->reference_point_m = setup.reference_point_m;
     joint->antenna_m = last.antenna_m;
     joint->antenna_sigma_m = setup.estimate_antenna ? 0.0 : setup.antenna_sigma_m;

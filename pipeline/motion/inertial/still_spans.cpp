@@ -68,14 +68,18 @@ class SecondSums {
     int count_ = 0;
 };
 
-std::vector<Second> seconds_of(std::span<const ImuSample> samples) {
+std::vector<Second> seconds_of(std::span<const ImuSample> samples,
+                               const std::function<double(double)>& speed_m_s) {
     std::vector<Second> seconds;
     SecondSums sums;
     for (const ImuSample& sample : samples) {
         if (!(sample.interval_s > 0.0)) continue;
         sums.add(sample);
         if (!sums.full()) continue;
-        if (sums.whole()) seconds.push_back(sums.second());
+        if (sums.whole()) {
+            Second& one = seconds.emplace_back(sums.second());
+            one.speed_m_s = speed_m_s(0.5 * (one.from_s + one.to_s));
+        }
         sums = {};
     }
     return seconds;
@@ -92,10 +96,9 @@ double still_scatter(std::vector<double> all, std::vector<double> moving) {
 
 std::vector<StillSpan> still_spans(std::span<const ImuSample> samples,
                                    const std::function<double(double)>& speed_m_s) {
-    std::vector<Second> seconds = seconds_of(samples);
+    const std::vector<Second> seconds = seconds_of(samples, speed_m_s);
     std::vector<double> rates, forces, moving_rates, moving_forces;
-    for (Second& one : seconds) {
-        one.speed_m_s = speed_m_s(0.5 * (one.from_s + one.to_s));
+    for (const Second& one : seconds) {
         rates.push_back(one.rate_rad_s);
         forces.push_back(one.force_m_s2);
         if (!(one.speed_m_s > moving_m_s)) continue;
@@ -121,6 +124,24 @@ std::vector<StillSpan> still_spans(std::span<const ImuSample> samples,
     }
     close();
     return spans;
+}
+
+Shaking shaking_of(std::span<const ImuSample> samples,
+                   const std::function<double(double)>& speed_m_s) {
+    const std::vector<Second> seconds = seconds_of(samples, speed_m_s);
+    double greatest_m_s = 0.0;
+    for (const Second& one : seconds)
+        greatest_m_s = std::max(greatest_m_s, one.speed_m_s);
+    std::vector<double> standing, slow, fast;
+    for (const Second& one : seconds) {
+        if (one.speed_m_s < standing_m_s) standing.push_back(one.force_m_s2);
+        if (!(one.speed_m_s > moving_m_s)) continue;
+        (one.speed_m_s < 0.5 * greatest_m_s ? slow : fast).push_back(one.force_m_s2);
+    }
+    const auto usual = [](std::vector<double>& values) {
+        return values.empty() ? 0.0 : median(std::move(values));
+    };
+    return {usual(standing), usual(slow), usual(fast)};
 }
 
 }  // namespace runcert

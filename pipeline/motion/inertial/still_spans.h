@@ -25,4 +25,15 @@ struct StillSpan {
 std::vector<StillSpan> still_spans(std::span<const ImuSample> samples,
                                    const std::function<double(double)>& speed_m_s);
 
+/// Medians of the scatter (m/s^2) of an IMU's specific force within a second: where the craft
+/// stands (below 0.2 m/s), and below and above half of its greatest speed in motion. 0 where there
+/// is none.
+struct Shaking {
+    double standing_m_s2 = 0.0;
+    double slow_m_s2 = 0.0;
+    double fast_m_s2 = 0.0;
+};
+Shaking shaking_of(std::span<const ImuSample> samples,
+                   const std::function<double(double)>& speed_m_s);
+
 }  // namespace runcert

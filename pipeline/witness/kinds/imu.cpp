@@ -36,16 +36,15 @@ std::optional<WitnessedMotion<Axes>> ImuWitness<Axes>::between(double from_s, do
     if (!found) return std::nullopt;
     const auto [s, e] = *found;
     if (solution_->bridged_between(s, e)) return std::nullopt;
-    const auto moved = solution_->displacement_by_imu(s, e);
-    if (!moved) return std::nullopt;
+    const PointDisplacement moved = solution_->displacement_by_imu(s, e);
     const Eigen::Vector3d beyond =
         start_of(*solution_, s, from_s) - solution_->epochs[s].antenna.position_m +
         solution_->epochs[e].antenna.position_m - end_of(*solution_, e, to_s);
     constexpr int axis = first_axis<Axes>;
     WitnessedMotion<Axes> motion;
-    motion.displacement_m = (moved->enu_m - beyond).template segment<Axes>(axis);
+    motion.displacement_m = (moved.enu_m - beyond).template segment<Axes>(axis);
     motion.covariance_m2 =
-        as_recorded * as_recorded * moved->covariance_m2.template block<Axes, Axes>(axis, axis);
+        as_recorded * as_recorded * moved.covariance_m2.template block<Axes, Axes>(axis, axis);
     motion.confirms = false;
     return motion;
 }

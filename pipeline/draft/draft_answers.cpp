@@ -58,7 +58,7 @@ constexpr std::pair<std::string_view, std::string_view> written_units[] = {
 Json record_of(std::string_view text) {
     text = trim(text);
     const std::size_t end = std::min(text.find_first_not_of("0123456789.,+-"), text.size());
-    std::string number(trim(text.substr(0, end)));
+    const std::string_view number = trim(text.substr(0, end));
     const std::string unit = lower_case(trim(text.substr(end)));
     const auto* const known = std::ranges::find(
         written_units, unit, &std::pair<std::string_view, std::string_view>::first);
@@ -67,16 +67,6 @@ Json record_of(std::string_view text) {
                            escape_for_message(text)),
                fmt::format("Write it as 202.9 km/h; units are {}",
                            fmt::join(attempt_schema().find("record.unit")->values, ", ")));
-    const std::size_t comma = number.find(',');
-    if (comma != std::string::npos) {
-        if (number.size() - comma == 4 ||
-            number.find_first_of(",.", comma + 1) != std::string::npos)
-            refuse(fmt::format("the comma in \"{}\" may stand for a decimal point or between "
-                               "thousands",
-                               escape_for_message(number)),
-                   "Write the number with a decimal point, and without marks of thousands");
-        number[comma] = '.';
-    }
     // As every number of an attempt, with the words for what is wrong with it.
     const double speed = YamlValue(parse_yaml(number, answer), answer).real();
     // A craft on the ground has run at 1,228 km/h, a skydiver has fallen at 1,358.

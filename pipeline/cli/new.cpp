@@ -234,6 +234,12 @@ int finish(const NewOptions& options, Draft& draft, const fs::path& out,
         fmt::print(stderr, "Enter leaves out what is not required, or takes what is in [ ].\n");
         ask_all(draft);
         fmt::print("\n");
+        show_answers(draft);
+        const std::string written = lower_case(ask_line("Write this? [Y/n]"));
+        if (!written.empty() && !std::string_view("yes").starts_with(written)) {
+            fmt::print("nothing was written\n");
+            return 1;
+        }
     } else {
         show_list("Taken without an answer", draft.take_proposals());
     }
@@ -397,7 +403,7 @@ void add_new(CLI::App& app, Command& chosen) {
         "      --record \"202.9 km/h\" --source \"NALSA, 2009\" --set solution=fixed \\\n"
         "      --set accuracy.horizontal_m=0.02\n"
         "  runcert new --day recordings\n\n"
-        "Exit status: 0 written, 2 it could not be.");
+        "Exit status: 0 written, 1 not wanted, 2 it could not be.");
     command->callback([&chosen, options, recordings, day] {
         if (recordings->count() == 0 && day->count() == 0)
             throw CLI::RequiredError("RECORDING or --day");

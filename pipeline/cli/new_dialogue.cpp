@@ -57,9 +57,34 @@ std::string ask_line(const std::string& question) {
     return std::string(trim(line));
 }
 
+namespace {
+
+/// One after the other, each by role and name.
+void ask_officials(Draft& draft) {
+    std::string officials;
+    while (true) {
+        const std::string role = ask_line(
+            officials.empty()
+                ? "Role of an official (measurer, observer, timekeeper, judge; Enter: none)"
+                : "Role of another official (Enter: no more)");
+        if (role.empty() || role == "-") return;
+        const std::string name = ask_line(fmt::format("Name of the {}", role));
+        const std::string more = officials + role + " " + name + ";";
+        try {
+            draft.set("officials", more);
+            officials = more;
+        } catch (const Failure& failure) {
+            say(fmt::format("{} {}", sentence(failure.problem()), sentence(failure.remedy())));
+        }
+    }
+}
+
+}  // namespace
+
 void ask(Draft& draft, const Gap& gap) {
     fmt::print(stderr, "\n");
     say(gap.why);
+    if (gap.key == "officials") return ask_officials(draft);
     if (!gap.values.empty()) say(numbered(gap.values));
     const std::string question =
         gap.question + (gap.proposal.empty() ? "" : fmt::format(" [{}]", gap.proposal));
@@ -85,8 +110,8 @@ void ask_all(Draft& draft) {
     std::set<std::string> asked;
     while (true) {
         const std::vector<Gap> gaps = draft.gaps();
-        const auto next =
-            std::ranges::find_if(gaps, [&](const Gap& gap) { return !asked.contains(gap.key); });
+        const auto next = std::ranges::find_if(
+            gaps, [&](const Gap& gap) { return gap.at_prompt && !asked.contains(gap.key); });
         if (next == gaps.end()) return;
         asked.insert(next->key);
         ask(draft, *next);

@@ -81,15 +81,38 @@ void show_recordings(const Draft& draft) {
 void show_gaps(const Draft& draft, const std::string& title, bool with_keys) {
     const std::vector<Gap> gaps = draft.gaps();
     std::vector<std::string> items;
-    for (const bool required : {true, false})
-        for (const Gap& gap : gaps) {
-            if (gap.required != required) continue;
-            std::string item = gap.question + (required ? " (required)" : "");
-            if (!gap.values.empty()) item += fmt::format(": {}", fmt::join(gap.values, ", "));
-            if (with_keys) item = fmt::format("{}: {}. {}", gap.key, item, gap.why);
-            items.push_back(std::move(item));
-        }
+    for (const Gap& gap : gaps) {
+        std::string item = gap.question + (gap.required ? " (required)" : "");
+        if (!gap.at_prompt) item += " (to be written in the file)";
+        if (!gap.values.empty()) item += fmt::format(": {}", fmt::join(gap.values, ", "));
+        if (with_keys) item = fmt::format("{}: {}. {}", gap.key, item, gap.why);
+        items.push_back(std::move(item));
+    }
     show_list(title, std::move(items));
+}
+
+namespace {
+
+/// A value in a line: "name Greenbird, class land-yacht".
+std::string in_a_line(const nlohmann::ordered_json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_structured()) return value.dump();
+    std::vector<std::string> parts;
+    for (const auto& [key, one] : value.items())
+        parts.push_back((value.is_object() ? key + " " : "") + in_a_line(one));
+    return fmt::format("{}", fmt::join(parts, value.is_object() ? ", " : "; "));
+}
+
+}  // namespace
+
+void show_answers(const Draft& draft) {
+    Section section{.anchor = "answers", .title = "What is written"};
+    Block all = facts({});
+    for (const auto& [key, value] : draft.keys().items())
+        add_fact(all, key, plain_text(in_a_line(value)));
+    add(section, std::move(all));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+    std::fflush(stdout);
 }
 
 void show_list(const std::string& title, std::vector<std::string> items) {

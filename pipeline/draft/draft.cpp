@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "core/text.h"
+#include "schemas/attempt/attempt.h"
 
 namespace runcert {
 
@@ -13,8 +15,9 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// A name as an id: every other character becomes -.
-std::string id_of(const std::string& path) {
+/// A name as an id: every other character becomes -. With the recording's date and minute, so that
+/// two recordings of one name have two ids.
+std::string id_of(const std::string& path, const std::optional<GpsTime>& first) {
     constexpr std::size_t longest = 60;
     std::string id = std::filesystem::path(path).stem().string().substr(0, longest);
     std::ranges::replace_if(
@@ -25,7 +28,16 @@ std::string id_of(const std::string& path) {
         '-');
     while (id.starts_with('-'))
         id.erase(0, 1);
-    return id.empty() ? "attempt" : id;
+    if (id.empty()) id = "attempt";
+    if (!first) return id;
+    std::string date;
+    std::ranges::copy_if(to_utc_iso(*first, 0), std::back_inserter(date), is_digit);
+    constexpr std::size_t date_length = 8, time_end = 12;
+    std::string digits;
+    std::ranges::copy_if(id, std::back_inserter(digits), is_digit);
+    if (digits.find(date.substr(0, date_length)) == std::string::npos)
+        id += "-" + date.substr(0, date_length);
+    return id + "-" + date.substr(date_length, time_end - date_length);
 }
 
 /// What a table's proposal says of a receiver.
@@ -84,7 +96,7 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
 
 Draft::Draft(std::vector<HandedIn> files, Arrangement arrangement)
     : files_(std::move(files)), arrangement_(std::move(arrangement)) {
-    keys_["id"] = id_of(files_.front().path);
+    keys_["id"] = id_of(files_.front().path, files_.front().is.first);
     keys_["receivers"] = Json::array();
     for (const ArrangedReceiver& arranged : arrangement_.receivers)
         keys_["receivers"].push_back(receiver_of(arranged, files_));
@@ -95,7 +107,7 @@ Draft::Draft(std::vector<HandedIn> files, Arrangement arrangement)
 Draft Draft::of_day(std::vector<HandedIn> files, const std::string& id) {
     Draft day(std::move(files), {.receivers = {{.id = "primary", .recordings = {0}}}, .said = {}});
     day.of_day_ = true;
-    day.keys_["id"] = id_of(id);
+    day.keys_["id"] = id_of(id, std::nullopt);
     // How each file is read stands with it; what is answered holds for all.
     day.keys_["receivers"] =
         Json::array({Json{{"id", "primary"}, {"recording", day.files_.front().path}}});
@@ -106,6 +118,15 @@ Json* Draft::find_receiver(const std::string& id) {
     for (Json& receiver : keys_["receivers"])
         if (receiver["id"] == id) return &receiver;
     return nullptr;
+}
+
+std::vector<std::string> Draft::profiles() const {
+    std::vector<std::string> all;
+    if (keys_.contains("profiles"))
+        for (const Json& one : keys_["profiles"])
+            for (const std::string& profile : claimed_by(one.get<std::string>()))
+                all.push_back(profile_name(profile));
+    return all;
 }
 
 Json Draft::receiver(const std::string& id) const {

@@ -19,6 +19,7 @@ struct Gap {
     std::vector<std::string> values = {};  ///< what it may be, where that is known
     std::string proposal = {};  ///< what is taken where nothing is said; of required ones
     std::string example = {};   ///< as YAML has it, for a line that is left out
+    bool at_prompt = true;      ///< whether it can be answered in a line
 };
 
 /// An attempt while it is written: what the recordings say, and what somebody answers.
@@ -33,10 +34,11 @@ class Draft {
     /// decide what.
     std::vector<Gap> gaps() const;
 
-    /// Takes an answer, as a person writes it: "202.9 km/h" for record.speed, "measurer Ann Lee,
-    /// judge" or "measurer Lee, Ann; judge" for officials, else the value as YAML has it. A key
-    /// that is of receivers alone is the primary one's. Failure, with nothing taken, for a key that
-    /// there is none of and for what it cannot be.
+    /// Takes an answer, as a person writes it: "202.9 km/h" or "110 knots" for record.speed and
+    /// records.PROFILE, "measurer Ann Lee, judge" or "measurer Lee, Ann; judge" for officials,
+    /// "land yacht" for a class, "0 0 -5" for an arm, else the value as YAML has it. A key that is
+    /// of receivers alone is the primary one's. Failure, with nothing taken, for a key that there
+    /// is none of and for what it cannot be.
     void set(const std::string& key, const std::string& answer);
 
     /// Takes proposals for what is not answered. What was taken so, a line each, which stands in
@@ -45,6 +47,8 @@ class Draft {
 
     /// The keys of the attempt, or of the day's defaults.
     const nlohmann::ordered_json& keys() const { return keys_; }
+    /// The rules that are claimed, each by itself.
+    std::vector<std::string> profiles() const;
     /// How that receiver's recordings are read, as it is stated.
     nlohmann::ordered_json receiver(const std::string& id) const;
     const std::vector<HandedIn>& files() const { return files_; }
@@ -58,6 +62,8 @@ class Draft {
     friend class DraftGaps;
     friend class DraftText;
     nlohmann::ordered_json* find_receiver(const std::string& id);
+    /// A record under one rule, "PROFILE" or "PROFILE.source".
+    void set_record(const std::string& path, const std::string& text);
     /// A rule that another replaces holds for runs before a day, so that the run's must be named.
     void set_date_of_superseded();
 

@@ -2,8 +2,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <utility>
 
 #include "core/failure.h"
+#include "core/speed_unit.h"
 #include "core/text.h"
 #include "draft/draft.h"
 #include "schemas/attempt/attempt.h"
@@ -35,20 +40,58 @@ std::vector<std::string> parted(std::string_view text, char separator = ',') {
     }
 }
 
-/// "202.9 km/h".
+/// A name as people write it, as the program spells it: "Land yacht" is land-yacht.
+std::string spelled(std::string_view text) {
+    std::string name = lower_case(trim(text));
+    std::ranges::replace_if(
+        name, [](char c) { return c == ' ' || c == '_'; }, '-');
+    return name;
+}
+
+/// Units of speeds as people write them, beside how an attempt does.
+constexpr std::pair<std::string_view, std::string_view> written_units[] = {
+    {"kn", "kn"},     {"kt", "kn"},     {"kts", "kn"},   {"knot", "kn"},
+    {"knots", "kn"},  {"km/h", "km/h"}, {"kmh", "km/h"}, {"kph", "km/h"},
+    {"kmph", "km/h"}, {"mph", "mph"},   {"m/s", "m/s"},  {"mps", "m/s"}};
+
+/// "202.9 km/h", "110 knots".
 Json record_of(std::string_view text) {
     text = trim(text);
     const std::size_t end = std::min(text.find_first_not_of("0123456789.,+-"), text.size());
     const std::string_view number = trim(text.substr(0, end));
-    const std::string_view unit = trim(text.substr(end));
-    const std::vector<std::string>& units = attempt_schema().find("record.unit")->values;
-    if (std::ranges::find(units, unit) == units.end())
+    const std::string unit = lower_case(trim(text.substr(end)));
+    const auto* const known = std::ranges::find(
+        written_units, unit, &std::pair<std::string_view, std::string_view>::first);
+    if (known == std::end(written_units))
         refuse(fmt::format("\"{}\" names no unit of speeds behind its number",
                            escape_for_message(text)),
-               fmt::format("Write it as 202.9 km/h; units are {}", fmt::join(units, ", ")));
+               fmt::format("Write it as 202.9 km/h; units are {}",
+                           fmt::join(attempt_schema().find("record.unit")->values, ", ")));
     // As every number of an attempt, with the words for what is wrong with it.
     const double speed = YamlValue(parse_yaml(number, answer), answer).real();
-    return {{"speed", speed}, {"unit", std::string(unit)}};
+    // A craft on the ground has run at 1,228 km/h, a skydiver has fallen at 1,358.
+    constexpr double slowest_m_s = 0.3, fastest_m_s = 400.0;
+    const double m_s = speed * metres_per_second(known->second);
+    if (!(m_s >= slowest_m_s && m_s <= fastest_m_s))
+        refuse(fmt::format("{} is no speed that a craft has a record of", escape_for_message(text)),
+               "Check the number and its unit");
+    return {{"speed", speed}, {"unit", std::string(known->second)}};
+}
+
+/// Three numbers with these names: "0 0 -5".
+std::optional<Json> numbers_of(std::string_view text, const std::array<const char*, 3>& names) {
+    std::vector<std::string> parts;
+    for (const std::string& part : parted(text))
+        for (const std::string& one : parted(part, ' '))
+            parts.push_back(one);
+    if (parts.size() != names.size()) return std::nullopt;
+    Json map = Json::object();
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const auto number = parse_double(parts[i]);
+        if (!number) return std::nullopt;
+        map[names[i]] = *number;
+    }
+    return map;
 }
 
 /// "measurer Ann Lee, judge"; or with semicolons between them, so that a name may hold a comma.
@@ -68,9 +111,10 @@ Json officials_of(std::string_view text) {
 Json profiles_of(std::string_view text) {
     Json profiles = Json::array();
     const std::vector<std::string> known = builtin_profiles();
-    for (const std::string& one : parted(text)) {
-        const bool several = one == "gps-speed-sailing" || one == "gps-ice-sailing";
-        if (!several && builtin_profile(one).empty() && !one.ends_with(".yaml")) {
+    for (const std::string& typed : parted(text)) {
+        const std::string one = typed.ends_with(".yaml") ? typed : spelled(typed);
+        if (claimed_by(one).size() == 1 && builtin_profile(one).empty() &&
+            !one.ends_with(".yaml")) {
             const std::vector<std::string_view> names(known.begin(), known.end());
             refuse(
                 fmt::format("there is no rule \"{}\"", escape_for_message(one)),
@@ -100,6 +144,14 @@ bool is_list_of_words(const FieldRule& rule) {
 Json value_of(const FieldRule& rule, const std::string& text) {
     const auto is_a = [&](const char* type) { return std::ranges::count(rule.types, type) > 0; };
     const std::string_view trimmed = trim(text);
+    if (std::ranges::count(rule.values, spelled(text)) > 0) return spelled(text);
+    if (is_a("map")) {
+        if (rule.path == "origin")
+            if (auto map = numbers_of(text, {"latitude_deg", "longitude_deg", "height_m"}))
+                return *map;
+        if (attempt_schema().find(rule.path + ".forward"))
+            if (auto map = numbers_of(text, {"forward", "right", "down"})) return *map;
+    }
     const bool structured = trimmed.starts_with('{') || trimmed.starts_with('[');
     if (!structured && is_list_of_words(rule) && !is_a("map")) {
         const std::vector<std::string> parts = parted(text);
@@ -139,6 +191,9 @@ std::string completed_text(Json keys) {
     if (!keys.contains("profiles")) keys["profiles"] = Json::array({"nalsa"});
     if (keys.contains("record") && !keys["record"].contains("source"))
         keys["record"]["source"] = "any";
+    if (keys.contains("records"))
+        for (Json& one : keys["records"])
+            if (!one.contains("source")) one["source"] = "any";
     for (const FieldRule& rule : attempt_schema().fields()) {
         const std::size_t point = rule.path.find('.');
         if (point == std::string::npos || !rule.required) continue;
@@ -197,12 +252,37 @@ void Draft::set_date_of_superseded() {
     }
 }
 
+void Draft::set_record(const std::string& path, const std::string& text) {
+    const std::string profile = path.substr(0, path.find('.'));
+    if (std::ranges::count(profiles(), profile) == 0)
+        refuse(
+            fmt::format("the attempt does not claim the rule \"{}\"", escape_for_message(profile)),
+            "Add it to profiles first");
+    Json& records = keys_["records"];
+    if (records.is_null()) records = Json::array();
+    auto found =
+        std::ranges::find_if(records, [&](const Json& one) { return one["profile"] == profile; });
+    if (path.ends_with(".source")) {
+        if (found == records.end()) refuse("its record is not stated", "State it first");
+        (*found)["source"] = std::string(trim(text));
+        return;
+    }
+    const Json record = record_of(text);
+    if (found == records.end()) {
+        records.push_back({{"profile", profile}});
+        found = std::prev(records.end());
+    }
+    found->update(record);
+}
+
 void Draft::set(const std::string& given, const std::string& text) {
     const std::string key = whole_key(given);
     const Json before = keys_;
     const auto take = [&] {
         if (key == "record.speed") {
             keys_["record"].update(record_of(text));
+        } else if (key.starts_with("records.")) {
+            set_record(key.substr(key.find('.') + 1), text);
         } else if (key == "officials") {
             keys_["officials"] = officials_of(text);
         } else if (key == "profiles") {

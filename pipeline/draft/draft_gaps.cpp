@@ -99,12 +99,18 @@ class DraftGaps {
                  .example = "\"...\""});
         if (!has("officials"))
             add({.key = "officials",
-                 .question = "Officials, each by role and name (measurer Ann Lee, judge Bo Ek)",
+                 .question = "Officials, each by role and name (measurer Ann Lee)",
                  .why = "They answer for what no recording shows, and sign.",
                  .example = "[{role: measurer, name: \"...\"}, {role: judge, name: \"...\"}]"});
     }
 
     void add_record() {
+        const std::vector<std::string> rules = draft_.profiles();
+        if (rules.size() > 1 && !has("record")) {
+            for (const std::string& rule : rules)
+                add_record_under(rule);
+            return;
+        }
         const bool speed = has("record") && draft_.keys_["record"].contains("speed");
         if (!speed && !has("records"))
             add({.key = "record.speed",
@@ -114,6 +120,27 @@ class DraftGaps {
         if (speed && !draft_.keys_["record"].contains("source"))
             add({.key = "record.source",
                  .question = "Where that record is published",
+                 .why = "Who reads the certificate must be able to look it up.",
+                 .required = true,
+                 .example = "\"...\""});
+    }
+
+    /// Under one of several rules.
+    void add_record_under(const std::string& rule) {
+        const Json* record = nullptr;
+        if (has("records"))
+            for (const Json& one : draft_.keys_["records"])
+                if (one["profile"] == rule) record = &one;
+        if (!record)
+            add({.key = "records." + rule,
+                 .question =
+                     fmt::format("Record to beat under {}, with its unit (202.9 km/h)", rule),
+                 .why = "Without one the speed is measured, and compared with nothing.",
+                 .example = fmt::format("{{profile: {}, speed: ..., unit: km/h, source: \"...\"}}",
+                                        rule)});
+        else if (!record->contains("source"))
+            add({.key = "records." + rule + ".source",
+                 .question = fmt::format("Where the record under {} is published", rule),
                  .why = "Who reads the certificate must be able to look it up.",
                  .required = true,
                  .example = "\"...\""});
@@ -218,8 +245,8 @@ class DraftGaps {
                 "height of the geoid above the ellipsoid at the course, in metres");
         if (on_plane && receiver.value("frame", Json()) != "local_plane" && !has("origin"))
             add({.key = "origin",
-                 .question = "Place of the surface's origin ({latitude_deg: -31.6, "
-                             "longitude_deg: 136.0, height_m: 110.0})",
+                 .question = "Place of the surface's origin: latitude and longitude in degrees, "
+                             "height in metres (-31.6 136.0 110)",
                  .why = "A surface in an engineering CRS is counted from it.",
                  .required = true,
                  .example = "{latitude_deg: ..., longitude_deg: ..., height_m: ...}"});
@@ -231,7 +258,8 @@ class DraftGaps {
         // A date, or the recording's own count.
         if (imu.first || !imu.count_s || !recording.first) return ImuTimes::told;
         const auto shares = [&](double first_s) {
-            return *imu.count_s<first_s + recording.span_s&& * imu.count_s + imu.span_s> first_s;
+            const double begin_s = *imu.count_s, end_s = begin_s + imu.span_s;
+            return first_s < end_s && begin_s < first_s + recording.span_s;
         };
         constexpr double unix_at_gps_epoch_s = 315'964'800.0;
         const double since_epoch_s = recording.first->seconds_since(GpsTime());
@@ -247,8 +275,8 @@ class DraftGaps {
         if (!imu.contains("antenna_m"))
             add({.key = before + "antenna_m",
                  .question =
-                     fmt::format("{}: from the IMU to the antenna, in metres ({{forward: 0, "
-                                 "right: 0, down: -5}})",
+                     fmt::format("{}: from the IMU to the antenna, in metres forward, right and "
+                                 "down (0 0 -5)",
                                  name),
                  .why = "A craft that turns moves its antenna; the IMU shows how.",
                  .required = true,
@@ -359,14 +387,15 @@ class DraftGaps {
         }
         if (course && !has("course"))
             add({.key = "course",
-                 .question = "The surveyed course, as YAML",
+                 .question = "The surveyed course",
                  .why = "The rule measures between two surveyed lines.",
                  .required = true,
                  .example =
                      "{length_m: ..., length_expanded_uncertainty_m: ..., start: {left: "
                      "{latitude_deg: ..., longitude_deg: ...}, right: {latitude_deg: ..., "
                      "longitude_deg: ...}}, finish: {left: {latitude_deg: ..., longitude_deg: "
-                     "...}, right: {latitude_deg: ..., longitude_deg: ...}}}"});
+                     "...}, right: {latitude_deg: ..., longitude_deg: ...}}}",
+                 .at_prompt = false});
         if (ground && !has("ground_height_m"))
             add({.key = "ground_height_m",
                  .question = "Height of the ground below, as the recording counts heights (m)",
@@ -376,8 +405,10 @@ class DraftGaps {
 
     static std::string question_of(const std::string& key) {
         if (key == "accuracy.horizontal_m")
-            return "Standard deviation of east and of north, each, in metres";
-        if (key == "accuracy.vertical_m") return "Standard deviation of heights, in metres";
+            return "Standard deviation of east and of north, each, in metres (a watch 2 to 5, a "
+                   "logger 1 to 2, RTK 0.02)";
+        if (key == "accuracy.vertical_m")
+            return "Standard deviation of heights, in metres (about twice the horizontal one)";
         if (key == "accuracy.velocity_mps") return "Standard deviation of the speeds, in m/s";
         if (key == "height_m") return "Height of the course above the ellipsoid, in metres";
         if (key == "solution") return "How the positions were solved";

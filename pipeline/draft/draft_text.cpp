@@ -116,7 +116,10 @@ class DraftText {
         for (const Gap& gap : below) {
             const std::string rest =
                 gap.key.size() > key.size() ? gap.key.substr(key.size() + 1) : "";
-            if (there)
+            if (key == "records")
+                text += (!there && &gap == &below.front() ? "# records:\n" : "") +
+                        left_out("  - " + gap.example, why_of(gap));
+            else if (there)
                 text += "  " + left_out(rest + ": " + gap.example, why_of(gap));
             else if (rest.empty() || key == "record")
                 text += left_out(key + ": " + gap.example, why_of(gap));

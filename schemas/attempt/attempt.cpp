@@ -45,8 +45,8 @@ void require_amended(const YamlValue& value, const AmendedReport& amends) {
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
     for (const char* other :
-         {"id", "recording", "base", "navigation", "phase", "imu", "surface",
-          "antenna_height_m", "lever_arm_m", "antenna_motion", "rotation_bound_deg", "calibration", "device_deduction",
+         {"id", "recording", "base", "navigation", "phase", "imu", "surface", "antenna_height_m",
+          "lever_arm_m", "antenna_motion", "rotation_bound_deg", "calibration", "device_deduction",
           "instrument"})
         stated.erase(other);
     return stated;
@@ -277,7 +277,8 @@ void require_error_times(const YamlValue& smooth, const SmoothParameters& resolv
         "Give error_time_max_s above error_time_min_s");
 }
 
-/// What a name claims: itself, or the profiles of one body that are claimed together.
+}  // namespace
+
 std::vector<std::string> claimed_by(const std::string& name) {
     if (name != "gps-speed-sailing" && name != "gps-ice-sailing") return {name};
     std::vector<std::string> all;
@@ -286,6 +287,8 @@ std::vector<std::string> claimed_by(const std::string& name) {
         all.push_back(name + "-" + rule);
     return all;
 }
+
+namespace {
 
 std::vector<std::string> read_profiles(const YamlValue& list) {
     std::vector<std::string> profiles;

@@ -90,6 +90,10 @@ const DocumentSchema& attempt_schema();
 /// The names of a receiver's recordings, without folders, "a.nmea, b.nmea".
 std::string recording_names(const Receiver& receiver);
 
+/// The profiles that a name claims: itself, or those of one body that are claimed together
+/// (gps-speed-sailing, gps-ice-sailing).
+std::vector<std::string> claimed_by(const std::string& name);
+
 /// The name by which a profile claimed in an attempt is known in the run folder: "nalsa" of
 /// "nalsa", "my-rule" of "rules/my-rule.yaml".
 std::string profile_name(const std::string& claimed);

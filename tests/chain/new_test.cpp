@@ -107,12 +107,12 @@ TEST(New, AsksAtATerminal) {
     const TemporaryFolder folder;
     const std::string recording =
         folder.path() / bring(examples / "salt_lake" / "recording.pos", folder.path());
-    // Name, kind by its number (a wrong one first), rule by Enter, pilot left out, place, an
-    // official, a record without its unit and with it, its source, no antenna.
-    const ProcessResult made =
-        typed("runcert new " + recording,
-              "Greenbird\\nship\\n1\\n\\n\\na lake\\nmeasurer Ann Lee\\n202.9\\n202.9 "
-              "km/h\\nNALSA\\n\\n");
+    // Name, kind (a wrong one first), rule by Enter, pilot left out, place, an official, a record
+    // without its unit and with it, its source, no antenna, and that it is to be written.
+    const ProcessResult made = typed(
+        "runcert new " + recording,
+        "Greenbird\\nship\\nLand yacht\\n\\n\\na lake\\nmeasurer\\nAnn Lee\\n\\n202.9\\n202.9 "
+        "kmh\\nNALSA\\n\\n\\n");
     ASSERT_EQ(made.exit_status, 0) << made.output;
     EXPECT_TRUE(has(made.output, "\"ship\" is not one of land-yacht")) << made.output;
     EXPECT_TRUE(has(made.output, "names no unit")) << made.output;
@@ -124,6 +124,22 @@ TEST(New, AsksAtATerminal) {
     EXPECT_EQ(read.place, "a lake");
     EXPECT_EQ(read.record->source, "NALSA");
     EXPECT_EQ(read.officials.at(0).name, "Ann Lee");
+    ASSERT_EQ(read.officials.size(), 1U);
+    EXPECT_LT(made.output.find("name Greenbird, class land-yacht"), made.output.find("Write this?"))
+        << made.output;
+}
+
+TEST(New, WritesNothingThatIsNotWanted) {
+    const TemporaryFolder folder;
+    const std::string recording =
+        folder.path() / bring(examples / "salt_lake" / "recording.pos", folder.path());
+    const auto before = contents_of(folder.path());
+    const ProcessResult made =
+        typed("runcert new " + recording,
+              "Greenbird\\n1\\n\\n\\na lake\\n\\n202.9 km/h\\nNALSA\\n\\nn\\n");
+    EXPECT_EQ(made.exit_status, 1) << made.output;
+    EXPECT_TRUE(has(made.output, "nothing was written")) << made.output;
+    EXPECT_EQ(contents_of(folder.path()), before);
 }
 
 TEST(New, AnInterruptedDialogueLeavesNoFile) {

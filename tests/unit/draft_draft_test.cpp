@@ -240,6 +240,9 @@ TEST(Draft, RefusesAnswersThatCannotBe) {
                  {"profiles", "nalsaa", "Did you mean nalsa?"},
                  {"record.speed", "440,5 km/h", "decimal comma"},
                  {"record.speed", "440.5", "names no unit"},
+                 {"record.speed", "5000 km/h", "no speed that a craft has a record of"},
+                 {"record.speed", "0.2 kn", "no speed that a craft has a record of"},
+                 {"records.nalsa", "200 km/h", "does not claim the rule"},
                  {"accuracy.horizontal_m", "0,02", "decimal comma"},
                  {"accuracy.horizontal_m", "50", "above 10"},
                  {"accuracy.horizontal_m", "good", "not a number"},
@@ -254,6 +257,55 @@ TEST(Draft, RefusesAnswersThatCannotBe) {
         EXPECT_NE(said, "taken") << one.key << " " << one.answer;
         EXPECT_NE(said.find(one.said), std::string::npos) << said;
     }
+}
+
+TEST(Draft, TakesNamesAsPeopleWriteThem) {
+    Draft draft = draft_of(solution());
+    draft.set("craft.name", "Yacht");
+    draft.set("craft.class", "Land yacht");
+    draft.set("profiles", "NALSA");
+    draft.set("record.speed", "110 Knots");
+    draft.set("record.source", "NALSA, 2009");
+    draft.set("lever_arm_m", "0.5 0 -1.2");
+    const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
+    EXPECT_EQ(attempt.craft.kind, "land-yacht");
+    EXPECT_EQ(attempt.profiles, std::vector<std::string>{"nalsa"});
+    EXPECT_EQ(attempt.record->unit, "kn");
+    EXPECT_EQ(attempt.record->speed, 110.0);
+    EXPECT_EQ(attempt.receivers[0].lever_arm->down, -1.2);
+}
+
+TEST(Draft, ARecordForEachRuleThatIsClaimed) {
+    Draft draft = draft_of(solution());
+    draft.set("craft.name", "Board");
+    draft.set("craft.class", "board");
+    draft.set("profiles", "gps-speed-sailing");
+    EXPECT_FALSE(is_open(draft, "record.speed"));
+    EXPECT_EQ(std::ranges::count_if(open_keys(draft),
+                                    [](const std::string& key) {
+                                        return key.starts_with("records.gps-speed-sailing-");
+                                    }),
+              7);
+    draft.set("records.gps-speed-sailing-2s", "45.2 kn");
+    EXPECT_TRUE(is_open(draft, "records.gps-speed-sailing-2s.source"));
+    draft.set("records.gps-speed-sailing-2s.source", "the body's list");
+    draft.set("records.gps-speed-sailing-500m", "40 kn");
+    draft.set("records.gps-speed-sailing-500m.source", "the body's list");
+    EXPECT_FALSE(is_open(draft, "records.gps-speed-sailing-2s"));
+    EXPECT_TRUE(is_open(draft, "records.gps-speed-sailing-10s"));
+    const Attempt attempt = read_attempt(draft.text(), "attempt.yaml");
+    ASSERT_NE(attempt.record_for("gps-speed-sailing-2s"), nullptr);
+    EXPECT_EQ(attempt.record_for("gps-speed-sailing-2s")->speed, 45.2);
+    EXPECT_EQ(attempt.record_for("gps-speed-sailing-500m")->speed, 40.0);
+    EXPECT_EQ(attempt.record_for("gps-speed-sailing-10s"), nullptr);
+}
+
+TEST(Draft, TwoRecordingsOfOneNameHaveTwoIds) {
+    HandedIn second = solution();
+    second.is.first = parse_gps_iso("2026-03-14T11:30:18");
+    EXPECT_NE(draft_of(solution()).keys()["id"], draft_of(second).keys()["id"]);
+    second.path = "rover-2026-03-14.pos";
+    EXPECT_EQ(draft_of(second).keys()["id"], "rover-2026-03-14-1130");
 }
 
 TEST(Draft, OffersFixTypesWhereTheClassUsesNoneOfThem) {
@@ -313,7 +365,8 @@ TEST(Draft, ADayHasWhatIsAnsweredInCommon) {
     EXPECT_EQ(common["solution"].text(), "fixed");
     EXPECT_FALSE(common["recording"].exists());
     ASSERT_EQ(read["attempts"].list().size(), 3U);
-    EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-2");
+    EXPECT_EQ(read["attempts"].list()[0]["id"].text(), "rover-20260314-1000");
+    EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-20260314-1000-2");
     const YamlValue third = read["attempts"].list()[2];
     EXPECT_EQ(third["recording"].text(), "log.csv");
     EXPECT_EQ(third["columns"]["time"].integer(), 1);

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/figures.h"
 #include "core/rounding.h"
 #include "core/text.h"
 
@@ -56,8 +57,8 @@ LeverArm lever_arm_of(const Eigen::Vector3d& components_m) {
 
 std::string arm_text(const LeverArm& arm, const std::optional<LeverArm>& sigma) {
     const auto component = [&](std::size_t k) {
-        return format_fixed(arm[k], 2) +
-               (sigma ? " ± " + format_fixed(2.0 * (*sigma)[k], 2) : std::string());
+        return sigma ? format_fixed(arm[k], 2) + " ± " + format_fixed(2.0 * (*sigma)[k], 2)
+                     : number_text(arm[k]);
     };
     return fmt::format("forward {}, right {}, down {} m{}", component(0), component(1),
                        component(2), sigma ? " (k = 2)" : "");

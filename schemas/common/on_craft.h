@@ -19,7 +19,7 @@ template <>
 LeverArm read_members(const YamlValue& map);
 Eigen::Vector3d vector_of(const LeverArm& arm);
 LeverArm lever_arm_of(const Eigen::Vector3d& components_m);
-/// "forward 0.10, right 0.00, down -1.20 m"; with standard uncertainties as "0.10 ± 0.02" and
+/// "forward 0.1, right 0, down -1.205 m"; with standard uncertainties as "0.10 ± 0.02" and
 /// "(k = 2)".
 std::string arm_text(const LeverArm& arm, const std::optional<LeverArm>& sigma = std::nullopt);
 

@@ -92,7 +92,7 @@ void judge_mount(const InertialSolution& solution, const Triangulation* surface,
     mount.judgement = fmt::format(
         "Against course and level the axes as stated are turned by {:.1f} degrees in roll, {:.1f} "
         "in pitch and {:.1f} in yaw. Slope of the ground, lean and leeway of the craft are in "
-        "these figures.",
+        "these figures, so that they correct no other run.",
         mount.remaining->roll, mount.remaining->pitch, mount.remaining->yaw);
     constexpr double noticed_deg = 3.0;
     if (std::max(std::abs(mount.remaining->pitch), std::abs(mount.remaining->yaw)) > noticed_deg)

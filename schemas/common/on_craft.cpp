@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/figures.h"
-#include "core/rounding.h"
 #include "core/text.h"
 
 namespace runcert {

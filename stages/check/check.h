@@ -12,7 +12,7 @@
 #include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
-#include "stages/check/ground.h"
+#include "stages/check/course.h"
 #include "stages/check/wind.h"
 
 namespace runcert {

@@ -1,11 +1,14 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "schemas/attempt/attempt.h"
 #include "schemas/verdict/figures.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
-#include "stages/check/ground.h"
 #include "stages/check/wind.h"
 #include "witness/runs.h"
 
@@ -161,22 +164,60 @@ struct Finding {
     std::string evidence;
     std::vector<Figure> figures = {};
     bool observed = false;  ///< met by observed evidence alone, whatever else is stated
+
+    /// The same finding, by these figures.
+    Finding by(std::vector<Figure> compared) && {
+        figures = std::move(compared);
+        return std::move(*this);
+    }
 };
 
-/// A figure to compare with a clause's limit, in the limit's unit.
-struct Compared {
+/// Findings by their evidence: a clause that is met, one that is not, one that a person attests,
+/// and one that a person attests because the recording does not decide it.
+template <class... Args>
+Finding met(fmt::format_string<Args...> evidence, Args&&... args) {
+    return {RequirementStatus::met, fmt::format(evidence, std::forward<Args>(args)...)};
+}
+template <class... Args>
+Finding not_met(fmt::format_string<Args...> evidence, Args&&... args) {
+    return {RequirementStatus::not_met, fmt::format(evidence, std::forward<Args>(args)...)};
+}
+template <class... Args>
+Finding to_attest(fmt::format_string<Args...> evidence, Args&&... args) {
+    return {RequirementStatus::attest, fmt::format(evidence, std::forward<Args>(args)...)};
+}
+template <class... Args>
+Finding unknown(fmt::format_string<Args...> why, Args&&... args) {
+    return to_attest("not decidable from the recording: {}",
+                     fmt::format(why, std::forward<Args>(args)...));
+}
+
+/// Evidence of several clauses where there is nothing to judge.
+inline constexpr const char* no_window = "there is no certifiable window";
+
+/// A quantity that is compared with a clause's limit: a speed in m/s, a ratio, or in the limit's
+/// own unit.
+struct Quantity {
     std::string name;
     double value = 0.0;
-    std::optional<double> expanded_uncertainty = std::nullopt;
+    std::optional<double> expanded_uncertainty = std::nullopt;  ///< k = 2
     std::string note = {};
+    /// What else decides the clause where the figure is on the right side of its limit, or on the
+    /// wrong one: the status, and the words that follow.
+    std::optional<Finding> if_met = std::nullopt;
+    std::optional<Finding> if_not_met = std::nullopt;
 };
 
-/// Met or not met where the whole interval is on one side of the clause's limit, by the comparison
-/// of its computation. Otherwise to be attested.
-Finding against_limit(const Compared& figure, const Clause& clause);
+/// A quantity in the unit of a clause's limit, of which it is a multiple: m/s, a ratio, or that
+/// unit itself.
+double in_unit(double value, const std::string& unit);
 
-/// A finding to be attested, because it is not decidable from the recording.
-Finding unknown(std::string why);
+/// Met or not met where the whole interval is on one side of the clause's limit, by the relation of
+/// its computation. Otherwise to be attested. The one place of a figure's words.
+Finding against_limit(const Quantity& quantity, const Clause& clause);
+
+/// A speed as a figure in a unit, with the words in which it is to be read.
+Figure speed_figure(std::string name, double speed_m_s, const std::string& unit, std::string shown);
 
 /// Decides one clause by the computation it names. A positive finding that depends on unobserved
 /// inputs is only to be attested, and the evidence then names them.

@@ -74,18 +74,12 @@ CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
                 "cut them"};
 }
 
-/// Direction of the window's displacement.
-std::optional<double> heading_of(const CourseFindings& course) {
-    if (!course.facts) return std::nullopt;
-    return course.facts->heading_deg.value;
-}
-
 std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                                     const CertifiableWindow& best, const CourseFindings& course) {
     if (series == nullptr) return std::nullopt;
     const double start_s = best.span.start.seconds();
     return flow_in_window(*series, kind, start_s, start_s + best.span.duration.seconds(),
-                          heading_of(course).value_or(0.0));
+                          course.facts ? course.facts->heading_deg.value : 0.0);
 }
 
 /// The speed that counts, with its uncertainty; nothing if a current to subtract is not known.
@@ -163,7 +157,7 @@ void set_shown(ClauseContext& context) {
                         .expanded_uncertainty_m_s = *context.expanded_uncertainty_m_s};
     if (context.required_speed) speeds.required_speed_m_s = context.required_speed->speed_m_s;
     if (context.decision) speeds.acceptance_limit_m_s = context.decision->acceptance_limit_m_s;
-    context.shown = shown_in(speeds, speed_unit(rule_unit_name(context.profile)),
+    context.shown = shown_in(speeds, context.unit(),
                              rule ? std::optional(static_cast<int>(rule->decimals)) : std::nullopt);
 }
 
@@ -207,7 +201,7 @@ void set_witnesses(ClauseContext& context) {
 }  // namespace
 
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedKind kind) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     return fmt::format("{} {}",
                        context.shown ? shown_speed(kind, speed_m_s, *context.shown, unit)
                                      : shown_speed(kind, speed_m_s, unit.decimals, unit),
@@ -216,7 +210,7 @@ std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedK
 
 ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
                                double other_expanded_uncertainty_m_s, double judged_m_s) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     const ShownFigures page =
         context.shown ? *context.shown
                       : shown_in({.speed_m_s = judged_m_s,
@@ -255,9 +249,14 @@ bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
 }
 
 std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseContext& context) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     return fmt::format("at ± {} {} it is too uncertain to confirm",
                        uncertainty_rounded_up(expanded_uncertainty_m_s * unit.per_m_s), unit.name);
+}
+
+std::string span_of(const WitnessedSpeed& one) {
+    return one.compared_over_s ? fmt::format("{:.1f} s around the window", *one.compared_over_s)
+                               : "the window";
 }
 
 std::string_view compared_with(WitnessKind kind) {
@@ -288,9 +287,7 @@ std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context
     return fmt::format(
         "{} give {} over {}, {} against the {} of {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), shown.other,
-        one.compared_over_s ? fmt::format("{:.1f} s around the window", *one.compared_over_s)
-                            : std::string("the window"),
-        shown.difference, shown.judged, positions, one.normalised_error);
+        span_of(one), shown.difference, shown.judged, positions, one.normalised_error);
 }
 
 std::string indicated_text(const ClauseContext& context) {
@@ -335,11 +332,17 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                           .coverage_factor = profile.coverage_factor,
                           .files_answered = files_answered};
     if (const auto& best = windows.best) {
+        context.counted = windows.further;
+        context.counted.insert(context.counted.begin(), {.span = best->span,
+                                                         .speed_m_s = best->speed_m_s,
+                                                         .robust = best->robust,
+                                                         .evidence = best->evidence,
+                                                         .witnesses = best->witnesses});
         context.course = course_of(input.judged, profile, *best);
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
         context.current = flow_of(input.current, FlowKind::current, *best, context.course);
     } else {
-        context.course.missing = "there is no certifiable window";
+        context.course.missing = no_window;
     }
     set_speed(context);
     set_decision(context);

@@ -72,6 +72,8 @@ struct ClauseContext {
     std::optional<Decision> decision = std::nullopt;
     std::optional<ShownFigures> shown = std::nullopt;  ///< if there is a speed
     CourseFindings course = {};
+    /// The windows of the speed, the best one first; of that only what all have is in it.
+    std::vector<FurtherWindow> counted = {};
     /// Witnesses of the window other than its positions, in words: those that agree and are
     /// accurate enough to confirm it, and those that agree and are not.
     std::vector<std::string> witnesses = {};
@@ -85,6 +87,8 @@ struct ClauseContext {
                    : profile.id;
     }
     const std::vector<ScreenedEpoch>& epochs() const { return input.judged.epochs_of(key()); }
+    /// The unit of the rule's speeds.
+    const SpeedUnit& unit() const { return speed_unit(rule_unit_name(profile)); }
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
@@ -133,6 +137,9 @@ std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseCont
 
 /// The result of a witness for the window, in words.
 std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context);
+
+/// Over what a witness was compared: "the window", "6.0 s around the window".
+std::string span_of(const WitnessedSpeed& one);
 
 /// What a witness of this kind is compared with.
 std::string_view compared_with(WitnessKind kind);

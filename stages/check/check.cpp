@@ -377,6 +377,19 @@ RecordToBeat record_to_beat(const Record& record) {
     return result;
 }
 
+/// The smallest drift (m/s) of the positions over the window that their tests would have detected
+/// with the stated power. Empty if a witness was evaluated, or the rule uses recorded
+/// velocities.
+std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
+    if (context.observed || context.profile.speed_source != SpeedSource::position ||
+        !context.windows.best)
+        return std::nullopt;
+    const auto& all = context.windows.best->reliability;
+    const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
+    if (ramp == all.end() || ramp->size <= 0.0) return std::nullopt;
+    return ramp->size;
+}
+
 void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     verdict.coverage_factor = context.coverage_factor;
     verdict.expanded_uncertainty_m_s = context.expanded_uncertainty_m_s;
@@ -388,7 +401,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;
-    if (const auto drift_m_s = unseen_drift_m_s(context)) verdict.unseen_drift_m_s = *drift_m_s;
+    verdict.unseen_drift_m_s = unseen_drift_m_s(context);
     verdict.shown = context.shown;
     verdict.own_arithmetic = own_arithmetic(context);
     verdict.notes = notes_of(context);
@@ -493,7 +506,7 @@ void keep_inside(const WindowSpan& window, const ScreenedEpoch& row,
 }  // namespace
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
-    summary.add(row);
+    screening.add(row);
     const auto keep = [&](const ProfileWindows& entry, const std::string& key) {
         if (!entry.best) return;
         keep_inside(entry.best->span, row, window_epochs[key]);

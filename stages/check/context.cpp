@@ -14,21 +14,18 @@
 namespace runcert {
 namespace {
 
-std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rule) {
-    if (!rule) return std::nullopt;
-    return DecimalRounding{
-        .mode = rule->mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest,
-        .unit_m_s = metres_per_second(rule->unit),
-        .decimals = static_cast<int>(rule->decimals)};
-}
-
 Threshold required_speed_over(const Profile& profile, const Record& record) {
     const double unit = metres_per_second(record.unit);
-    const MarginRule rule{.kind = profile.margin_kind,
-                          .value = profile.margin,
-                          .distance_m = profile.distance_m,
-                          .above_upper_limit = profile.margin_above == MarginBase::upper_limit,
-                          .rounding = rounding_of(profile.rounding)};
+    MarginRule rule{.kind = profile.margin_kind,
+                    .value = profile.margin,
+                    .distance_m = profile.distance_m,
+                    .above_upper_limit = profile.margin_above == MarginBase::upper_limit};
+    if (const auto& rounding = profile.rounding)
+        rule.rounding =
+            DecimalRounding{.mode = rounding->mode == DecimalMode::truncate ? StepRounding::down
+                                                                            : StepRounding::nearest,
+                            .unit_m_s = metres_per_second(rounding->unit),
+                            .decimals = static_cast<int>(rounding->decimals)};
     return threshold_of(rule, {.speed_m_s = record.speed * unit,
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
@@ -161,19 +158,6 @@ void set_shown(ClauseContext& context) {
                              rule ? std::optional(static_cast<int>(rule->decimals)) : std::nullopt);
 }
 
-void set_declared(ClauseContext& context) {
-    const CheckInput& input = context.input;
-    const CertifiableWindow& best = *context.windows.best;
-    if (input.attempt.secondary_method)
-        context.declared = compare_declared(
-            {.speed_m_s = best.speed_m_s,
-             .standard_uncertainty_m_s =
-                 best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s),
-             .span = best.span,
-             .over_course = context.profile.window_kind == WindowKind::course},
-            *input.attempt.secondary_method, input.attempt.course);
-}
-
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
 /// nothing.
 bool is_unfit(const WitnessedSpeed& one, const ClauseContext& context) {
@@ -297,16 +281,6 @@ std::string indicated_text(const ClauseContext& context) {
                        beginning_text(indicated.span));
 }
 
-std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
-    if (context.observed || context.profile.speed_source != SpeedSource::position ||
-        !context.windows.best)
-        return std::nullopt;
-    const auto& all = context.windows.best->reliability;
-    const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
-    if (ramp == all.end() || ramp->size <= 0.0) return std::nullopt;
-    return ramp->size;
-}
-
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile, bool with_files) {
     const bool has_both = !windows.with_files.empty();
     for (const ProfileWindows& entry :
@@ -348,7 +322,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
     set_decision(context);
     set_shown(context);
     if (windows.best) {
-        set_declared(context);
+        context.declared = compare_declared(*windows.best, profile, input.attempt);
         set_witnesses(context);
     }
     return context;

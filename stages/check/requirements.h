@@ -17,7 +17,7 @@ namespace runcert {
 /// Comparison of the judged speed with a second method whose result the attempt states.
 struct DeclaredAgreement {
     std::string method;
-    std::string missing;  ///< why it gives no result; empty if it does
+    std::string missing = {};  ///< why it gives no result; empty if it does
     double judged_m_s = 0.0;
     double other_m_s = 0.0;
     double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
@@ -25,22 +25,14 @@ struct DeclaredAgreement {
     /// means agreement (ISO/IEC 17043).
     double normalised_error = 0.0;
 
-    bool agrees() const { return missing.empty() && normalised_error <= 1.0; }
-    bool contradicts() const { return missing.empty() && !agrees(); }
+    bool contradicts() const { return missing.empty() && !(normalised_error <= 1.0); }
 };
 
-/// A judged speed, before the current is subtracted, with its window.
-struct JudgedSpeed {
-    double speed_m_s = 0.0;
-    double standard_uncertainty_m_s = 0.0;
-    WindowSpan span;
-    bool over_course = false;  ///< between the lines of the attempt's course
-};
-
-/// Compares with a stated speed or, over a course, with that of declared times at its lines, which
-/// say nothing of another window, nor of one whose crossings they miss by more than 2 s.
-DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
-                                   const std::optional<Course>& course);
+/// Compares the best window's speed, before the current is subtracted, with the attempt's second
+/// method: a stated speed or, over a course, that of declared times at its lines, which say nothing
+/// of another window, nor of one whose crossings they miss by more than 2 s. Empty without one.
+std::optional<DeclaredAgreement> compare_declared(const CertifiableWindow& best,
+                                                  const Profile& profile, const Attempt& attempt);
 
 /// Speed through the water over a surveyed course, in m/s: distance over elapsed time, minus the
 /// current along the course (positive where it carries the craft forward). Reproduces the 500 m and
@@ -150,11 +142,6 @@ std::string witness_name(const WitnessedSpeed& one);
 /// The fastest speed that the recording shows, certifiable or not, and when, in the rule's unit:
 /// "44.12 kn at 10:03:43.0 UTC". The windows must have one.
 std::string indicated_text(const ClauseContext& context);
-
-/// The smallest drift (m/s) of the positions over the window that their tests would have detected
-/// with the stated power. Empty if a witness was evaluated, or the rule uses recorded
-/// velocities.
-std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 
 /// The windows of a profile in 5-windows. Failure if they were searched under another rule than
 /// the profile now has.

@@ -18,19 +18,19 @@ namespace runcert {
 namespace {
 
 /// Sets the other speed from times at the lines, or the reason why there is none.
-void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
-                    const std::optional<Course>& course, DeclaredAgreement& agreement) {
+void set_from_times(const WindowSpan& window, const SecondaryMethod::LineTimes& times,
+                    const Course* course, DeclaredAgreement& agreement) {
     constexpr double same_crossing_s = 2.0;
-    if (!judged.over_course || !course) {
+    if (!course) {
         agreement.missing = "times at the lines of a course say nothing of this rule's window";
         return;
     }
-    if (!judged.span.start_gps) {
+    if (!window.start_gps) {
         agreement.missing = "its times cannot be compared: the recording's time is relative";
         return;
     }
-    const GpsTime end = judged.span.start_gps->plus_nanoseconds(judged.span.duration.nanoseconds);
-    const double start_s = times.start.seconds_since(*judged.span.start_gps);
+    const GpsTime end = window.start_gps->plus_nanoseconds(window.duration.nanoseconds);
+    const double start_s = times.start.seconds_since(*window.start_gps);
     const double finish_s = times.finish.seconds_since(end);
     if (std::abs(start_s) > same_crossing_s || std::abs(finish_s) > same_crossing_s) {
         agreement.missing = fmt::format(
@@ -163,18 +163,14 @@ std::string shown_speed(const ClauseContext& context) {
     return "; the recorded velocities show " + indicated_text(context);
 }
 
-/// The positions' result for the windows of the speed: the one that agrees least.
-std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
-    std::optional<WitnessedSpeed> least;
-    const auto hear = [&](const std::vector<WitnessedSpeed>& witnesses) {
-        for (const WitnessedSpeed& one : witnesses)
+/// The positions' result for the windows of the speed: the one that agrees least. Null if none.
+const WitnessedSpeed* least_agreeing(const std::vector<FurtherWindow>& windows) {
+    const WitnessedSpeed* least = nullptr;
+    for (const FurtherWindow& window : windows)
+        for (const WitnessedSpeed& one : window.witnesses)
             if (one.kind == WitnessKind::positions &&
                 (!least || one.normalised_error > least->normalised_error))
-                least = one;
-    };
-    hear(windows.best->witnesses);
-    for (const FurtherWindow& further : windows.further)
-        hear(further.witnesses);
+                least = &one;
     return least;
 }
 
@@ -233,21 +229,25 @@ std::string second_method_text(const ClauseContext& context) {
     return text;
 }
 
-DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
-                                   const std::optional<Course>& course) {
-    DeclaredAgreement agreement;
-    agreement.method = method.method;
-    agreement.judged_m_s = judged.speed_m_s;
-    if (method.times) {
-        set_from_times(judged, *method.times, course, agreement);
-        if (!agreement.missing.empty()) return agreement;
-    } else {
+std::optional<DeclaredAgreement> compare_declared(const CertifiableWindow& best,
+                                                  const Profile& profile, const Attempt& attempt) {
+    if (!attempt.secondary_method) return std::nullopt;
+    const SecondaryMethod& method = *attempt.secondary_method;
+    DeclaredAgreement agreement{.method = method.method, .judged_m_s = best.speed_m_s};
+    const bool over_course = profile.window_kind == WindowKind::course && attempt.course;
+    if (method.times)
+        set_from_times(best.span, *method.times, over_course ? &*attempt.course : nullptr,
+                       agreement);
+    else {
         agreement.other_m_s = method.speed->speed_m_s;
         agreement.other_expanded_uncertainty_m_s = method.speed->expanded_uncertainty_m_s;
     }
+    if (!agreement.missing.empty()) return agreement;
     const double difference_m_s = std::abs(agreement.other_m_s - agreement.judged_m_s);
-    const double allowed_m_s = std::hypot(usual_coverage_factor * judged.standard_uncertainty_m_s,
-                                          agreement.other_expanded_uncertainty_m_s);
+    const double allowed_m_s =
+        std::hypot(usual_coverage_factor *
+                       best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s),
+                   agreement.other_expanded_uncertainty_m_s);
     agreement.normalised_error = difference_m_s == 0.0 ? 0.0 : difference_m_s / allowed_m_s;
     return agreement;
 }
@@ -273,7 +273,7 @@ Finding computation::secondary_method(const Clause& clause, const ClauseContext&
 Finding computation::recorded_speeds(const Clause&, const ClauseContext& context) {
     if (const std::string why = unfit(context); !why.empty()) return not_met("{}", why);
     if (!context.windows.best) return not_met(no_window);
-    const auto one = least_agreeing(context.windows);
+    const WitnessedSpeed* const one = least_agreeing(context.counted);
     if (!one) return to_attest("the positions say nothing of the window");
     const std::vector<Figure> figures{
         normalised_error("of the positions' speed", one->normalised_error)};

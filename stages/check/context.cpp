@@ -21,11 +21,9 @@ Threshold required_speed_over(const Profile& profile, const Record& record) {
                     .distance_m = profile.distance_m,
                     .above_upper_limit = profile.margin_above == MarginBase::upper_limit};
     if (const auto& rounding = profile.rounding)
-        rule.rounding =
-            DecimalRounding{.mode = rounding->mode == DecimalMode::truncate ? StepRounding::down
-                                                                            : StepRounding::nearest,
-                            .unit_m_s = metres_per_second(rounding->unit),
-                            .decimals = static_cast<int>(rounding->decimals)};
+        rule.rounding = DecimalRounding{.mode = direction_of(*rounding),
+                                        .unit_m_s = metres_per_second(rounding->unit),
+                                        .decimals = static_cast<int>(rounding->decimals)};
     return threshold_of(rule, {.speed_m_s = record.speed * unit,
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
@@ -81,20 +79,19 @@ std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
 
 /// The speed that counts, with its uncertainty; nothing if a current to subtract is not known.
 void set_speed(ClauseContext& context) {
-    std::optional<SpeedPosterior> found = posterior_of(context.windows);
-    if (!found) return;
-    SpeedPosterior& speed = *found;
+    std::optional<SpeedPosterior> speed = figure_of(context.windows);
+    if (!speed) return;
     if (context.profile.current == CurrentUse::subtracted) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
-        speed.speed_m_s -= context.current->along_m_s;
+        speed->speed_m_s -= context.current->along_m_s;
         const double of_current_m_s = 0.5 * context.input.attempt.current->expanded_uncertainty_m_s;
         const auto widen = [&](double& u_m_s) { u_m_s = std::hypot(u_m_s, of_current_m_s); };
-        widen(speed.standard_uncertainty_m_s);
-        if (speed.evidence) widen(speed.evidence->shared_standard_uncertainty_m_s);
+        widen(speed->standard_uncertainty_m_s);
+        if (speed->evidence) widen(speed->evidence->shared_standard_uncertainty_m_s);
     }
-    context.coverage_factor =
-        equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
-    context.expanded_uncertainty_m_s = expanded_uncertainty_m_s(speed, context.coverage_factor);
+    context.coverage_factor = equivalent_coverage_factor(context.profile.coverage_factor,
+                                                         speed->effective_degrees_of_freedom);
+    context.expanded_uncertainty_m_s = expanded_uncertainty_m_s(*speed, context.coverage_factor);
     context.speed = speed;
 }
 
@@ -183,6 +180,10 @@ void set_witnesses(ClauseContext& context) {
 }
 
 }  // namespace
+
+StepRounding direction_of(const DecimalRule& rule) {
+    return rule.mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest;
+}
 
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedKind kind) {
     const SpeedUnit& unit = context.unit();

@@ -47,16 +47,17 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
     // The difference from the witnesses counts only on its own side.
-    const bool on_that_side = bias == Bias::none || posterior.difference_m_s == 0.0 ||
-                              (bias == Bias::lowest) == (posterior.difference_m_s > 0.0);
+    const double difference_m_s = posterior.evidence ? posterior.evidence->difference_m_s : 0.0;
+    const bool on_that_side = bias == Bias::none || difference_m_s == 0.0 ||
+                              (bias == Bias::lowest) == (difference_m_s > 0.0);
     const double uncertainty_m_s =
         on_that_side ? posterior.standard_uncertainty_m_s
                      : std::sqrt(std::max(0.0, std::pow(posterior.standard_uncertainty_m_s, 2) -
-                                                   std::pow(posterior.difference_m_s, 2)));
+                                                   std::pow(difference_m_s, 2)));
     const std::array<InputQuantity, 2> inputs{
         InputQuantity{.standard_uncertainty = uncertainty_m_s,
                       .sensitivity = 1.0,
-                      .degrees_of_freedom = posterior.degrees_of_freedom},
+                      .degrees_of_freedom = posterior.effective_degrees_of_freedom},
         InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_m_s,
                       .sensitivity = -1.0}};
     const CombinedUncertainty combined = combine(inputs);
@@ -170,18 +171,6 @@ double rounded_speed(double speed_m_s, const DecimalRounding& rounding) {
     const double steps = speed_m_s / rounding.unit_m_s * scale;
     const double tolerance = std::min(2e-12 * steps, 5e-7);
     return whole_steps(steps, tolerance, rounding.mode) / scale * rounding.unit_m_s;
-}
-
-std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
-    const std::optional<RuleFigure> figure = figure_of(windows);
-    if (!figure) return std::nullopt;
-    return SpeedPosterior{
-        .speed_m_s = figure->speed_m_s,
-        .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
-        .degrees_of_freedom = figure->effective_degrees_of_freedom,
-        .bias_limit_m_s = figure->bias_limit_m_s,
-        .difference_m_s = figure->evidence ? figure->evidence->difference_m_s : 0.0,
-        .evidence = figure->evidence};
 }
 
 Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold) {

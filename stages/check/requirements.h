@@ -90,6 +90,9 @@ struct ClauseContext {
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows, bool files_answered);
 
+/// How a body rounds by such a rule.
+StepRounding direction_of(const DecimalRule& rule);
+
 /// A speed as it stands beside the measured one, in the rule's unit: "216.00 km/h".
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s,
                           SpeedKind kind = SpeedKind::measured);

@@ -55,7 +55,7 @@ double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
         const double t =
             (posterior.speed_m_s - threshold.speed_m_s - threshold.standard_uncertainty_m_s * z) /
             posterior.standard_uncertainty_m_s;
-        sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.degrees_of_freedom);
+        sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.effective_degrees_of_freedom);
     }
     return sum * step / 3.0 / std::sqrt(2.0 * std::numbers::pi);
 }
@@ -95,7 +95,7 @@ TEST(ConformanceProbability, GrowsWithTheSpeedAndNearsAHalfWithTheUncertainty) {
         const Threshold threshold{60.0, i % 3 == 0 ? 0.2 * random.uniform() : 0.0};
         const double u = 0.01 + random.uniform();
         SpeedPosterior posterior{60.0 + 5.0 * u * (2.0 * random.uniform() - 1.0), u};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double p = conformance_probability(posterior, threshold);
         EXPECT_EQ(p >= 0.5, posterior.speed_m_s >= threshold.speed_m_s);
         SpeedPosterior faster = posterior;
@@ -125,7 +125,7 @@ TEST(AcceptanceLimit, IsWhereTheProbabilityIsTheLevel) {
         const Threshold threshold{20.0 + 60.0 * random.uniform(),
                                   i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
         SpeedPosterior posterior{50.0, 0.001 + random.uniform()};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         for (const double level : {0.51, 0.95, 0.975, 0.99, 0.999}) {
             posterior.speed_m_s = acceptance_limit(posterior, threshold, level);
             EXPECT_NEAR(conformance_probability(posterior, threshold), level, 1e-10);
@@ -177,7 +177,7 @@ TEST(BiasLimit, IsAddedLinearlyOnBothSidesOfTheTarget) {
     for (int i = 0; i < 500; ++i) {
         const Threshold threshold{60.0, i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
         SpeedPosterior posterior{0.0, 0.01 + 0.2 * random.uniform()};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double unbiased = acceptance_limit(posterior, threshold, 0.975);
         posterior.bias_limit_m_s = 0.3 * random.uniform();
         const double limit = acceptance_limit(posterior, threshold, 0.975);

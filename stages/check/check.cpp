@@ -444,13 +444,13 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile, const Prof
 /// The clauses in which officials answer for the second files of an attempt: what was handed in,
 /// but for what the positions are computed with, and a current, which its rule alone counts.
 std::vector<std::string> second_files(const Attempt& attempt) {
-    std::vector<std::string> files{"", "base-station", "current-as-measured"};
-    const auto others = std::ssize(files);
+    std::vector<std::string> files;
     for (const AttemptInput& input : attempt.inputs)
-        if (input.origin.origin == to_text(InputOrigin::handed_in) &&
-            std::ranges::count(files, input.origin.clause) == 0)
-            files.push_back(input.origin.clause);
-    files.erase(files.begin(), files.begin() + others);
+        if (const std::string& clause = input.origin.clause;
+            input.origin.origin == to_text(InputOrigin::handed_in) && !clause.empty() &&
+            clause != "base-station" && clause != "current-as-measured" &&
+            std::ranges::count(files, clause) == 0)
+            files.push_back(clause);
     return files;
 }
 

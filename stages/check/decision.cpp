@@ -39,6 +39,12 @@ struct Difference {
 /// The position of the bias within its range.
 enum class Bias { lowest, none, highest };
 
+double shift_m_s(const SpeedPosterior& posterior, Bias bias) {
+    return bias == Bias::lowest    ? -posterior.bias_limit_m_s
+           : bias == Bias::highest ? posterior.bias_limit_m_s
+                                   : 0.0;
+}
+
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
     require_finite(posterior.speed_m_s, "speed (m/s)");
     require_finite(threshold.speed_m_s, "required speed (m/s)");
@@ -61,40 +67,50 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
         InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_m_s,
                       .sensitivity = -1.0}};
     const CombinedUncertainty combined = combine(inputs);
-    const double by_bias = bias == Bias::lowest    ? -posterior.bias_limit_m_s
-                           : bias == Bias::highest ? posterior.bias_limit_m_s
-                                                   : 0.0;
-    const double location_m_s = posterior.speed_m_s - threshold.speed_m_s + by_bias;
+    const double location_m_s =
+        posterior.speed_m_s - threshold.speed_m_s + shift_m_s(posterior, bias);
     const bool equal = std::abs(location_m_s) <= kBinaryNoise * std::abs(threshold.speed_m_s);
     return {.location_m_s = equal ? 0.0 : location_m_s,
             .scale_m_s = combined.standard_uncertainty,
             .degrees_of_freedom = combined.effective_degrees_of_freedom};
 }
 
-double probability_not_below_zero(const Difference& d) {
-    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 1.0 : 0.0;
-    return student_t_cdf(d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
-}
-
-/// Not computed as 1 minus the other, which would lose the digits of a small probability.
-double probability_below_zero(const Difference& d) {
-    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 0.0 : 1.0;
-    return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
-}
-
-/// Probabilities by the mixture, with this bias. Empty if there is no evidence for a mixture.
-struct MixtureTails {
+/// The probabilities that the speed reaches the threshold, and that it does not. Neither is
+/// computed as 1 minus the other, which would lose the digits of a small one.
+struct Tails {
     double not_below = 0.0, below = 0.0;
 };
-std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
-                                          const Threshold& threshold, double by_bias_m_s) {
-    if (!posterior.evidence) return std::nullopt;
+
+Tails tails_of(const Difference& d) {
+    if (d.scale_m_s == 0.0) {
+        const bool reaches = d.location_m_s >= 0.0;
+        return {.not_below = reaches ? 1.0 : 0.0, .below = reaches ? 0.0 : 1.0};
+    }
+    const double t = d.location_m_s / d.scale_m_s;
+    return {.not_below = student_t_cdf(t, d.degrees_of_freedom),
+            .below = student_t_cdf(-t, d.degrees_of_freedom)};
+}
+
+/// The same by Student's t, and by the mixture if there is evidence for one.
+struct BothTails {
+    Tails by_uncertainty = {};
+    std::optional<Tails> by_faults = std::nullopt;
+
+    double larger(double Tails::*tail) const {
+        return std::max(by_uncertainty.*tail, by_faults ? *by_faults.*tail : 0.0);
+    }
+};
+
+BothTails tails_of(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
+    BothTails found{.by_uncertainty = tails_of(difference(posterior, threshold, bias))};
+    if (!posterior.evidence) return found;
     const SpeedMixture mixture =
         mixture_of(*posterior.evidence, posterior.speed_m_s, WitnessSet::all);
-    const double speed_m_s = threshold.speed_m_s - by_bias_m_s;
-    return MixtureTails{
-        .not_below = mixture.probability_not_below(speed_m_s, threshold.standard_uncertainty_m_s),
-        .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
+    const double speed_m_s = threshold.speed_m_s - shift_m_s(posterior, bias);
+    const double u_m_s = threshold.standard_uncertainty_m_s;
+    found.by_faults = Tails{.not_below = mixture.probability_not_below(speed_m_s, u_m_s),
+                            .below = mixture.probability_below(speed_m_s, u_m_s)};
+    return found;
 }
 
 void require_positive(double value, const char* name) {
@@ -174,10 +190,9 @@ double rounded_speed(double speed_m_s, const DecimalRounding& rounding) {
 }
 
 Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold) {
-    Conformance found{.by_uncertainty = probability_not_below_zero(
-                          difference(posterior, threshold, Bias::lowest))};
-    if (const auto tails = mixture_tails(posterior, threshold, -posterior.bias_limit_m_s))
-        found.by_faults = tails->not_below;
+    const BothTails tails = tails_of(posterior, threshold, Bias::lowest);
+    Conformance found{.by_uncertainty = tails.by_uncertainty.not_below};
+    if (tails.by_faults) found.by_faults = tails.by_faults->not_below;
     return found;
 }
 
@@ -196,8 +211,8 @@ double conformance_probability(const SpeedPosterior& posterior, double lower_m_s
         return above_lower.location_m_s >= 0.0 && above_upper.location_m_s <= 0.0 ? 1.0 : 0.0;
     // Where both limits are below the speed, the lower tails are the small ones.
     if (above_upper.location_m_s > 0.0)
-        return probability_below_zero(above_upper) - probability_below_zero(above_lower);
-    return probability_not_below_zero(above_lower) - probability_not_below_zero(above_upper);
+        return tails_of(above_upper).below - tails_of(above_lower).below;
+    return tails_of(above_lower).not_below - tails_of(above_upper).not_below;
 }
 
 Outcome decide(double probability, double level) {
@@ -212,9 +227,7 @@ Outcome decide(double probability, double level) {
 Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
     if (decide(conformance(posterior, threshold).smaller(), level) == Outcome::beaten)
         return Outcome::beaten;
-    double highest = probability_not_below_zero(difference(posterior, threshold, Bias::highest));
-    if (const auto tails = mixture_tails(posterior, threshold, posterior.bias_limit_m_s))
-        highest = std::max(highest, tails->not_below);
+    const double highest = tails_of(posterior, threshold, Bias::highest).larger(&Tails::not_below);
     return decide(highest, level) == Outcome::not_beaten ? Outcome::not_beaten
                                                          : Outcome::not_proven;
 }
@@ -236,14 +249,9 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {
-    const bool beaten = outcome == Outcome::beaten;
-    const Difference d = difference(posterior, threshold, beaten ? Bias::lowest : Bias::highest);
-    const double by_uncertainty =
-        beaten ? probability_below_zero(d) : probability_not_below_zero(d);
-    const auto tails = mixture_tails(posterior, threshold,
-                                     beaten ? -posterior.bias_limit_m_s : posterior.bias_limit_m_s);
-    if (!tails) return by_uncertainty;
-    return std::max(by_uncertainty, beaten ? tails->below : tails->not_below);
+    return outcome == Outcome::beaten
+               ? tails_of(posterior, threshold, Bias::lowest).larger(&Tails::below)
+               : tails_of(posterior, threshold, Bias::highest).larger(&Tails::not_below);
 }
 
 }  // namespace runcert

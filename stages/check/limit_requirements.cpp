@@ -250,10 +250,8 @@ Finding computation::standing_start(const Clause&, const ClauseContext& context)
     if (!facts) return unknown("{}", context.course.missing);
     const CourseFigure& speed = facts->speed_before_m_s;
     const CraftRun& run = *context.course.run;
-    const Figure slowest{.name = "smallest speed of the run before the window",
-                         .value = speed.value,
-                         .unit = "m/s",
-                         .expanded_uncertainty = speed.expanded_uncertainty};
+    Figure slowest = plain("smallest speed of the run before the window", speed.value, "m/s");
+    slowest.expanded_uncertainty = speed.expanded_uncertainty;
     const std::string words = fmt::format(
         "{} {}", slowest.name, quantity_text(speed.value, speed.expanded_uncertainty, "m/s"));
     if (facts->standing_start &&

@@ -271,15 +271,12 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
 void add_flow_figures(const std::optional<FlowInWindow>& flow, const std::string& what,
                       const char* from, bool heading_known, std::vector<Figure>& figures) {
     if (!flow || !flow->missing.empty()) return;
-    const auto add = [&](std::string name, double value, const char* unit) {
-        figures.push_back({.name = std::move(name), .value = value, .unit = unit});
-    };
-    add("mean " + what, flow->mean_m_s, "m/s");
-    add("strongest " + what, flow->gust_m_s, "m/s");
-    add(what + " direction, " + from, flow->direction_deg, "deg");
+    figures.push_back(plain("mean " + what, flow->mean_m_s, "m/s"));
+    figures.push_back(plain("strongest " + what, flow->gust_m_s, "m/s"));
+    figures.push_back(plain(what + " direction, " + from, flow->direction_deg, "deg"));
     if (!heading_known) return;
-    add(what + " along the heading", flow->along_m_s, "m/s");
-    add(what + " across the heading, to the right", flow->across_m_s, "m/s");
+    figures.push_back(plain(what + " along the heading", flow->along_m_s, "m/s"));
+    figures.push_back(plain(what + " across the heading, to the right", flow->across_m_s, "m/s"));
 }
 
 }  // namespace

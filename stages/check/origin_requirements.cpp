@@ -198,8 +198,7 @@ Finding computation::device_deduction(const Clause&, const ClauseContext& contex
     const DeviceDeduction& taken = *receiver->device_deduction;
     Finding finding = to_attest("the attempt states a deduction of {} {} for the device",
                                 number_text(taken.speed), taken.unit);
-    finding.figures = {
-        {.name = "deduction for the device", .value = taken.speed, .unit = taken.unit}};
+    finding.figures = {plain("deduction for the device", taken.speed, taken.unit)};
     if (!context.speed) return finding;
     const double left_m_s = context.speed->speed_m_s - taken.speed * metres_per_second(taken.unit);
     const std::string left = speed_of_rule(context, left_m_s);
@@ -219,7 +218,7 @@ Finding computation::sail_area(const Clause&, const ClauseContext& context) {
     if (!area_m2)
         return to_attest("the attempt states no sail area (craft: {{sail_area_m2: ...}})");
     return to_attest("the attempt states a sail area of {}", number_text(*area_m2, "m²"))
-        .by({{.name = "sail area", .value = *area_m2, .unit = "m²"}});
+        .by({plain("sail area", *area_m2, "m²")});
 }
 
 Finding computation::claims(const Clause& clause, const ClauseContext& context) {
@@ -289,23 +288,18 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
                                         to_text(*best->bound->floor_fix), best->bound->floor_m)
                                   : "";
     const auto& rows = context.epochs();
-    switch (context.input.judged.solution_source) {
-        case SolutionSource::attempt:
-            return to_attest("the recording does not state it; the attempt states {}{}",
-                             rows.empty() ? "the fix type" : to_text(rows[0].fix), taken);
-        case SolutionSource::recording:
-            return met("the recording states it{}", taken);
-        case SolutionSource::partly:
-            return met(
-                "the recording states it for some positions; the others count as those of one "
-                "receiver alone{}",
-                taken);
-        case SolutionSource::unknown:
-            break;
-    }
-    return met(
-        "the recording does not state it, so the positions count as those of one receiver alone{}",
-        taken);
+    const SolutionSource source = context.input.judged.solution_source;
+    if (source == SolutionSource::attempt)
+        return to_attest("the recording does not state it; the attempt states {}{}",
+                         rows.empty() ? "the fix type" : to_text(rows[0].fix), taken);
+    return met("{}{}",
+               source == SolutionSource::recording ? "the recording states it"
+               : source == SolutionSource::partly
+                   ? "the recording states it for some positions; the others count as those of one "
+                     "receiver alone"
+                   : "the recording does not state it, so the positions count as those of one "
+                     "receiver alone",
+               taken);
 }
 
 }  // namespace runcert

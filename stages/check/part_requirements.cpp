@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/prose.h"
@@ -10,23 +11,16 @@ namespace runcert {
 namespace {
 
 std::string_view event_words(WindowEvent event) {
-    switch (event) {
-        case WindowEvent::exit:
-            return "exit";
-        case WindowEvent::below_start:
-            return "the stated height below its beginning";
-        case WindowEvent::above_ground:
-            return "the stated height above the ground";
-        case WindowEvent::at_height:
-            return "the stated height";
-        case WindowEvent::course_start:
-            return "the course's first line";
-        case WindowEvent::course_finish:
-            return "the course's second line";
-        case WindowEvent::stated:
-            return "the stated instant";
-    }
-    return {};
+    constexpr std::pair<WindowEvent, std::string_view> words[] = {
+        {WindowEvent::exit, "exit"},
+        {WindowEvent::below_start, "the stated height below its beginning"},
+        {WindowEvent::above_ground, "the stated height above the ground"},
+        {WindowEvent::at_height, "the stated height"},
+        {WindowEvent::course_start, "the course's first line"},
+        {WindowEvent::course_finish, "the course's second line"},
+        {WindowEvent::stated, "the stated instant"}};
+    return std::ranges::find(words, event, &std::pair<WindowEvent, std::string_view>::first)
+        ->second;
 }
 
 std::string end_text(const FoundEvent& end, const ClauseContext& context) {

@@ -213,6 +213,10 @@ double in_unit(double value, const std::string& unit);
 /// its computation. Otherwise to be attested. The one place of a figure's words.
 Finding against_limit(const Quantity& quantity, const Clause& clause);
 
+/// A figure that is compared with nothing, and one that must be at most a limit.
+Figure plain(std::string name, double value, std::string unit = {});
+Figure at_most(Figure figure, double limit);
+
 /// A speed as a figure in a unit, with the words in which it is to be read.
 Figure speed_figure(std::string name, double speed_m_s, const std::string& unit, std::string shown);
 

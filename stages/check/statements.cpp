@@ -147,16 +147,6 @@ void add_recording(const RecordingFacts& facts, Sentences& say) {
             "the date of the recording.");
 }
 
-void add_kinds(const std::vector<FixTypeErrors>& kinds, Sentences& say) {
-    for (const FixTypeErrors& kind : kinds)
-        if (kind.judgement == AccuracyJudgement::optimistic ||
-            kind.judgement == AccuracyJudgement::pessimistic)
-            say("The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
-                "against one another are {:.2f} times as large.",
-                to_text(kind.axes), to_text(kind.fix), to_text(kind.judgement),
-                std::sqrt(kind.variance_factor));
-}
-
 void add_time(const TimeStampSummary& time, Sentences& say) {
     if (time.sessions > 1)
         say("The recording holds {} sessions, which were not joined.", time.sessions);
@@ -291,7 +281,13 @@ void add_screening(const ReceiverFindings& judged, Sentences& say) {
             say("The {} tests rest on the stated standard deviations times {:.2f}, not on noise "
                 "estimated from the recording.",
                 to_text(model.axes), model.measurement_scale);
-    add_kinds(tests.fix_types, say);
+    for (const FixTypeErrors& kind : tests.fix_types)
+        if (kind.judgement == AccuracyJudgement::optimistic ||
+            kind.judgement == AccuracyJudgement::pessimistic)
+            say("The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
+                "against one another are {:.2f} times as large.",
+                to_text(kind.axes), to_text(kind.fix), to_text(kind.judgement),
+                std::sqrt(kind.variance_factor));
     add_time(tests.time, say);
     // Of the other receiver, the vector between the antennas has its own statement.
     for (const DisplacementComparison& one : tests.displacements)

@@ -15,34 +15,27 @@ namespace {
 
 /// By which key of the attempt epochs are left out for that reason, and what to write; or empty.
 std::string_view what_decides(Reason reason, const ReceiverFindings& judged) {
-    switch (reason) {
-        case Reason::float_ambiguities:
-        case Reason::other_fix:
-            return judged.solution_source == SolutionSource::unknown
-                       ? "the recording states no fix type, which counts as single: if they are "
-                         "fixed solutions, write solution: fixed in the receiver, a claim that "
-                         "somebody must attest"
-                       : "to use other fix types, write parameters: {screen: {allowed_fixes: "
-                         "[fixed, float, ...]}}";
-        case Reason::accuracy_missing:
-            return judged.facts.vertical_measured
-                       ? "state it in the attempt, accuracy: {horizontal_m: ..., vertical_m: ...}"
-                       : "state it in the attempt, accuracy: {horizontal_m: ...}";
-        case Reason::accuracy_absurd:
-            return "screen.accuracy_max_m decides";
-        case Reason::few_satellites:
-            return "screen.satellites_min decides";
-        case Reason::low_ratio:
-            return "screen.ratio_min decides";
-        case Reason::old_corrections:
-            return "screen.correction_age_max_s decides";
-        case Reason::short_arc:
-            return "screen.min_arc_epochs decides";
-        case Reason::no_position:
-            return "where heights alone are missing, give height_m";
-        default:
-            return {};
-    }
+    constexpr std::pair<Reason, std::string_view> by_key[] = {
+        {Reason::accuracy_absurd, "screen.accuracy_max_m decides"},
+        {Reason::few_satellites, "screen.satellites_min decides"},
+        {Reason::low_ratio, "screen.ratio_min decides"},
+        {Reason::old_corrections, "screen.correction_age_max_s decides"},
+        {Reason::short_arc, "screen.min_arc_epochs decides"},
+        {Reason::no_position, "where heights alone are missing, give height_m"}};
+    if (reason == Reason::float_ambiguities || reason == Reason::other_fix)
+        return judged.solution_source == SolutionSource::unknown
+                   ? "the recording states no fix type, which counts as single: if they are fixed "
+                     "solutions, write solution: fixed in the receiver, a claim that somebody must "
+                     "attest"
+                   : "to use other fix types, write parameters: {screen: {allowed_fixes: [fixed, "
+                     "float, ...]}}";
+    if (reason == Reason::accuracy_missing)
+        return judged.facts.vertical_measured
+                   ? "state it in the attempt, accuracy: {horizontal_m: ..., vertical_m: ...}"
+                   : "state it in the attempt, accuracy: {horizontal_m: ...}";
+    const auto* const found =
+        std::ranges::find(by_key, reason, &std::pair<Reason, std::string_view>::first);
+    return found == std::end(by_key) ? std::string_view() : found->second;
 }
 
 /// Why no epoch is usable: the three most frequent reasons, with the first epoch of each.
@@ -86,12 +79,12 @@ std::string why_no_window(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     if (judged.screening.usable == 0) return nothing_usable(judged);
     const std::string wanted = window_words(context.profile);
-    std::string evidence = context.windows.missing.empty()
-                               ? fmt::format(
-                                     "no {} of the recording are without a break and without an "
-                                     "unusable epoch, the longest arc having {}",
-                                     wanted, time_span_text(longest_stretch_s(judged.trajectory)))
-                               : context.windows.missing;
+    std::string evidence = context.windows.missing;
+    if (evidence.empty())
+        evidence = fmt::format(
+            "no {} of the recording are without a break and without an unusable epoch, the longest "
+            "arc having {}",
+            wanted, time_span_text(longest_stretch_s(judged.trajectory)));
     if (const auto& indicated = context.windows.indicated;
         indicated && !indicated->refusals.empty())
         evidence += fmt::format("; the fastest {} as recorded hold {}", wanted,
@@ -123,11 +116,6 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
     return figures;
 }
 
-/// A figure of m/s or s that was compared with nothing.
-Figure plain(std::string name, double value, std::string unit) {
-    return {.name = std::move(name), .value = value, .unit = std::move(unit)};
-}
-
 /// The expanded uncertainty in the unit of the rule's limit, rounded up as the page shows it; with
 /// its own decimals where those of the page would hide on which side of the limit it is.
 std::string beside_limit(double uncertainty_m_s, const ClauseContext& context) {
@@ -141,6 +129,16 @@ std::string beside_limit(double uncertainty_m_s, const ClauseContext& context) {
 }
 
 }  // namespace
+
+Figure plain(std::string name, double value, std::string unit) {
+    return {.name = std::move(name), .value = value, .unit = std::move(unit)};
+}
+
+Figure at_most(Figure figure, double limit) {
+    figure.relation = LimitRelation::at_most;
+    figure.limit = limit;
+    return figure;
+}
 
 Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
                     std::string shown) {
@@ -234,14 +232,12 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
     const double to_s = std::max(a.start.seconds() + a.duration.seconds(),
                                  b.start.seconds() + b.duration.seconds());
     const double within_s = *context.profile.opposite_runs_within_s;
-    Figure both = plain("time that holds both", to_s - from_s, "s");
-    both.relation = LimitRelation::at_most;
-    both.limit = within_s;
     return met("two runs in opposite directions, {} and {}, within {:.1f} s, at most {:g} s",
                speed_of_rule(context, windows.best->speed_m_s),
                speed_of_rule(context, other.speed_m_s), to_s - from_s, within_s)
         .by({plain("speed of the one", windows.best->speed_m_s, "m/s"),
-             plain("speed of the other", other.speed_m_s, "m/s"), std::move(both)});
+             plain("speed of the other", other.speed_m_s, "m/s"),
+             at_most(plain("time that holds both", to_s - from_s, "s"), within_s)});
 }
 
 Finding computation::accuracy(const Clause&, const ClauseContext& context) {

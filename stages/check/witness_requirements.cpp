@@ -60,10 +60,7 @@ std::string_view silence_of_receiver(const CheckInput& input) {
 }
 
 Figure normalised_error(const std::string& of, double value) {
-    return {.name = "normalised error " + of,
-            .value = value,
-            .relation = LimitRelation::at_most,
-            .limit = 1.0};
+    return at_most(plain("normalised error " + of, value), 1.0);
 }
 
 std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context) {

@@ -36,13 +36,11 @@ struct Difference {
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
-/// The position of the bias within its range.
-enum class Bias { lowest, none, highest };
+/// At which end of its range the bias is.
+enum class Bias { lowest, highest };
 
 double shift_m_s(const SpeedPosterior& posterior, Bias bias) {
-    return bias == Bias::lowest    ? -posterior.bias_limit_m_s
-           : bias == Bias::highest ? posterior.bias_limit_m_s
-                                   : 0.0;
+    return bias == Bias::lowest ? -posterior.bias_limit_m_s : posterior.bias_limit_m_s;
 }
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
@@ -54,8 +52,8 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
              "Give what a systematic error is at most");
     // The difference from the witnesses counts only on its own side.
     const double difference_m_s = posterior.evidence ? posterior.evidence->difference_m_s : 0.0;
-    const bool on_that_side = bias == Bias::none || difference_m_s == 0.0 ||
-                              (bias == Bias::lowest) == (difference_m_s > 0.0);
+    const bool on_that_side =
+        difference_m_s == 0.0 || (bias == Bias::lowest) == (difference_m_s > 0.0);
     const double uncertainty_m_s =
         on_that_side ? posterior.standard_uncertainty_m_s
                      : std::sqrt(std::max(0.0, std::pow(posterior.standard_uncertainty_m_s, 2) -
@@ -198,21 +196,6 @@ Conformance conformance(const SpeedPosterior& posterior, const Threshold& thresh
 
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold) {
     return conformance(posterior, threshold).smaller();
-}
-
-double conformance_probability(const SpeedPosterior& posterior, double lower_m_s,
-                               double upper_m_s) {
-    const Difference above_lower = difference(posterior, {.speed_m_s = lower_m_s}, Bias::none);
-    const Difference above_upper = difference(posterior, {.speed_m_s = upper_m_s}, Bias::none);
-    if (!(lower_m_s <= upper_m_s))
-        fail(fmt::format("the lower limit {} is above the upper limit {}", lower_m_s, upper_m_s),
-             "Exchange them");
-    if (above_lower.scale_m_s == 0.0)
-        return above_lower.location_m_s >= 0.0 && above_upper.location_m_s <= 0.0 ? 1.0 : 0.0;
-    // Where both limits are below the speed, the lower tails are the small ones.
-    if (above_upper.location_m_s > 0.0)
-        return tails_of(above_upper).below - tails_of(above_lower).below;
-    return tails_of(above_lower).not_below - tails_of(above_upper).not_below;
 }
 
 Outcome decide(double probability, double level) {

@@ -98,10 +98,6 @@ Conformance conformance(const SpeedPosterior& posterior, const Threshold& thresh
 /// The smaller of the two conformance probabilities.
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
 
-/// P(lower <= speed <= upper) ([JCGM106] 7.4), with both limits known exactly, without a bias.
-/// Failure as for `conformance`, or if lower > upper.
-double conformance_probability(const SpeedPosterior& posterior, double lower_m_s, double upper_m_s);
-
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
 /// least `level`, not beaten where it is at most 1 - level, otherwise not proven. Failure (at
 /// "decision") unless 0 <= probability <= 1 and 0.5 < level < 1.

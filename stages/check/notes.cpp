@@ -268,17 +268,6 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
     return length_m;
 }
 
-void add_flow_figures(const std::optional<FlowInWindow>& flow, const std::string& what,
-                      const char* from, bool heading_known, std::vector<Figure>& figures) {
-    if (!flow || !flow->missing.empty()) return;
-    figures.push_back(plain("mean " + what, flow->mean_m_s, "m/s"));
-    figures.push_back(plain("strongest " + what, flow->gust_m_s, "m/s"));
-    figures.push_back(plain(what + " direction, " + from, flow->direction_deg, "deg"));
-    if (!heading_known) return;
-    figures.push_back(plain(what + " along the heading", flow->along_m_s, "m/s"));
-    figures.push_back(plain(what + " across the heading, to the right", flow->across_m_s, "m/s"));
-}
-
 }  // namespace
 
 std::vector<std::string> notes_of(const ClauseContext& context) {
@@ -298,44 +287,6 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_next_time(context, say);
     add_rule(context.profile, say);
     return say.said;
-}
-
-std::vector<Figure> course_figures(const ClauseContext& context) {
-    std::vector<Figure> figures;
-    const auto add = [&](const char* name, const CourseFigure& figure, const char* unit,
-                         const char* note = "") {
-        const std::optional<double>& u = figure.expanded_uncertainty;
-        figures.push_back(
-            {.name = name,
-             .value = in_unit(figure.value, unit),
-             .unit = unit,
-             .expanded_uncertainty = u ? std::optional(in_unit(*u, unit)) : std::nullopt,
-             .note = note});
-    };
-    const auto& facts = context.course.facts;
-    if (facts) {
-        if (facts->height_difference_m)
-            add("highest less lowest height of the run", *facts->height_difference_m, "m",
-                "above the ellipsoid; noise makes it larger, never smaller");
-        if (facts->slope) add("slope of the window", *facts->slope, "%", "upwards positive");
-        if (const auto& ground = context.course.ground) {
-            add("highest less lowest ground under the run", ground->height_difference_m, "m",
-                "by the surface");
-            add("slope of the ground under the window", ground->slope, "%",
-                "by the surface; upwards positive");
-        }
-        add("heading", facts->heading_deg, "deg", "from north over east");
-        add("largest distance of the track from its chord", facts->straightness_m, "m");
-        add("change of direction in the window", facts->turning_deg, "deg",
-            "to the right positive");
-        add("smallest speed of the run before the window", facts->speed_before_m_s, "m/s",
-            facts->standing_start ? "standing still" : "not standing still");
-        add("run-up", {facts->run_up_m, std::nullopt}, "m");
-        add("time of the run-up", {facts->run_up_s, std::nullopt}, "s");
-    }
-    add_flow_figures(context.wind, "wind", "where it comes from", facts.has_value(), figures);
-    add_flow_figures(context.current, "current", "where it sets to", facts.has_value(), figures);
-    return figures;
 }
 
 std::vector<RunSummary> run_summaries(const ClauseContext& context) {

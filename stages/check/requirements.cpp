@@ -136,25 +136,22 @@ Finding against_limit(const Quantity& quantity, const Clause& clause) {
     const double sign = at_most ? 1.0 : -1.0;
     const bool can_meet = !(sign * figure.value - reach > sign * *figure.limit);
     const bool meets = sign * figure.value + reach <= sign * *figure.limit;
-    Finding finding{
-        meets      ? RequirementStatus::met
-        : can_meet ? RequirementStatus::attest
-                   : RequirementStatus::not_met,
-        fmt::format("{} {}, {} {}{}{}{}", figure.name,
-                    quantity_text(figure.value, figure.expanded_uncertainty, figure.unit),
-                    words_of(*figure.relation),
-                    quantity_text(*figure.limit, std::nullopt, figure.unit),
-                    can_meet && !meets ? ": the limit lies within the uncertainty, not "
-                                         "decidable from the recording"
-                                       : "",
-                    figure.note.empty() ? "" : "; ", figure.note)};
-    finding.figures.push_back(std::move(figure));
+    const std::string evidence = fmt::format(
+        "{} {}{}{}{}{}", figure.name,
+        quantity_text(figure.value, figure.expanded_uncertainty, figure.unit), limit_text(figure),
+        can_meet && !meets
+            ? ": the limit lies within the uncertainty, not decidable from the recording"
+            : "",
+        figure.note.empty() ? "" : "; ", figure.note);
+    Finding finding = meets      ? met("{}", evidence)
+                      : can_meet ? to_attest("{}", evidence)
+                                 : not_met("{}", evidence);
     if (const auto& also = meets ? quantity.if_met : quantity.if_not_met;
         also && (meets || !can_meet)) {
         finding.status = also->status;
         finding.evidence += also->evidence;
     }
-    return finding;
+    return std::move(finding).by({std::move(figure)});
 }
 
 std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt) {

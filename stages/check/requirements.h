@@ -169,20 +169,20 @@ struct Finding {
     }
 };
 
-/// Findings by their evidence: a clause that is met, one that is not, one that a person attests,
-/// and one that a person attests because the recording does not decide it.
-template <class... Args>
-Finding met(fmt::format_string<Args...> evidence, Args&&... args) {
-    return {RequirementStatus::met, fmt::format(evidence, std::forward<Args>(args)...)};
-}
-template <class... Args>
-Finding not_met(fmt::format_string<Args...> evidence, Args&&... args) {
-    return {RequirementStatus::not_met, fmt::format(evidence, std::forward<Args>(args)...)};
-}
-template <class... Args>
-Finding to_attest(fmt::format_string<Args...> evidence, Args&&... args) {
-    return {RequirementStatus::attest, fmt::format(evidence, std::forward<Args>(args)...)};
-}
+/// Findings by their evidence: `met("{} s", 3)`. A clause that is met, one that is not, and one
+/// that a person attests.
+template <RequirementStatus status>
+struct FoundBy {
+    template <class... Args>
+    Finding operator()(fmt::format_string<Args...> evidence, Args&&... args) const {
+        return {status, fmt::format(evidence, std::forward<Args>(args)...)};
+    }
+};
+inline constexpr FoundBy<RequirementStatus::met> met;
+inline constexpr FoundBy<RequirementStatus::not_met> not_met;
+inline constexpr FoundBy<RequirementStatus::attest> to_attest;
+
+/// One that a person attests because the recording does not decide it.
 template <class... Args>
 Finding unknown(fmt::format_string<Args...> why, Args&&... args) {
     return to_attest("not decidable from the recording: {}",

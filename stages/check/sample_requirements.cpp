@@ -58,7 +58,7 @@ bool has_window(const Samples& windows) {
 struct Distances {
     double all = 0.0;
     double slow = 0.0;
-    double least_m_s = std::numeric_limits<double>::infinity();
+    double least_m_s = std::numeric_limits<double>::infinity();  ///< NaN where one has no speed
 };
 
 Distances distances_of(const Samples& windows, double limit_m_s) {
@@ -66,9 +66,8 @@ Distances distances_of(const Samples& windows, double limit_m_s) {
     for (const std::vector<ScreenedEpoch>& window : windows)
         for (std::size_t i = 0; i < window.size(); ++i) {
             const double speed_m_s = recorded_speed_m_s(window[i]);
+            if (std::isnan(speed_m_s)) return {.least_m_s = speed_m_s};
             found.least_m_s = std::min(found.least_m_s, speed_m_s);
-            if (std::isnan(speed_m_s)) found.least_m_s = speed_m_s;
-            if (std::isnan(found.least_m_s)) return found;
             if (i == 0) continue;
             const double length_m =
                 speed_m_s * (window[i].time.seconds() - window[i - 1].time.seconds());
@@ -80,8 +79,8 @@ Distances distances_of(const Samples& windows, double limit_m_s) {
 
 /// The largest change of the recorded speed between samples: one that is surely too large, if any.
 struct Change {
-    bool surely = false;  ///< beyond what is possible by more than chance
-    double found_m_s2 = 0.0;
+    bool surely = false;      ///< beyond what is possible by more than chance
+    double found_m_s2 = 0.0;  ///< NaN where a sample has no speed
     double by_chance_m_s2 = 0.0;
     std::int64_t epoch = 0;
 };
@@ -97,18 +96,14 @@ Change largest_change(const Samples& windows, double possible_m_s2) {
         for (std::size_t i = 1; i < window.size(); ++i) {
             const ScreenedEpoch &before = window[i - 1], &after = window[i];
             const double time_s = after.time.seconds() - before.time.seconds();
-            Change change{
-                .found_m_s2 =
-                    std::abs(recorded_speed_m_s(after) - recorded_speed_m_s(before)) / time_s,
-                .by_chance_m_s2 = by_chance *
-                                  std::hypot(stated_sigma_m_s(before), stated_sigma_m_s(after)) /
-                                  time_s,
-                .epoch = after.epoch};
-            if (std::isnan(change.found_m_s2)) return change;
-            change.surely = change.found_m_s2 - change.by_chance_m_s2 > possible_m_s2;
-            if (std::pair(change.surely, change.found_m_s2) >
-                std::pair(largest.surely, largest.found_m_s2))
-                largest = change;
+            const double found_m_s2 =
+                std::abs(recorded_speed_m_s(after) - recorded_speed_m_s(before)) / time_s;
+            if (std::isnan(found_m_s2)) return {.found_m_s2 = found_m_s2};
+            const double made_m_s2 =
+                by_chance * std::hypot(stated_sigma_m_s(before), stated_sigma_m_s(after)) / time_s;
+            const bool surely = found_m_s2 - made_m_s2 > possible_m_s2;
+            if (std::pair(surely, found_m_s2) > std::pair(largest.surely, largest.found_m_s2))
+                largest = {surely, found_m_s2, made_m_s2, after.epoch};
         }
     return largest;
 }

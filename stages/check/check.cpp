@@ -300,7 +300,7 @@ bool fastest_might_reach(const ClauseContext& context) {
 /// The outcome and its probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const ShownFigures& shown = *context.shown;
-    const std::string figures = fmt::format(
+    std::string figures = fmt::format(
         "{}, required {} {}; conformance probability {} (at least {} required).",
         measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));

@@ -39,7 +39,8 @@ double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
         const double t =
             (posterior.speed_m_s - threshold.speed_m_s - threshold.standard_uncertainty_m_s * z) /
             posterior.standard_uncertainty_m_s;
-        sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.effective_degrees_of_freedom);
+        sum += weight * std::exp(-0.5 * z * z) *
+               student_t_cdf(t, posterior.effective_degrees_of_freedom);
     }
     return sum * step / 3.0 / std::sqrt(2.0 * std::numbers::pi);
 }

@@ -36,12 +36,15 @@ std::string figure_value_text(const Figure& figure) {
                                                                              : text;
 }
 
+std::string limit_text(const Figure& figure) {
+    if (!figure.relation || !figure.limit) return {};
+    return fmt::format(", {} {}", words_of(*figure.relation),
+                       quantity_text(*figure.limit, std::nullopt, figure.unit));
+}
+
 std::string figure_text(const Figure& figure) {
-    std::string text = fmt::format("{}: {}", figure.name, figure_value_text(figure));
-    if (figure.relation && figure.limit)
-        text += fmt::format(", {} {}", words_of(*figure.relation),
-                            quantity_text(*figure.limit, std::nullopt, figure.unit));
-    return figure.note.empty() ? text : text + "; " + figure.note;
+    return fmt::format("{}: {}{}{}{}", figure.name, figure_value_text(figure), limit_text(figure),
+                       figure.note.empty() ? "" : "; ", figure.note);
 }
 
 std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,

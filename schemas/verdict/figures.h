@@ -14,6 +14,9 @@ namespace runcert {
 /// As the verdict shows the figure, else by `quantity_text`: "0.42 m ± 0.08 m (k = 2)".
 std::string figure_value_text(const Figure& figure);
 
+/// The limit that it is compared with: ", at most 1 m"; empty where there is none.
+std::string limit_text(const Figure& figure);
+
 /// With its name, limit and note: "height difference: 0.42 m ± 0.08 m (k = 2), at most 1 m; above
 /// the ellipsoid".
 std::string figure_text(const Figure& figure);

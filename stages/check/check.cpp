@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
@@ -20,118 +19,7 @@
 namespace runcert {
 namespace {
 
-/// Clauses other than the margin that the data decide and that are not met.
-std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements) {
-    std::vector<std::string> failed;
-    for (const Requirement& requirement : requirements)
-        if (requirement.status == RequirementStatus::not_met &&
-            requirement.decided_by != Computation::margin)
-            failed.push_back(requirement.clause + ": " + requirement.evidence);
-    return failed;
-}
-
-/// Why unreadable records rule a certificate out. Empty if they do not.
-std::string refused_for_records(const RecordCount& records, const WindowSpan& window) {
-    if (100 * records.bad > records.total)
-        return fmt::format(
-            "{} of {} records of the recording could not be read, more than 1 %: it is damaged, or "
-            "was changed.",
-            records.bad, records.total);
-    for (const BadRecord& bad : records.bad_records)
-        if (bad.epoch >= std::min(window.first_epoch, window.last_epoch) &&
-            bad.epoch <= std::max(window.first_epoch, window.last_epoch))
-            return fmt::format(
-                "A record inside the window could not be read ({}{} {}, after epoch {}): {}.",
-                bad.file ? fmt::format("file {}, ", *bad.file) : "", bad.line ? "line" : "byte",
-                bad.line ? *bad.line : bad.byte, bad.epoch, bad.what);
-    if (records.bad > std::ssize(records.bad_records))
-        return fmt::format(
-            "{} records could not be read, more than are listed, so it is not known whether one is "
-            "inside the window.",
-            records.bad);
-    return {};
-}
-
-/// Why the robust estimate of a window of the speed rules a certificate out. Empty if it does
-/// not.
-std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
-                               const EstimationSummary& estimation, const SpeedUnit& unit) {
-    if (robust && !robust->agrees)
-        return fmt::format(
-            "A robust estimate over the same epochs gives {:+.3f} {} against the screened one, "
-            "more than their uncertainty of {:.3f} {}: screening may have kept an outlier or "
-            "rejected a right one.",
-            robust->difference_m_s * unit.per_m_s, unit.name, robust->limit_m_s * unit.per_m_s,
-            unit.name);
-    if (!robust && estimation.robust_unsolved > 0)
-        return "The robust estimate, which is the check on screening, did not converge over the "
-               "stretch of this window.";
-    return {};
-}
-
-/// The difference of each witness: "recorded velocities +0.120 km/h, carrier phases -0.110 km/h".
-std::string differences_text(const std::vector<WitnessedSpeed>& witnesses, const SpeedUnit& unit) {
-    std::vector<std::string> all;
-    for (const WitnessedSpeed& one : witnesses)
-        if (one.confirms)
-            all.push_back(fmt::format("{} {:+.3f} {}", witness_name(one),
-                                      -one.difference_m_s * unit.per_m_s, unit.name));
-    return fmt::format("{}", fmt::join(all, ", "));
-}
-
-/// Why witnesses that contradict a window, or one another, rule a certificate out. Empty if they
-/// do not.
-std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses,
-                                  const std::optional<SpeedEvidence>& evidence,
-                                  const SpeedUnit& unit) {
-    const auto one = std::ranges::find_if(witnesses, &contradicts);
-    if (one == witnesses.end()) {
-        if (!evidence || evidence->disagreement <= 1.0) return {};
-        return fmt::format(
-            "The witnesses contradict one another. Against the positions they give {}: together "
-            "{:.2f} times as far apart as chance makes them once in a thousand. One of them is "
-            "wrong.",
-            differences_text(witnesses, unit), evidence->disagreement);
-    }
-    const std::string over =
-        one->compared_over_s
-            ? fmt::format("{:.1f} s around the window, of which they say nothing themselves",
-                          *one->compared_over_s)
-            : std::string("the window");
-    return fmt::format(
-        "{} give {:+.3f} {} against {} over {}, in size or direction more than both "
-        "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The displacements "
-        "differ by {:.3f} m{}.",
-        capitalised(witness_name(*one)), -one->difference_m_s * unit.per_m_s, unit.name,
-        compared_with(one->kind), over, one->normalised_error, one->apart_m,
-        one->apart_azimuth_deg
-            ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
-            : std::string());
-}
-
-/// The first refusal among the windows of the speed: the best, then the further ones.
-template <class Refuse>
-std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
-    std::string refused = refuse(*windows.best);
-    for (const FurtherWindow& further : windows.further)
-        if (refused.empty()) refused = refuse(further);
-    return refused;
-}
-
-/// Why a decision of screening rules a certificate out: it removed too much of the recording.
-std::string refused_for_decision(const ClauseContext& context) {
-    const ReceiverFindings& judged = context.input.judged;
-    const auto& largest = judged.tests.largest_decision;
-    const double share_max = context.input.attempt.parameters.screen.decision_share_max;
-    if (!largest || largest->share <= share_max) return {};
-    return fmt::format(
-        "One decision of screening left out {:.0f} % of all epochs, more than {:.0f} % "
-        "(screen.decision_share_max): {}, from epoch {} {} (statistic {:.1f}, threshold {:.1f}).",
-        100.0 * largest->share, 100.0 * share_max, words_of(largest->hypothesis),
-        largest->first_epoch,
-        instant_text(judged.facts.first_epoch, ElapsedTime{std::llround(largest->time_s * 1e9)}),
-        largest->statistic, largest->threshold);
-}
+using Requirements = std::vector<Requirement>;
 
 /// What a window that cannot be certified shows, where that reaches the required speed; else empty.
 std::string shown_though_refused(const ClauseContext& context) {
@@ -147,8 +35,41 @@ std::string shown_though_refused(const ClauseContext& context) {
         fmt::join(indicated->refusals, ", "));
 }
 
-/// Why the times of a recording rule a certificate out: too many of them contradict the others.
-std::string refused_for_times(const ClauseContext& context) {
+// What rules a certificate out: each says why it does, or nothing.
+
+/// Unreadable records.
+std::string refused_for_records(const ClauseContext& context, const Requirements&) {
+    const RecordCount& records = context.input.judged.records;
+    if (context.counted.empty()) return {};
+    if (100 * records.bad > records.total)
+        return fmt::format(
+            "{} of {} records of the recording could not be read, more than 1 %: it is damaged, or "
+            "was changed.",
+            records.bad, records.total);
+    for (const FurtherWindow& window : context.counted) {
+        const auto [first, last] = std::minmax(window.span.first_epoch, window.span.last_epoch);
+        for (const BadRecord& bad : records.bad_records)
+            if (bad.epoch >= first && bad.epoch <= last)
+                return fmt::format(
+                    "A record inside the window could not be read ({}{} {}, after epoch {}): {}.",
+                    bad.file ? fmt::format("file {}, ", *bad.file) : "", bad.line ? "line" : "byte",
+                    bad.line ? *bad.line : bad.byte, bad.epoch, bad.what);
+        if (records.bad > std::ssize(records.bad_records))
+            return fmt::format(
+                "{} records could not be read, more than are listed, so it is not known whether "
+                "one is inside the window.",
+                records.bad);
+    }
+    return {};
+}
+
+std::string refused_for_another_speed(const ClauseContext& context, const Requirements&) {
+    const auto& velocity = context.input.judged.tests.velocity;
+    return velocity && is_another_speed(*velocity) ? another_speed_text(*velocity) : std::string();
+}
+
+/// Too many times that contradict the others.
+std::string refused_for_times(const ClauseContext& context, const Requirements&) {
     const ReceiverFindings& judged = context.input.judged;
     const std::int64_t left_out = judged.tests.time.left_out;
     const std::int64_t epochs = std::ssize(judged.trajectory);
@@ -165,10 +86,9 @@ std::string refused_for_times(const ClauseContext& context) {
     return refused;
 }
 
-/// Why recorded velocities that do not belong to these positions rule out a certificate based on
-/// them. The absence of windows is a consequence.
-std::string refused_for_unfit(const ClauseContext& context,
-                              const std::vector<Requirement>& requirements) {
+/// Recorded velocities that do not belong to these positions, under a rule of them. The absence of
+/// windows is a consequence.
+std::string refused_for_unfit(const ClauseContext& context, const Requirements& requirements) {
     const auto& velocity = context.input.judged.tests.velocity;
     const auto asked =
         std::ranges::find(requirements, Computation::recorded_speeds, &Requirement::decided_by);
@@ -176,51 +96,110 @@ std::string refused_for_unfit(const ClauseContext& context,
     return "Not met: " + asked->clause + ": " + asked->evidence + ".";
 }
 
-/// Why nothing can be certified. Empty if something can.
-std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
+/// A decision of screening that removed too much of the recording.
+std::string refused_for_decision(const ClauseContext& context, const Requirements&) {
     const ReceiverFindings& judged = context.input.judged;
-    const auto& best = context.windows.best;
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
-    std::string refused;
-    const auto is_refused = [&](std::string why) {
-        refused = std::move(why);
-        return !refused.empty();
-    };
-    // Unreadable records cast doubt on every other finding.
-    if (best && is_refused(first_refusal(context.windows, [&](const auto& window) {
-            return refused_for_records(judged.records, window.span);
-        })))
-        return refused;
-    // The cause of the other failures comes first.
-    if (const auto& velocity = judged.tests.velocity; velocity && is_another_speed(*velocity))
-        return another_speed_text(*velocity);
-    if (is_refused(refused_for_times(context)) ||
-        is_refused(refused_for_unfit(context, requirements)) ||
-        is_refused(refused_for_decision(context)))
-        return refused;
-    if (const auto failed = failed_clauses(requirements); !failed.empty())
-        return "Not met: " + failed.front();
-    if (!best)
+    const auto& largest = judged.tests.largest_decision;
+    const double share_max = context.input.attempt.parameters.screen.decision_share_max;
+    if (!largest || largest->share <= share_max) return {};
+    return fmt::format(
+        "One decision of screening left out {:.0f} % of all epochs, more than {:.0f} % "
+        "(screen.decision_share_max): {}, from epoch {} {} (statistic {:.1f}, threshold {:.1f}).",
+        100.0 * largest->share, 100.0 * share_max, words_of(largest->hypothesis),
+        largest->first_epoch,
+        instant_text(judged.facts.first_epoch, ElapsedTime{std::llround(largest->time_s * 1e9)}),
+        largest->statistic, largest->threshold);
+}
+
+/// A clause other than the margin that the data decide and that is not met.
+std::string refused_for_clause(const ClauseContext&, const Requirements& requirements) {
+    for (const Requirement& one : requirements)
+        if (one.status == RequirementStatus::not_met && one.decided_by != Computation::margin)
+            return "Not met: " + one.clause + ": " + one.evidence;
+    return {};
+}
+
+std::string refused_for_windows(const ClauseContext& context, const Requirements&) {
+    if (!context.windows.best)
         return context.files_answered || context.windows.missing.empty()
                    ? "There is no certifiable window."
                    : capitalised(context.windows.missing) + ".";
-    if (!context.speed)
-        return figure_of(context.windows)
-                   ? "The rule subtracts the current, which is not known for the window: give "
-                     "current: in the attempt, with a series that covers it."
-                   : "There are too few certifiable windows for the mean that the rule takes.";
-    if (is_refused(first_refusal(context.windows,
-                                 [&](const auto& window) {
-                                     return refused_for_robust(window.robust, judged.estimation,
-                                                               unit);
-                                 })) ||
-        is_refused(first_refusal(context.windows, [&](const auto& window) {
-            return refused_for_witnesses(window.witnesses, window.evidence, unit);
-        })))
-        return refused;
-    if (context.declared && context.declared->contradicts())
-        return capitalised(second_method_text(context)) +
-               " That is more than both uncertainties allow: one of the two is wrong.";
+    if (context.speed) return {};
+    return figure_of(context.windows)
+               ? "The rule subtracts the current, which is not known for the window: give "
+                 "current: in the attempt, with a series that covers it."
+               : "There are too few certifiable windows for the mean that the rule takes.";
+}
+
+/// A robust estimate that contradicts a window of the speed, or the lack of one.
+std::string refused_for_robust(const ClauseContext& context, const Requirements&) {
+    const SpeedUnit& unit = context.unit();
+    for (const FurtherWindow& window : context.counted) {
+        const auto& robust = window.robust;
+        if (robust && !robust->agrees)
+            return fmt::format(
+                "A robust estimate over the same epochs gives {:+.3f} {} against the screened one, "
+                "more than their uncertainty of {:.3f} {}: screening may have kept an outlier or "
+                "rejected a right one.",
+                robust->difference_m_s * unit.per_m_s, unit.name, robust->limit_m_s * unit.per_m_s,
+                unit.name);
+        if (!robust && context.input.judged.estimation.robust_unsolved > 0)
+            return "The robust estimate, which is the check on screening, did not converge over "
+                   "the stretch of this window.";
+    }
+    return {};
+}
+
+/// Witnesses of one window that contradict its positions, or one another.
+std::string contradiction_in(const FurtherWindow& window, const SpeedUnit& unit) {
+    const auto signed_text = [&](const WitnessedSpeed& one) {
+        return fmt::format("{:+.3f} {}", -one.difference_m_s * unit.per_m_s, unit.name);
+    };
+    const auto one = std::ranges::find_if(window.witnesses, &contradicts);
+    if (one == window.witnesses.end()) {
+        if (!window.evidence || window.evidence->disagreement <= 1.0) return {};
+        std::vector<std::string> differences;
+        for (const WitnessedSpeed& each : window.witnesses)
+            if (each.confirms)
+                differences.push_back(fmt::format("{} {}", witness_name(each), signed_text(each)));
+        return fmt::format(
+            "The witnesses contradict one another. Against the positions they give {}: together "
+            "{:.2f} times as far apart as chance makes them once in a thousand. One of them is "
+            "wrong.",
+            fmt::join(differences, ", "), window.evidence->disagreement);
+    }
+    return fmt::format(
+        "{} give {} against {} over {}{}, in size or direction more than both uncertainties allow "
+        "(normalised error {:.2f}): one of the two is wrong. The displacements differ by {:.3f} "
+        "m{}.",
+        capitalised(witness_name(*one)), signed_text(*one), compared_with(one->kind), span_of(*one),
+        one->compared_over_s ? ", of which they say nothing themselves" : "", one->normalised_error,
+        one->apart_m,
+        one->apart_azimuth_deg
+            ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
+            : "");
+}
+
+std::string refused_for_witnesses(const ClauseContext& context, const Requirements&) {
+    for (const FurtherWindow& window : context.counted)
+        if (std::string why = contradiction_in(window, context.unit()); !why.empty()) return why;
+    return {};
+}
+
+std::string refused_for_declared(const ClauseContext& context, const Requirements&) {
+    if (!context.declared || !context.declared->contradicts()) return {};
+    return capitalised(second_method_text(context)) +
+           " That is more than both uncertainties allow: one of the two is wrong.";
+}
+
+/// Why nothing can be certified. Empty if something can. Unreadable records cast doubt on every
+/// other finding; else the cause of other failures comes first.
+std::string refusal_of(const ClauseContext& context, const Requirements& requirements) {
+    for (const auto refused_for :
+         {refused_for_records, refused_for_another_speed, refused_for_times, refused_for_unfit,
+          refused_for_decision, refused_for_clause, refused_for_windows, refused_for_robust,
+          refused_for_witnesses, refused_for_declared})
+        if (std::string why = refused_for(context, requirements); !why.empty()) return why;
     return {};
 }
 
@@ -241,32 +220,32 @@ std::string missed_words(double share, double power, double test_size) {
 /// undetected by a witness, or otherwise by screening.
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
-    const double duration_s = context.windows.best->span.duration.seconds();
+    const CertifiableWindow& best = *context.windows.best;
+    const double duration_s = best.span.duration.seconds();
     const std::string span = time_span_text(duration_s);
-    std::vector<WitnessedSpeed> witnesses = context.windows.best->witnesses;
-    // One fitted to the positions has their drift, and bounds nothing.
-    std::erase_if(witnesses, [](const WitnessedSpeed& one) { return !one.confirms; });
-    const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
-    const bool beside_witness = sharpest != witnesses.end();
-    const auto& power = context.windows.best->detection_power;
+    // A witness fitted to the positions has their drift, and bounds nothing.
+    const WitnessedSpeed* sharpest = nullptr;
+    for (const WitnessedSpeed& one : best.witnesses)
+        if (one.confirms &&
+            (!sharpest || largest_error_beside(one) < largest_error_beside(*sharpest)))
+            sharpest = &one;
+    const auto& power = best.detection_power;
     const double found_m = decision.drift_found_m_s.value_or(0.0) * duration_s;
-    if (!beside_witness && power && *decision.drift_survived_m < found_m)
+    if (!sharpest && power && *decision.drift_survived_m < found_m)
         return fmt::format(" A drift of {:.2f} m over {} would reverse this outcome; {}.",
                            *decision.drift_survived_m, span,
                            missed_words(*decision.drift_survived_m / found_m, *power,
                                         context.input.judged.tests.test_size));
-    std::string words =
-        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
-                    *decision.drift_survived_m, span);
-    if (beside_witness)
-        words +=
-            fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
-                        words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
+    std::string also;
+    if (sharpest)
+        also = fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
+                           words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
     else if (decision.drift_found_m_s && power)
-        words += fmt::format(
+        also = fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %", found_m,
             100.0 * *power);
-    return words + ".";
+    return fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}{}.",
+                       *decision.drift_survived_m, span, also);
 }
 
 /// "1 in 12,000", or "80 %" if not small.
@@ -283,29 +262,26 @@ std::string fault_words(const ClauseContext& context) {
     const auto& evidence = context.speed->evidence;
     if (!evidence || !(evidence->fault_probability > 0.0) || !(evidence->fault_m_s > 0.0))
         return {};
-    const SpeedUnit unit = speed_unit(rule_unit_name(context.profile));
-    std::string words;
+    const SpeedUnit& unit = context.unit();
+    const std::string by_up_to = fmt::format(
+        "by up to {} {}", significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
     constexpr double rare = 0.05;
-    if (evidence->witnesses.empty() && evidence->fault_probability > rare) {
-        words = fmt::format(
-            " Row d says why positions are taken to err in this window with a probability of {}, "
-            "by up to {} {}.",
-            chance_text(evidence->fault_probability),
-            significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
-    } else if (evidence->witnesses.empty()) {
-        words = fmt::format(
-            " In one window of {} positions are taken to drift unseen, by up to {} {}; the "
-            "interval carries that risk on average and would not hold the speed of such a window.",
-            counted(std::llround(1.0 / evidence->fault_probability)),
-            significant_text(evidence->fault_m_s * unit.per_m_s, 2), unit.name);
-    } else {
-        const double at_fault =
-            fault_posteriors(speeds_of(*evidence, context.speed->speed_m_s)).front();
+    std::string words;
+    if (!evidence->witnesses.empty())
         words = fmt::format(
             " That the positions drifted in this window has a probability of {} beside the "
             "witnesses.",
-            chance_text(at_fault));
-    }
+            chance_text(fault_posteriors(speeds_of(*evidence, context.speed->speed_m_s)).front()));
+    else if (evidence->fault_probability > rare)
+        words = fmt::format(
+            " Row d says why positions are taken to err in this window with a probability of {}, "
+            "{}.",
+            chance_text(evidence->fault_probability), by_up_to);
+    else
+        words = fmt::format(
+            " In one window of {} positions are taken to drift unseen, {}; the interval carries "
+            "that risk on average and would not hold the speed of such a window.",
+            counted(std::llround(1.0 / evidence->fault_probability)), by_up_to);
     const auto& decision = *context.decision;
     return words + fmt::format(" With a risk of {} the true speed is below {} {}.",
                                chance_text(*decision.tail_risk),
@@ -324,7 +300,7 @@ bool fastest_might_reach(const ClauseContext& context) {
 /// The outcome and its probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const ShownFigures& shown = *context.shown;
-    const std::string figures = fmt::format(
+    std::string figures = fmt::format(
         "{}, required {} {}; conformance probability {} (at least {} required).",
         measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));
@@ -401,6 +377,19 @@ RecordToBeat record_to_beat(const Record& record) {
     return result;
 }
 
+/// The smallest drift (m/s) of the positions over the window that their tests would have detected
+/// with the stated power. Empty if a witness was evaluated, or the rule uses recorded
+/// velocities.
+std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
+    if (context.observed || context.profile.speed_source != SpeedSource::position ||
+        !context.windows.best)
+        return std::nullopt;
+    const auto& all = context.windows.best->reliability;
+    const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
+    if (ramp == all.end() || ramp->size <= 0.0) return std::nullopt;
+    return ramp->size;
+}
+
 void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     verdict.coverage_factor = context.coverage_factor;
     verdict.expanded_uncertainty_m_s = context.expanded_uncertainty_m_s;
@@ -412,7 +401,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;
-    if (const auto drift_m_s = unseen_drift_m_s(context)) verdict.unseen_drift_m_s = *drift_m_s;
+    verdict.unseen_drift_m_s = unseen_drift_m_s(context);
     verdict.shown = context.shown;
     verdict.own_arithmetic = own_arithmetic(context);
     verdict.notes = notes_of(context);
@@ -455,13 +444,13 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile, const Prof
 /// The clauses in which officials answer for the second files of an attempt: what was handed in,
 /// but for what the positions are computed with, and a current, which its rule alone counts.
 std::vector<std::string> second_files(const Attempt& attempt) {
-    std::vector<std::string> files{"", "base-station", "current-as-measured"};
-    const auto others = std::ssize(files);
+    std::vector<std::string> files;
     for (const AttemptInput& input : attempt.inputs)
-        if (input.origin.origin == to_text(InputOrigin::handed_in) &&
-            std::ranges::count(files, input.origin.clause) == 0)
-            files.push_back(input.origin.clause);
-    files.erase(files.begin(), files.begin() + others);
+        if (const std::string& clause = input.origin.clause;
+            input.origin.origin == to_text(InputOrigin::handed_in) && !clause.empty() &&
+            clause != "base-station" && clause != "current-as-measured" &&
+            std::ranges::count(files, clause) == 0)
+            files.push_back(clause);
     return files;
 }
 
@@ -517,7 +506,7 @@ void keep_inside(const WindowSpan& window, const ScreenedEpoch& row,
 }  // namespace
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
-    summary.add(row);
+    screening.add(row);
     const auto keep = [&](const ProfileWindows& entry, const std::string& key) {
         if (!entry.best) return;
         keep_inside(entry.best->span, row, window_epochs[key]);

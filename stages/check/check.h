@@ -12,7 +12,7 @@
 #include "schemas/trajectory/declared.h"
 #include "schemas/verdict/declared.h"
 #include "schemas/windows/windows.h"
-#include "stages/check/ground.h"
+#include "stages/check/course.h"
 #include "stages/check/wind.h"
 
 namespace runcert {
@@ -22,29 +22,15 @@ inline std::string key_with_files(const std::string& profile) {
     return profile + " with files";
 }
 
-/// The earlier stages' findings on one receiver.
-struct ReceiverFindings {
-    std::string receiver;
-    RecordingFacts facts;
-    std::string accuracy_source;
-    std::string format = {};                   ///< of the recording
-    std::string time_origin = {};              ///< description of its time stamps
-    std::vector<std::string> written_by = {};  ///< what it says about the programs that wrote it
-    bool simulated = false;                    ///< by its own statement
-    std::optional<Processing> processing = std::nullopt;       ///< how its positions were computed
-    SolutionSource solution_source = SolutionSource::unknown;  ///< who states the fix type
-    RecordCount records = {};
-    ScreeningSummary screening;
-    ScreeningBasis tests;
-    EstimationSummary estimation;
-    Windows windows;
-    std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
-    std::vector<TrajectoryEpoch> trajectory = {};
-    std::optional<CourseGround> ground = std::nullopt;  ///< if a surface was handed in
-    /// The screened epochs of each profile's best window, by the profile's id or `key_with_files`.
+/// Data gathered from the screened epochs, one by one.
+struct ScreenedSelection {
+    ScreeningSummary screening = {};
+    /// The epochs of each profile's best window, by the profile's id or `key_with_files`.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
     /// The same of each of the windows that make the figure with it.
     std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs = {};
+
+    void add(const ScreenedEpoch& row, const Windows& windows);
 
     const std::vector<ScreenedEpoch>& epochs_of(const std::string& key) const {
         static const std::vector<ScreenedEpoch> none;
@@ -53,15 +39,16 @@ struct ReceiverFindings {
     }
 };
 
-/// Data gathered from the screened epochs, one by one.
-struct ScreenedSelection {
-    ScreeningSummary summary;
-    /// The epochs of each profile's best window, by the profile's id or `key_with_files`.
-    std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
-    /// The same of each of the windows that make the figure with it.
-    std::map<std::string, std::vector<std::vector<ScreenedEpoch>>> further_epochs;
-
-    void add(const ScreenedEpoch& row, const Windows& windows);
+/// The earlier stages' findings on one receiver, with what 1-observations states of its recording
+/// (without the rows).
+struct ReceiverFindings : Observations, ScreenedSelection {
+    std::string receiver = {};
+    ScreeningBasis tests = {};
+    EstimationSummary estimation = {};
+    Windows windows = {};
+    std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
+    std::vector<TrajectoryEpoch> trajectory = {};
+    std::optional<CourseGround> ground = std::nullopt;  ///< if a surface was handed in
 };
 
 /// The inputs of a check: the attempt, its rules and the findings on its receivers.

@@ -14,21 +14,16 @@
 namespace runcert {
 namespace {
 
-std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rule) {
-    if (!rule) return std::nullopt;
-    return DecimalRounding{
-        .mode = rule->mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest,
-        .unit_m_s = metres_per_second(rule->unit),
-        .decimals = static_cast<int>(rule->decimals)};
-}
-
 Threshold required_speed_over(const Profile& profile, const Record& record) {
     const double unit = metres_per_second(record.unit);
-    const MarginRule rule{.kind = profile.margin_kind,
-                          .value = profile.margin,
-                          .distance_m = profile.distance_m,
-                          .above_upper_limit = profile.margin_above == MarginBase::upper_limit,
-                          .rounding = rounding_of(profile.rounding)};
+    MarginRule rule{.kind = profile.margin_kind,
+                    .value = profile.margin,
+                    .distance_m = profile.distance_m,
+                    .above_upper_limit = profile.margin_above == MarginBase::upper_limit};
+    if (const auto& rounding = profile.rounding)
+        rule.rounding = DecimalRounding{.mode = direction_of(*rounding),
+                                        .unit_m_s = metres_per_second(rounding->unit),
+                                        .decimals = static_cast<int>(rounding->decimals)};
     return threshold_of(rule, {.speed_m_s = record.speed * unit,
                                .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
@@ -74,36 +69,29 @@ CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
                 "cut them"};
 }
 
-/// Direction of the window's displacement.
-std::optional<double> heading_of(const CourseFindings& course) {
-    if (!course.facts) return std::nullopt;
-    return course.facts->heading_deg.value;
-}
-
 std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                                     const CertifiableWindow& best, const CourseFindings& course) {
     if (series == nullptr) return std::nullopt;
     const double start_s = best.span.start.seconds();
     return flow_in_window(*series, kind, start_s, start_s + best.span.duration.seconds(),
-                          heading_of(course).value_or(0.0));
+                          course.facts ? course.facts->heading_deg.value : 0.0);
 }
 
 /// The speed that counts, with its uncertainty; nothing if a current to subtract is not known.
 void set_speed(ClauseContext& context) {
-    std::optional<SpeedPosterior> found = posterior_of(context.windows);
-    if (!found) return;
-    SpeedPosterior& speed = *found;
+    std::optional<SpeedPosterior> speed = figure_of(context.windows);
+    if (!speed) return;
     if (context.profile.current == CurrentUse::subtracted) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
-        speed.speed_m_s -= context.current->along_m_s;
+        speed->speed_m_s -= context.current->along_m_s;
         const double of_current_m_s = 0.5 * context.input.attempt.current->expanded_uncertainty_m_s;
         const auto widen = [&](double& u_m_s) { u_m_s = std::hypot(u_m_s, of_current_m_s); };
-        widen(speed.standard_uncertainty_m_s);
-        if (speed.evidence) widen(speed.evidence->shared_standard_uncertainty_m_s);
+        widen(speed->standard_uncertainty_m_s);
+        if (speed->evidence) widen(speed->evidence->shared_standard_uncertainty_m_s);
     }
-    context.coverage_factor =
-        equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
-    context.expanded_uncertainty_m_s = expanded_uncertainty_m_s(speed, context.coverage_factor);
+    context.coverage_factor = equivalent_coverage_factor(context.profile.coverage_factor,
+                                                         speed->effective_degrees_of_freedom);
+    context.expanded_uncertainty_m_s = expanded_uncertainty_m_s(*speed, context.coverage_factor);
     context.speed = speed;
 }
 
@@ -163,21 +151,8 @@ void set_shown(ClauseContext& context) {
                         .expanded_uncertainty_m_s = *context.expanded_uncertainty_m_s};
     if (context.required_speed) speeds.required_speed_m_s = context.required_speed->speed_m_s;
     if (context.decision) speeds.acceptance_limit_m_s = context.decision->acceptance_limit_m_s;
-    context.shown = shown_in(speeds, speed_unit(rule_unit_name(context.profile)),
+    context.shown = shown_in(speeds, context.unit(),
                              rule ? std::optional(static_cast<int>(rule->decimals)) : std::nullopt);
-}
-
-void set_declared(ClauseContext& context) {
-    const CheckInput& input = context.input;
-    const CertifiableWindow& best = *context.windows.best;
-    if (input.attempt.secondary_method)
-        context.declared = compare_declared(
-            {.speed_m_s = best.speed_m_s,
-             .standard_uncertainty_m_s =
-                 best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s),
-             .span = best.span,
-             .over_course = context.profile.window_kind == WindowKind::course},
-            *input.attempt.secondary_method, input.attempt.course);
 }
 
 /// Whether the witness is recorded velocities that contradict too many positions. Those confirm
@@ -206,8 +181,12 @@ void set_witnesses(ClauseContext& context) {
 
 }  // namespace
 
+StepRounding direction_of(const DecimalRule& rule) {
+    return rule.mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest;
+}
+
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedKind kind) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     return fmt::format("{} {}",
                        context.shown ? shown_speed(kind, speed_m_s, *context.shown, unit)
                                      : shown_speed(kind, speed_m_s, unit.decimals, unit),
@@ -216,7 +195,7 @@ std::string speed_of_rule(const ClauseContext& context, double speed_m_s, SpeedK
 
 ComparedSpeeds compared_speeds(const ClauseContext& context, double other_m_s,
                                double other_expanded_uncertainty_m_s, double judged_m_s) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     const ShownFigures page =
         context.shown ? *context.shown
                       : shown_in({.speed_m_s = judged_m_s,
@@ -255,9 +234,14 @@ bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
 }
 
 std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseContext& context) {
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
+    const SpeedUnit& unit = context.unit();
     return fmt::format("at ± {} {} it is too uncertain to confirm",
                        uncertainty_rounded_up(expanded_uncertainty_m_s * unit.per_m_s), unit.name);
+}
+
+std::string span_of(const WitnessedSpeed& one) {
+    return one.compared_over_s ? fmt::format("{:.1f} s around the window", *one.compared_over_s)
+                               : "the window";
 }
 
 std::string_view compared_with(WitnessKind kind) {
@@ -288,9 +272,7 @@ std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context
     return fmt::format(
         "{} give {} over {}, {} against the {} of {} (normalised error {:.2f}, at most 1)",
         witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), shown.other,
-        one.compared_over_s ? fmt::format("{:.1f} s around the window", *one.compared_over_s)
-                            : std::string("the window"),
-        shown.difference, shown.judged, positions, one.normalised_error);
+        span_of(one), shown.difference, shown.judged, positions, one.normalised_error);
 }
 
 std::string indicated_text(const ClauseContext& context) {
@@ -298,16 +280,6 @@ std::string indicated_text(const ClauseContext& context) {
     return fmt::format("{} {}",
                        speed_of_rule(context, indicated.mean_m_s.value_or(indicated.speed_m_s)),
                        beginning_text(indicated.span));
-}
-
-std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
-    if (context.observed || context.profile.speed_source != SpeedSource::position ||
-        !context.windows.best)
-        return std::nullopt;
-    const auto& all = context.windows.best->reliability;
-    const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
-    if (ramp == all.end() || ramp->size <= 0.0) return std::nullopt;
-    return ramp->size;
 }
 
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile, bool with_files) {
@@ -335,17 +307,23 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                           .coverage_factor = profile.coverage_factor,
                           .files_answered = files_answered};
     if (const auto& best = windows.best) {
+        context.counted = windows.further;
+        context.counted.insert(context.counted.begin(), {.span = best->span,
+                                                         .speed_m_s = best->speed_m_s,
+                                                         .robust = best->robust,
+                                                         .evidence = best->evidence,
+                                                         .witnesses = best->witnesses});
         context.course = course_of(input.judged, profile, *best);
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
         context.current = flow_of(input.current, FlowKind::current, *best, context.course);
     } else {
-        context.course.missing = "there is no certifiable window";
+        context.course.missing = no_window;
     }
     set_speed(context);
     set_decision(context);
     set_shown(context);
     if (windows.best) {
-        set_declared(context);
+        context.declared = compare_declared(*windows.best, profile, input.attempt);
         set_witnesses(context);
     }
     return context;

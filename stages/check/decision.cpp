@@ -36,8 +36,12 @@ struct Difference {
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
-/// The position of the bias within its range.
-enum class Bias { lowest, none, highest };
+/// At which end of its range the bias is.
+enum class Bias { lowest, highest };
+
+double shift_m_s(const SpeedPosterior& posterior, Bias bias) {
+    return bias == Bias::lowest ? -posterior.bias_limit_m_s : posterior.bias_limit_m_s;
+}
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
     require_finite(posterior.speed_m_s, "speed (m/s)");
@@ -47,93 +51,151 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
     // The difference from the witnesses counts only on its own side.
-    const bool on_that_side = bias == Bias::none || posterior.difference_m_s == 0.0 ||
-                              (bias == Bias::lowest) == (posterior.difference_m_s > 0.0);
+    const double difference_m_s = posterior.evidence ? posterior.evidence->difference_m_s : 0.0;
+    const bool on_that_side =
+        difference_m_s == 0.0 || (bias == Bias::lowest) == (difference_m_s > 0.0);
     const double uncertainty_m_s =
         on_that_side ? posterior.standard_uncertainty_m_s
                      : std::sqrt(std::max(0.0, std::pow(posterior.standard_uncertainty_m_s, 2) -
-                                                   std::pow(posterior.difference_m_s, 2)));
+                                                   std::pow(difference_m_s, 2)));
     const std::array<InputQuantity, 2> inputs{
         InputQuantity{.standard_uncertainty = uncertainty_m_s,
                       .sensitivity = 1.0,
-                      .degrees_of_freedom = posterior.degrees_of_freedom},
+                      .degrees_of_freedom = posterior.effective_degrees_of_freedom},
         InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_m_s,
                       .sensitivity = -1.0}};
     const CombinedUncertainty combined = combine(inputs);
-    const double by_bias = bias == Bias::lowest    ? -posterior.bias_limit_m_s
-                           : bias == Bias::highest ? posterior.bias_limit_m_s
-                                                   : 0.0;
-    const double location_m_s = posterior.speed_m_s - threshold.speed_m_s + by_bias;
+    const double location_m_s =
+        posterior.speed_m_s - threshold.speed_m_s + shift_m_s(posterior, bias);
     const bool equal = std::abs(location_m_s) <= kBinaryNoise * std::abs(threshold.speed_m_s);
     return {.location_m_s = equal ? 0.0 : location_m_s,
             .scale_m_s = combined.standard_uncertainty,
             .degrees_of_freedom = combined.effective_degrees_of_freedom};
 }
 
-double probability_not_below_zero(const Difference& d) {
-    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 1.0 : 0.0;
-    return student_t_cdf(d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
-}
-
-/// Not computed as 1 minus the other, which would lose the digits of a small probability.
-double probability_below_zero(const Difference& d) {
-    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 0.0 : 1.0;
-    return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
-}
-
-/// Probabilities by the mixture, with this bias. Empty if there is no evidence for a mixture.
-struct MixtureTails {
+/// The probabilities that the speed reaches the threshold, and that it does not. Neither is
+/// computed as 1 minus the other, which would lose the digits of a small one.
+struct Tails {
     double not_below = 0.0, below = 0.0;
 };
-std::optional<MixtureTails> mixture_tails(const SpeedPosterior& posterior,
-                                          const Threshold& threshold, double by_bias_m_s) {
-    if (!posterior.evidence) return std::nullopt;
+
+Tails tails_of(const Difference& d) {
+    if (d.scale_m_s == 0.0) {
+        const bool reaches = d.location_m_s >= 0.0;
+        return {.not_below = reaches ? 1.0 : 0.0, .below = reaches ? 0.0 : 1.0};
+    }
+    const double t = d.location_m_s / d.scale_m_s;
+    return {.not_below = student_t_cdf(t, d.degrees_of_freedom),
+            .below = student_t_cdf(-t, d.degrees_of_freedom)};
+}
+
+/// The same by Student's t, and by the mixture if there is evidence for one.
+struct BothTails {
+    Tails by_uncertainty = {};
+    std::optional<Tails> by_faults = std::nullopt;
+
+    double larger(double Tails::*tail) const {
+        return std::max(by_uncertainty.*tail, by_faults ? *by_faults.*tail : 0.0);
+    }
+};
+
+BothTails tails_of(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
+    BothTails found{.by_uncertainty = tails_of(difference(posterior, threshold, bias))};
+    if (!posterior.evidence) return found;
     const SpeedMixture mixture =
         mixture_of(*posterior.evidence, posterior.speed_m_s, WitnessSet::all);
-    const double speed_m_s = threshold.speed_m_s - by_bias_m_s;
-    return MixtureTails{
-        .not_below = mixture.probability_not_below(speed_m_s, threshold.standard_uncertainty_m_s),
-        .below = mixture.probability_below(speed_m_s, threshold.standard_uncertainty_m_s)};
+    const double speed_m_s = threshold.speed_m_s - shift_m_s(posterior, bias);
+    const double u_m_s = threshold.standard_uncertainty_m_s;
+    found.by_faults = Tails{.not_below = mixture.probability_not_below(speed_m_s, u_m_s),
+                            .below = mixture.probability_below(speed_m_s, u_m_s)};
+    return found;
+}
+
+void require_positive(double value, const char* name) {
+    if (!(value > 0.0 && std::isfinite(value)))
+        throw Failure("margin", fmt::format("the {} is {}", name, value),
+                      "Give a finite number above 0");
+}
+
+void require_not_negative(double value, const char* name) {
+    if (!(value >= 0.0 && std::isfinite(value)))
+        throw Failure("margin", fmt::format("the {} is {}", name, value),
+                      "Give a finite number, 0 or more");
+}
+
+struct SpeedToReach {
+    double speed_m_s = 0.0;
+    double derivative = 1.0;  ///< with respect to the speed to which the margin is added
+};
+
+SpeedToReach faster_over_the_course(const MarginRule& rule, double speed_m_s) {
+    require_positive(rule.distance_m, "length of the course (m)");
+    const double record_s = rule.distance_m / speed_m_s;
+    if (!(rule.value < record_s))
+        throw Failure("margin",
+                      fmt::format("{} s are to be gained on a record of {:.3f} s over {} m",
+                                  rule.value, record_s, rule.distance_m),
+                      "Check the record's unit and the course's length");
+    const double to_reach_m_s = rule.distance_m / (record_s - rule.value);
+    const double gain = to_reach_m_s / speed_m_s;
+    return {.speed_m_s = to_reach_m_s, .derivative = gain * gain};
+}
+
+SpeedToReach above(const MarginRule& rule, double speed_m_s) {
+    switch (rule.kind) {
+        case MarginKind::absolute:
+            return {.speed_m_s = speed_m_s + rule.value, .derivative = 1.0};
+        case MarginKind::relative:
+            return {.speed_m_s = speed_m_s * (1.0 + rule.value), .derivative = 1.0 + rule.value};
+        case MarginKind::elapsed_time:
+            break;
+    }
+    return faster_over_the_course(rule, speed_m_s);
 }
 
 }  // namespace
 
-std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows) {
-    const std::optional<RuleFigure> figure = figure_of(windows);
-    if (!figure) return std::nullopt;
-    return SpeedPosterior{.speed_m_s = figure->speed_m_s,
-                          .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
-                          .degrees_of_freedom = figure->effective_degrees_of_freedom,
-                          .bias_limit_m_s = figure->bias_limit_m_s,
-                          .difference_m_s = figure->evidence ? figure->evidence->difference_m_s : 0.0,
-                          .evidence = figure->evidence};
+Threshold threshold_of(const MarginRule& rule, const StandingRecord& record) {
+    require_positive(record.speed_m_s, "standing record (m/s)");
+    require_not_negative(record.expanded_uncertainty_m_s, "record's expanded uncertainty (m/s)");
+    require_not_negative(rule.value, "margin");
+    const double upper_m_s = record.speed_m_s + record.expanded_uncertainty_m_s;
+    const SpeedToReach exact = above(rule, rule.above_upper_limit ? upper_m_s : record.speed_m_s);
+    const double standard_uncertainty_m_s =
+        rule.above_upper_limit
+            ? 0.0
+            : exact.derivative * record.expanded_uncertainty_m_s / usual_coverage_factor;
+    require_positive(exact.speed_m_s, "required speed (m/s)");
+    return {.speed_m_s =
+                rule.rounding ? rounded_speed(exact.speed_m_s, *rule.rounding) : exact.speed_m_s,
+            .standard_uncertainty_m_s = standard_uncertainty_m_s};
+}
+
+double rounded_speed(double speed_m_s, const DecimalRounding& rounding) {
+    if (!(speed_m_s >= 0.0 && std::isfinite(speed_m_s)))
+        throw Failure("rounding", fmt::format("the speed is {} m/s", speed_m_s),
+                      "Give a finite speed, 0 or more");
+    if (!(rounding.unit_m_s > 0.0 && std::isfinite(rounding.unit_m_s)))
+        throw Failure("rounding", fmt::format("the unit is {} m/s", rounding.unit_m_s),
+                      "Give the metres per second in a unit");
+    if (rounding.decimals < 0 || rounding.decimals > kMostDecimals)
+        throw Failure("rounding", fmt::format("{} decimals", rounding.decimals),
+                      fmt::format("Give 0 to {}", kMostDecimals));
+    const double scale = power_of_ten(rounding.decimals);
+    const double steps = speed_m_s / rounding.unit_m_s * scale;
+    const double tolerance = std::min(2e-12 * steps, 5e-7);
+    return whole_steps(steps, tolerance, rounding.mode) / scale * rounding.unit_m_s;
 }
 
 Conformance conformance(const SpeedPosterior& posterior, const Threshold& threshold) {
-    Conformance found{.by_uncertainty = probability_not_below_zero(
-                          difference(posterior, threshold, Bias::lowest))};
-    if (const auto tails = mixture_tails(posterior, threshold, -posterior.bias_limit_m_s))
-        found.by_faults = tails->not_below;
+    const BothTails tails = tails_of(posterior, threshold, Bias::lowest);
+    Conformance found{.by_uncertainty = tails.by_uncertainty.not_below};
+    if (tails.by_faults) found.by_faults = tails.by_faults->not_below;
     return found;
 }
 
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold) {
     return conformance(posterior, threshold).smaller();
-}
-
-double conformance_probability(const SpeedPosterior& posterior, double lower_m_s,
-                               double upper_m_s) {
-    const Difference above_lower = difference(posterior, {.speed_m_s = lower_m_s}, Bias::none);
-    const Difference above_upper = difference(posterior, {.speed_m_s = upper_m_s}, Bias::none);
-    if (!(lower_m_s <= upper_m_s))
-        fail(fmt::format("the lower limit {} is above the upper limit {}", lower_m_s, upper_m_s),
-             "Exchange them");
-    if (above_lower.scale_m_s == 0.0)
-        return above_lower.location_m_s >= 0.0 && above_upper.location_m_s <= 0.0 ? 1.0 : 0.0;
-    // Where both limits are below the speed, the lower tails are the small ones.
-    if (above_upper.location_m_s > 0.0)
-        return probability_below_zero(above_upper) - probability_below_zero(above_lower);
-    return probability_not_below_zero(above_lower) - probability_not_below_zero(above_upper);
 }
 
 Outcome decide(double probability, double level) {
@@ -148,9 +210,7 @@ Outcome decide(double probability, double level) {
 Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
     if (decide(conformance(posterior, threshold).smaller(), level) == Outcome::beaten)
         return Outcome::beaten;
-    double highest = probability_not_below_zero(difference(posterior, threshold, Bias::highest));
-    if (const auto tails = mixture_tails(posterior, threshold, posterior.bias_limit_m_s))
-        highest = std::max(highest, tails->not_below);
+    const double highest = tails_of(posterior, threshold, Bias::highest).larger(&Tails::not_below);
     return decide(highest, level) == Outcome::not_beaten ? Outcome::not_beaten
                                                          : Outcome::not_proven;
 }
@@ -172,14 +232,9 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {
-    const bool beaten = outcome == Outcome::beaten;
-    const Difference d = difference(posterior, threshold, beaten ? Bias::lowest : Bias::highest);
-    const double by_uncertainty =
-        beaten ? probability_below_zero(d) : probability_not_below_zero(d);
-    const auto tails = mixture_tails(posterior, threshold,
-                                     beaten ? -posterior.bias_limit_m_s : posterior.bias_limit_m_s);
-    if (!tails) return by_uncertainty;
-    return std::max(by_uncertainty, beaten ? tails->below : tails->not_below);
+    return outcome == Outcome::beaten
+               ? tails_of(posterior, threshold, Bias::lowest).larger(&Tails::below)
+               : tails_of(posterior, threshold, Bias::highest).larger(&Tails::not_below);
 }
 
 }  // namespace runcert

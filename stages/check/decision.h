@@ -63,24 +63,14 @@ Threshold threshold_of(const MarginRule& rule, const StandingRecord& record);
 /// decimals outside 0 to 9, or a figure of more than 15 digits.
 double rounded_speed(double speed_m_s, const DecimalRounding& rounding);
 
-/// The state of knowledge about the speed: Student's t with this location and scale, or the normal
+/// The state of knowledge about the speed: Student's t with its location and scale, or the normal
 /// distribution where the degrees of freedom are empty ([GUM] G.3, [JCGM106] 7).
-struct SpeedPosterior {
-    double speed_m_s = 0.0;
-    double standard_uncertainty_m_s = 0.0;
-    std::optional<double> degrees_of_freedom = std::nullopt;
-    /// Limit of a systematic error in either direction. It shifts the location. The least
-    /// favourable value in that range is used for a decision.
-    double bias_limit_m_s = 0.0;
-    /// Of the standard uncertainty, how much faster the positions are than the weighted mean with
-    /// the witnesses (negative: slower). It counts on the less favourable side.
-    double difference_m_s = 0.0;
-    /// The evidence of positions and witnesses, where either may be at fault.
-    std::optional<SpeedEvidence> evidence = std::nullopt;
-};
-
-/// The rule's speed from the windows of a profile. Empty if there are too few.
-std::optional<SpeedPosterior> posterior_of(const ProfileWindows& windows);
+///
+/// The limit of a systematic error in either direction shifts the location; for a decision the
+/// least favourable value in that range is used. With evidence, how much faster the positions are
+/// than the weighted mean with the witnesses (negative: slower) is part of the scale; it counts on
+/// the less favourable side.
+using SpeedPosterior = RuleFigure;
 
 /// P(speed >= threshold) by the posterior's Student's t, and by the mixture if there is one.
 struct Conformance {
@@ -107,10 +97,6 @@ Conformance conformance(const SpeedPosterior& posterior, const Threshold& thresh
 
 /// The smaller of the two conformance probabilities.
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
-
-/// P(lower <= speed <= upper) ([JCGM106] 7.4), with both limits known exactly, without a bias.
-/// Failure as for `conformance`, or if lower > upper.
-double conformance_probability(const SpeedPosterior& posterior, double lower_m_s, double upper_m_s);
 
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
 /// least `level`, not beaten where it is at most 1 - level, otherwise not proven. Failure (at

@@ -25,40 +25,26 @@ ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
     auto observations = run.open(products::observations, receiver, open_observations);
     auto enu = run.open(products::enu, receiver, open_enu);
     auto screened = run.open(products::screened, receiver, open_screened);
-    TrajectoryTable trajectory;
-    Windows windows;
-    ScreenedSelection selection;
+    ReceiverFindings found;
     do_together(
         [&] {
             observations.read_to_end();
             enu.read_to_end();
         },
         [&] {
-            trajectory = run.read(products::trajectory, receiver, read_trajectory);
-            windows = run.read(products::windows, receiver, read_windows);
+            TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
+            found.estimation = std::move(trajectory.estimation);
+            found.origin = trajectory.origin;
+            found.trajectory = std::move(trajectory.rows);
+            found.windows = run.read(products::windows, receiver, read_windows);
             for (ScreenedEpoch row; screened.next(row);)
-                selection.add(row, windows);
+                found.add(row, found.windows);
         });
-    auto ground = read_ground(run, receiver, trajectory.origin);
-    return {.receiver = receiver.id,
-            .facts = observations.head().facts,
-            .accuracy_source = observations.head().accuracy_source,
-            .format = observations.head().format,
-            .time_origin = observations.head().time_origin,
-            .written_by = observations.head().written_by,
-            .simulated = observations.head().simulated,
-            .processing = observations.head().processing,
-            .solution_source = observations.head().solution_source,
-            .records = observations.head().records,
-            .screening = std::move(selection.summary),
-            .tests = screened.head().basis,
-            .estimation = trajectory.estimation,
-            .windows = std::move(windows),
-            .origin = trajectory.origin,
-            .trajectory = std::move(trajectory.rows),
-            .ground = std::move(ground),
-            .window_epochs = std::move(selection.window_epochs),
-            .further_epochs = std::move(selection.further_epochs)};
+    static_cast<Observations&>(found) = observations.head();
+    found.receiver = receiver.id;
+    found.tests = screened.head().basis;
+    found.ground = read_ground(run, receiver, found.origin);
+    return found;
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {

@@ -18,8 +18,6 @@
 namespace runcert {
 namespace {
 
-using Notes = std::vector<std::string>;
-
 /// A definition of speed, worded for comparison with others. The full wording of a mean is longer.
 std::string_view definition_in_prose(SpeedDefinition definition) {
     if (definition == SpeedDefinition::mean_n_plus_1) return "the mean of all speeds";
@@ -42,14 +40,14 @@ std::string_view speed_in_short(const Profile& profile) {
 }
 
 /// Notes where the definitions of speed disagree on whether the required speed is reached.
-void add_straddle(const ClauseContext& context, Notes& notes) {
+void add_straddle(const ClauseContext& context, Sentences& say) {
     const auto& best = context.windows.best;
     if (!best || !context.required_speed || !context.shown ||
         context.profile.speed_source == SpeedSource::velocity ||
         context.profile.dimension == Dimension::space ||
         context.profile.window_kind == WindowKind::course)
         return;
-    Notes above, below;
+    std::vector<std::string> above, below;
     const ShownFigures& shown = *context.shown;
     for (const SpeedDefinition one : {SpeedDefinition::displacement, SpeedDefinition::path_length,
                                       SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
@@ -59,57 +57,48 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
                                    beside(shown, speed_m_s, SafeSide::down), shown.unit));
     }
     if (above.empty() || below.empty()) return;
-    say(notes,
-        "The definition of speed matters here: {} would reach the required {} {}, {} would not. "
+    say("The definition of speed matters here: {} would reach the required {} {}, {} would not. "
         "The rule counts {}.",
         fmt::join(above, ", "), shown.required_speed, shown.unit, fmt::join(below, ", "),
         definition_in_prose(context.profile.definition));
 }
 
-/// Notes that every reader must see before any figure.
-void add_simulated(const ClauseContext& context, Notes& notes) {
-    for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary})
-        if (receiver && receiver->simulated)
-            say(notes,
-                "The recording of receiver \"{}\" says that it was simulated: this is "
-                "an example of a report, and no craft was measured.",
-                receiver->receiver);
-}
-
-/// Notes what the surface that the craft ran on says of the heights, and what it cannot say.
-void add_surface(const ClauseContext& context, Notes& notes) {
-    for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary}) {
-        if (!receiver || !receiver->ground) continue;
-        const auto& found = receiver->tests.surface;
-        if (!found) {
-            say(notes,
-                "The surface says nothing of receiver \"{}\", whose heights were not measured.",
-                receiver->receiver);
-            continue;
-        }
-        if (found->offset_removed)
-            say(notes,
-                "The antenna of receiver \"{}\" is {} m {} where surface and antenna height have "
-                "it, everywhere alike: the survey's height datum or the stated height of the "
-                "antenna is wrong by that. Positions were compared without it.",
-                receiver->receiver, format_fixed(std::abs(found->offset_m), 2),
-                found->offset_m > 0.0 ? "above" : "below");
-        if (found->outside > 0)
-            say(notes, "{} of {} usable positions of receiver \"{}\" do not lie over the surface.",
-                found->outside, found->outside + found->compared, receiver->receiver);
-        if (receiver == &context.input.judged && context.course.facts && !context.course.ground)
-            notes.push_back(
-                "The surface does not lie under the whole run; height difference and slope are "
-                "those of the track.");
+/// Notes what the surface that the craft ran on says of a receiver's heights, and what it cannot
+/// say.
+void add_surface(const ReceiverFindings& receiver, Sentences& say) {
+    if (!receiver.ground) return;
+    const auto& found = receiver.tests.surface;
+    if (!found) {
+        say("The surface says nothing of receiver \"{}\", whose heights were not measured.",
+            receiver.receiver);
+        return;
     }
+    if (found->offset_removed)
+        say("The antenna of receiver \"{}\" is {} m {} where surface and antenna height have it, "
+            "everywhere alike: the survey's height datum or the stated height of the antenna is "
+            "wrong by that. Positions were compared without it.",
+            receiver.receiver, format_fixed(std::abs(found->offset_m), 2),
+            found->offset_m > 0.0 ? "above" : "below");
+    if (found->outside > 0)
+        say("{} of {} usable positions of receiver \"{}\" do not lie over the surface.",
+            found->outside, found->outside + found->compared, receiver.receiver);
 }
 
-/// The names of witnesses, as "the carrier phases and the displacements by the IMU".
+void add_surfaces(const ClauseContext& context, Sentences& say) {
+    const ReceiverFindings& judged = context.input.judged;
+    add_surface(judged, say);
+    if (judged.ground && judged.tests.surface && context.course.facts && !context.course.ground)
+        say("The surface does not lie under the whole run; height difference and slope are those "
+            "of the track.");
+    if (context.input.secondary) add_surface(*context.input.secondary, say);
+}
+
+/// The names of witnesses, as "The carrier phases and the displacements by the IMU".
 std::string names_of(const std::vector<const WitnessedSpeed*>& witnesses) {
-    Notes names;
+    std::vector<std::string> names;
     for (const WitnessedSpeed* const one : witnesses)
         names.push_back(witness_name(*one));
-    return listed(names);
+    return capitalised(listed(names));
 }
 
 /// Whether a witness would contradict positions that were off by as much as another one says, by
@@ -134,79 +123,59 @@ std::string contradiction_of(const std::vector<WitnessedSpeed>& witnesses) {
     for (const WitnessedSpeed& one : witnesses)
         if (one.kind != WitnessKind::positions && !contradicts(one) && would_show(one, **least))
             beside.push_back(&one);
-    std::string text;
+    std::string text = names_of(against) + " contradict the positions there";
     if (beside.empty())
-        text = fmt::format(
-            "{} contradict the positions there, and nothing else says which of them errs.",
-            capitalised(names_of(against)));
+        text += ", and nothing else says which of them errs.";
     else
-        text = fmt::format(
-            "{} contradict the positions there{}. {} agree with the positions, and would have "
-            "shown a difference of that size.",
-            capitalised(names_of(against)), against.size() == 1 ? " and stand alone" : "",
-            capitalised(names_of(beside)));
+        text += fmt::format(
+            "{}. {} agree with the positions, and would have shown a difference of that size.",
+            against.size() == 1 ? " and stand alone" : "", names_of(beside));
     for (const WitnessedSpeed* const one : against)
         text += fmt::format(" {}", witness_entry(one->kind).remedy);
     return text;
 }
 
-/// Notes windows that a witness contradicts: the fastest, for which no speed is claimed then, and
-/// those of the speed itself.
-void add_contradictions(const ClauseContext& context, Notes& notes) {
+/// Notes why there is no window, the fastest one where it is not certified, windows of the speed
+/// that a witness contradicts, and how a mean is made.
+void add_windows(const ClauseContext& context, Sentences& say) {
     const ProfileWindows& windows = context.windows;
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
-    if (windows.fastest)
-        if (const std::string found = contradiction_of(windows.fastest->witnesses); !found.empty())
-            say(notes,
-                "The fastest window is not certified: {}, {}. {} A window is certified only where "
-                "no witness contradicts it.",
-                speed_with_uncertainty_text(
-                    windows.fastest->speed_m_s,
-                    expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor), unit),
-                beginning_text(windows.fastest->span), found);
-    const auto judge = [&](const auto& window) {
-        if (const std::string found = contradiction_of(window.witnesses); !found.empty())
-            say(notes, "Of the window {}: {}", beginning_text(window.span), found);
-    };
-    if (windows.best) judge(*windows.best);
-    for (const FurtherWindow& further : windows.further)
-        judge(further);
-}
-
-void add_windows(const ClauseContext& context, Notes& notes) {
-    const ProfileWindows& windows = context.windows;
+    const auto& fastest = windows.fastest;
     if (!windows.missing.empty() && !windows.best)
-        notes.push_back(windows.missing.ends_with('.')
-                            ? "There is no window. " + windows.missing
-                            : "There is no window because " + windows.missing + ".");
-    add_contradictions(context, notes);
+        say("There is no window{}{}{}", windows.missing.ends_with('.') ? ". " : " because ",
+            windows.missing, windows.missing.ends_with('.') ? "" : ".");
     const auto text_of = [&](const auto& window) {
         return speed_with_uncertainty_text(
             window.speed_m_s, expanded_uncertainty_m_s(window, context.coverage_factor),
-            speed_unit(rule_unit_name(context.profile)));
+            context.unit());
     };
-    if (windows.fastest && std::ranges::none_of(windows.fastest->witnesses, &contradicts) &&
-        !(windows.best && text_of(*windows.best) == text_of(*windows.fastest)))
-        say(notes,
-            "Another window is faster and proves less: {}, {}. Certified is the window of the "
+    if (const std::string found = fastest ? contradiction_of(fastest->witnesses) : "";
+        !found.empty())
+        say("The fastest window is not certified: {}, {}. {} A window is certified only where no "
+            "witness contradicts it.",
+            text_of(*fastest), beginning_text(fastest->span), found);
+    for (const FurtherWindow& window : context.counted)
+        if (const std::string found = contradiction_of(window.witnesses); !found.empty())
+            say("Of the window {}: {}", beginning_text(window.span), found);
+    if (fastest && std::ranges::none_of(fastest->witnesses, &contradicts) &&
+        !(windows.best && text_of(*windows.best) == text_of(*fastest)))
+        say("Another window is faster and proves less: {}, {}. Certified is the window of the "
             "highest speed that can be claimed, its expanded uncertainty taken off.",
-            text_of(*windows.fastest), beginning_text(windows.fastest->span));
-    if (windows.best && !windows.further.empty() && figure_of(windows)) {
-        std::vector<std::string> speeds{speed_of_rule(context, windows.best->speed_m_s)};
-        for (const FurtherWindow& one : windows.further)
+            text_of(*fastest), beginning_text(fastest->span));
+    if (context.counted.size() > 1 && figure_of(windows)) {
+        std::vector<std::string> speeds;
+        for (const FurtherWindow& one : context.counted)
             speeds.push_back(speed_of_rule(context, one.speed_m_s));
-        say(notes,
-            "The speed is the mean of {} windows ({}); their errors are taken as "
-            "equal, so averaging does not reduce the uncertainty.",
+        say("The speed is the mean of {} windows ({}); their errors are taken as equal, so "
+            "averaging does not reduce the uncertainty.",
             speeds.size(), fmt::join(speeds, ", "));
     }
     if (windows.indicated && windows.indicated->mean_m_s)
-        say(notes, "The unscreened recording shows a mean of {} over as many windows.",
+        say("The unscreened recording shows a mean of {} over as many windows.",
             speed_of_rule(context, *windows.indicated->mean_m_s));
 }
 
 /// Names the measurand of a mean of so few samples that it differs from the mean over time.
-void add_mean_of_samples(const ClauseContext& context, Notes& notes) {
+void add_mean_of_samples(const ClauseContext& context, Sentences& say) {
     const auto& best = context.windows.best;
     const Profile& profile = context.profile;
     const bool both_ends = profile.definition == SpeedDefinition::mean_n_plus_1;
@@ -217,8 +186,7 @@ void add_mean_of_samples(const ClauseContext& context, Notes& notes) {
     if (std::abs(samples_m_s - time_m_s) <= 0.1 * *context.expanded_uncertainty_m_s) return;
     const std::string of_samples = beside(*context.shown, samples_m_s, SafeSide::down);
     const std::string over_time = beside(*context.shown, time_m_s, SafeSide::down);
-    say(notes,
-        "The rule counts the mean of the {} {}, not the mean over time. The smoothed track gives "
+    say("The rule counts the mean of the {} {}, not the mean over time. The smoothed track gives "
         "{} {} by such samples and {} {} over time ({} {}).",
         context.epochs().size() - (both_ends ? 0 : 1),
         profile.speed_source == SpeedSource::velocity ? "recorded speeds" : "speeds at its epochs",
@@ -226,35 +194,31 @@ void add_mean_of_samples(const ClauseContext& context, Notes& notes) {
         signed_difference(over_time, of_samples), context.shown->unit);
 }
 
-void add_flow(const ClauseContext& context, Notes& notes) {
+void add_flow(const ClauseContext& context, Sentences& say) {
     if (const auto between = subtracted_current(context))
-        say(notes, "The current along the course, {}, is subtracted from {} over the ground.",
+        say("The current along the course, {}, is subtracted from {} over the ground.",
             between->current, between->over_ground);
     for (const auto* flow : {&context.wind, &context.current})
         if (*flow && !(*flow)->missing.empty())
-            say(notes, "The series of the {} gives no figure for the window: {}.",
+            say("The series of the {} gives no figure for the window: {}.",
                 flow == &context.wind ? "wind" : "current", (*flow)->missing);
 }
 
-/// Notes the result of the second method, whether or not the rule requires one.
-void add_second_method(const ClauseContext& context, Notes& notes) {
-    if (!context.declared) return;
-    const DeclaredAgreement& second = *context.declared;
-    if (!second.missing.empty())
-        say(notes, "The second method ({}) gives no figure: {}.", second.method, second.missing);
-    else
-        say(notes, "By the attempt's own statement, {}", second_method_text(context));
-}
-
-void add_unsure_witnesses(const ClauseContext& context, Notes& notes) {
+/// Notes the result of the second method, whether or not the rule requires one, and witnesses that
+/// agree with anything.
+void add_second_methods(const ClauseContext& context, Sentences& say) {
+    if (const auto& second = context.declared; second && !second->missing.empty())
+        say("The second method ({}) gives no figure: {}.", second->method, second->missing);
+    else if (second)
+        say("By the attempt's own statement, {}", second_method_text(context));
     for (const std::string& one : context.unsure_witnesses)
-        notes.push_back(capitalised(one) +
-                        ". That is too uncertain to confirm the speed: it would have agreed with "
-                        "another, too.");
+        say("{}. That is too uncertain to confirm the speed: it would have agreed with another, "
+            "too.",
+            capitalised(one));
 }
 
 /// Notes what would determine the next run's speed well enough, where this one's was not.
-void add_next_time(const ClauseContext& context, Notes& notes) {
+void add_next_time(const ClauseContext& context, Sentences& say) {
     const auto& best = context.windows.best;
     if (!best || !best->expected_beside_velocities_m_s || !context.expanded_uncertainty_m_s ||
         context.profile.windows > 1)
@@ -266,53 +230,29 @@ void add_next_time(const ClauseContext& context, Notes& notes) {
                             decision->probability > 1.0 - decision->level;
     if (!not_proven && !(limit_m_s && u_m_s > *limit_m_s)) return;
     if (2.0 * *best->expected_beside_velocities_m_s > u_m_s) return;
-    const SpeedUnit& unit = speed_unit(rule_unit_name(context.profile));
-    say(notes,
-        "Velocities by the receiver's own Doppler measurement, recorded beside the "
-        "positions, would bring this speed to about ± {} {} in the next run.",
-        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s), unit.name);
+    say("Velocities by the receiver's own Doppler measurement, recorded beside the positions, "
+        "would bring this speed to about ± {} {} in the next run.",
+        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * context.unit().per_m_s),
+        context.unit().name);
 }
 
-void add_rule(const ClauseContext& context, Notes& notes) {
-    if (context.profile.origin == RuleOrigin::own)
-        say(notes,
-            "The rule {} is the attempt's own. It does not come with the program, and "
-            "no body's authority for it was checked.",
-            context.profile.id);
-}
-
-void add_overrides(const ClauseContext& context, Notes& notes) {
-    for (const FigureOverride& one : context.profile.overrides)
-        say(notes, "The attempt replaces a figure of the rule: {} is {:g}{}, not {:g}{}{}.",
-            one.figure, one.used, one.unit.empty() ? "" : " " + one.unit, one.rule,
-            one.unit.empty() ? "" : " " + one.unit,
-            one.reason.empty() ? std::string(" (no reason is given)") : " (" + one.reason + ")");
-}
-
-void add_unconfirmed(const ClauseContext& context, Notes& notes) {
-    for (const Clause& clause : context.profile.clauses)
+/// Notes of the rule: whose it is, figures of it that the attempt replaces, what is not confirmed,
+/// and what nobody who reads its sources can know, and the body can say.
+void add_rule(const Profile& rule, Sentences& say) {
+    if (rule.origin == RuleOrigin::own)
+        say("The rule {} is the attempt's own. It does not come with the program, and no body's "
+            "authority for it was checked.",
+            rule.id);
+    for (const FigureOverride& one : rule.overrides) {
+        const std::string unit = one.unit.empty() ? "" : " " + one.unit;
+        say("The attempt replaces a figure of the rule: {} is {:g}{}, not {:g}{} ({}).", one.figure,
+            one.used, unit, one.rule, unit, one.reason.empty() ? "no reason is given" : one.reason);
+    }
+    for (const Clause& clause : rule.clauses)
         if (clause.certainty == Certainty::unconfirmed)
-            say(notes, "Not confirmed: {}: {}", clause.id, clause.text);
-}
-
-/// Notes what nobody who reads the rule's sources can know, and the body can say.
-void add_questions(const ClauseContext& context, Notes& notes) {
-    for (const RuleQuestion& question : context.profile.questions)
-        say(notes, "Question for the body: {} ({})", question.text, question.id);
-}
-
-void add_flow_figures(const FlowInWindow& flow, const std::string& what, const char* from,
-                      bool heading_known, std::vector<Figure>& figures) {
-    figures.push_back({.name = "mean " + what, .value = flow.mean_m_s, .unit = "m/s"});
-    figures.push_back({.name = "strongest " + what, .value = flow.gust_m_s, .unit = "m/s"});
-    figures.push_back(
-        {.name = what + " direction, " + from, .value = flow.direction_deg, .unit = "deg"});
-    if (!heading_known) return;
-    figures.push_back(
-        {.name = what + " along the heading", .value = flow.along_m_s, .unit = "m/s"});
-    figures.push_back({.name = what + " across the heading, to the right",
-                       .value = flow.across_m_s,
-                       .unit = "m/s"});
+            say("Not confirmed: {}: {}", clause.id, clause.text);
+    for (const RuleQuestion& question : rule.questions)
+        say("Question for the body: {} ({})", question.text, question.id);
 }
 
 double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
@@ -331,61 +271,22 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
 }  // namespace
 
 std::vector<std::string> notes_of(const ClauseContext& context) {
-    Notes notes;
-    add_simulated(context, notes);
-    add_straddle(context, notes);
-    add_windows(context, notes);
-    add_mean_of_samples(context, notes);
-    add_surface(context, notes);
-    add_flow(context, notes);
-    add_second_method(context, notes);
-    add_unsure_witnesses(context, notes);
-    add_next_time(context, notes);
-    add_rule(context, notes);
-    add_overrides(context, notes);
-    add_unconfirmed(context, notes);
-    add_questions(context, notes);
-    return notes;
-}
-
-std::vector<Figure> course_figures(const ClauseContext& context) {
-    std::vector<Figure> figures;
-    if (const auto& facts = context.course.facts) {
-        const auto add = [&](const char* name, const CourseFigure& figure, const char* unit,
-                             double factor = 1.0, std::string note = {}) {
-            figures.push_back({.name = name,
-                               .value = factor * figure.value,
-                               .unit = unit,
-                               .expanded_uncertainty = figure.expanded_uncertainty,
-                               .note = std::move(note)});
-            if (figures.back().expanded_uncertainty) *figures.back().expanded_uncertainty *= factor;
-        };
-        if (facts->height_difference_m)
-            add("highest less lowest height of the run", *facts->height_difference_m, "m", 1.0,
-                "above the ellipsoid; noise makes it larger, never smaller");
-        if (facts->slope) add("slope of the window", *facts->slope, "%", 100.0, "upwards positive");
-        if (const auto& ground = context.course.ground) {
-            add("highest less lowest ground under the run", ground->height_difference_m, "m", 1.0,
-                "by the surface");
-            add("slope of the ground under the window", ground->slope, "%", 100.0,
-                "by the surface; upwards positive");
-        }
-        add("heading", facts->heading_deg, "deg", 1.0, "from north over east");
-        add("largest distance of the track from its chord", facts->straightness_m, "m");
-        add("change of direction in the window", facts->turning_deg, "deg", 1.0,
-            "to the right positive");
-        add("smallest speed of the run before the window", facts->speed_before_m_s, "m/s", 1.0,
-            facts->standing_start ? "standing still" : "not standing still");
-        figures.push_back({.name = "run-up", .value = facts->run_up_m, .unit = "m"});
-        figures.push_back({.name = "time of the run-up", .value = facts->run_up_s, .unit = "s"});
-    }
-    if (context.wind && context.wind->missing.empty())
-        add_flow_figures(*context.wind, "wind", "where it comes from",
-                         context.course.facts.has_value(), figures);
-    if (context.current && context.current->missing.empty())
-        add_flow_figures(*context.current, "current", "where it sets to",
-                         context.course.facts.has_value(), figures);
-    return figures;
+    Sentences say;
+    // This must be seen before any figure.
+    for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary})
+        if (receiver && receiver->simulated)
+            say("The recording of receiver \"{}\" says that it was simulated: this is an example "
+                "of a report, and no craft was measured.",
+                receiver->receiver);
+    add_straddle(context, say);
+    add_windows(context, say);
+    add_mean_of_samples(context, say);
+    add_surfaces(context, say);
+    add_flow(context, say);
+    add_second_methods(context, say);
+    add_next_time(context, say);
+    add_rule(context.profile, say);
+    return say.said;
 }
 
 std::vector<RunSummary> run_summaries(const ClauseContext& context) {
@@ -394,19 +295,16 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context) {
     for (const CraftRun& run : runs_under(context.profile, judged)) {
         const TrajectoryEpoch& first = judged.trajectory[run.first_row];
         const TrajectoryEpoch& last = judged.trajectory[run.last_row];
-        RunSummary summary{
+        RunSummary& summary = summaries.emplace_back(RunSummary{
             .span = window_span(judged.facts, first.epoch, last.epoch, first.time, last.time),
             .length_m = path_m(judged.trajectory, run),
+            .heading_deg =
+                azimuth_deg(*last.east_m - *first.east_m, *last.north_m - *first.north_m),
             .began = run.began,
-            .ended = run.ended};
+            .ended = run.ended});
         for (std::size_t i = run.first_row; i <= run.last_row; ++i)
             summary.top_speed_m_s =
                 std::max(summary.top_speed_m_s, judged.trajectory[i].speed_m_s.value_or(0.0));
-        const double heading =
-            std::atan2(*last.east_m - *first.east_m, *last.north_m - *first.north_m) *
-            degrees_per_radian;
-        summary.heading_deg = heading < 0.0 ? heading + 360.0 : heading;
-        summaries.push_back(std::move(summary));
     }
     return summaries;
 }

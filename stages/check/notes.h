@@ -10,11 +10,15 @@
 
 namespace runcert {
 
-/// Appends a formatted sentence.
-template <class... Args>
-void say(std::vector<std::string>& sentences, fmt::format_string<Args...> text, Args&&... args) {
-    sentences.push_back(fmt::format(text, std::forward<Args>(args)...));
-}
+/// Sentences, said one after another: `say("{} epochs were left out.", count)`.
+struct Sentences {
+    std::vector<std::string> said = {};
+
+    template <class... Args>
+    void operator()(fmt::format_string<Args...> text, Args&&... args) {
+        said.push_back(fmt::format(text, std::forward<Args>(args)...));
+    }
+};
 
 /// What must be read with a profile's verdict, a sentence each: definitions of speed that disagree,
 /// a mean of several windows, the current, figures replaced, clauses that are not confirmed.

@@ -6,6 +6,7 @@
 
 #include "core/figures.h"
 #include "core/gps_time.h"
+#include "core/speed_unit.h"
 #include "stages/check/course.h"
 #include "stages/check/requirements.h"
 #include "witness/going_on.h"
@@ -98,6 +99,13 @@ bool could_show_rate(const Clause& clause, const ClauseContext& context) {
     return context.observed || context.input.judged.format == "rinex";
 }
 
+/// The receiver whose positions are judged, as the attempt has it. Null if it has none of that id.
+const Receiver* judged_receiver(const ClauseContext& context) {
+    const auto& receivers = context.input.attempt.receivers;
+    const auto one = std::ranges::find(receivers, context.input.judged.receiver, &Receiver::id);
+    return one == receivers.end() ? nullptr : &*one;
+}
+
 double days_of(double seconds) {
     return std::floor(seconds / 86'400.0);
 }
@@ -108,81 +116,113 @@ double days_there(const GpsTime& time, double longitude_deg) {
     return days_of(utc_s + longitude_deg / 360.0 * 86'400.0);
 }
 
+/// The local day of the recording's middle, in days from the GPS epoch.
+double day_of_recording(const ReceiverFindings& judged) {
+    const TrajectoryEpoch& middle = judged.trajectory[judged.trajectory.size() / 2];
+    const double longitude_deg =
+        judged.facts.georeferenced && judged.origin
+            ? judged.origin->place_at(middle.time).position.longitude.degrees()
+            : 0.0;
+    return days_there(judged.facts.first_epoch->plus_nanoseconds(middle.time.nanoseconds),
+                      longitude_deg);
+}
+
+/// Whether days that lie so far apart are one but for a rollover of the GPS week.
+bool is_rolled_over(double days) {
+    constexpr double rollover_days = 1024.0 * 7.0;
+    const double rollovers = std::round(days / rollover_days);
+    return rollovers != 0.0 && std::abs(days - rollovers * rollover_days) <= 1.0;
+}
+
 }  // namespace
 
 Finding computation::recording_date(const Clause&, const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
     const std::string& named = context.input.attempt.date;
     if (!judged.facts.first_epoch || judged.trajectory.empty())
-        return {RequirementStatus::attest, "the recording has no date; the attempt names " +
-                                               (named.empty() ? std::string("none") : named)};
-    const TrajectoryEpoch& middle = judged.trajectory[judged.trajectory.size() / 2];
-    const double longitude_deg =
-        judged.facts.georeferenced && judged.origin
-            ? judged.origin->place_at(middle.time).position.longitude.degrees()
-            : 0.0;
-    const double there = days_there(
-        judged.facts.first_epoch->plus_nanoseconds(middle.time.nanoseconds), longitude_deg);
+        return to_attest("the recording has no date; the attempt names {}",
+                         named.empty() ? "none" : named);
+    const double there = day_of_recording(judged);
     const CalendarTime day =
         GpsTime().plus_nanoseconds(std::llround(there) * GpsTime::nanoseconds_per_day).calendar();
     const std::string date = fmt::format("{:04}-{:02}-{:02}", day.year, day.month, day.day);
-    const std::string what =
-        fmt::format("the recording is of {}, the attempt {}", date,
-                    named.empty() ? std::string("names no date") : "of " + named);
+    const std::string what = fmt::format("the recording is of {}, the attempt {}", date,
+                                         named.empty() ? "names no date" : "of " + named);
     const double days =
         named.empty()
             ? 0.0
             : there - days_of(parse_gps_iso(named + "T00:00:00").seconds_since(GpsTime()));
-    if (std::abs(days) > 1.0) {
-        constexpr double rollover_days = 1024.0 * 7.0;
-        const double rollovers = std::round(days / rollover_days);
-        const bool rolled = rollovers != 0.0 && std::abs(days - rollovers * rollover_days) <= 1.0;
-        return {RequirementStatus::not_met,
-                fmt::format("{}: {:.0f} days apart{}", what, std::abs(days),
-                            rolled ? ", which is the rollover of the GPS week after 1024 weeks: "
-                                     "the receiver's firmware, or what converted its file, is "
-                                     "older than the day; hand in what a current version writes"
-                                   : "; hand in the recording of that day, or name its day")};
-    }
+    if (std::abs(days) > 1.0)
+        return not_met("{}: {:.0f} days apart{}", what, std::abs(days),
+                       is_rolled_over(days)
+                           ? ", which is the rollover of the GPS week after 1024 weeks: the "
+                             "receiver's firmware, or what converted its file, is older than the "
+                             "day; hand in what a current version writes"
+                           : "; hand in the recording of that day, or name its day");
     const Profile& rule = context.profile;
     const auto in_force = [&](const std::string& on) {
         return on >= rule.valid_from && (rule.superseded_by.empty() || on < rule.superseded_from);
     };
     if (!named.empty() && in_force(named) != in_force(date))
-        return {RequirementStatus::attest, what + ": on one of them the rule was not in force"};
+        return to_attest("{}: on one of them the rule was not in force", what);
     if (date < rule.valid_from)
-        return {RequirementStatus::attest,
-                what + "; the rule holds from " + rule.valid_from + " on"};
+        return to_attest("{}; the rule holds from {} on", what, rule.valid_from);
     if (!in_force(date))
-        return {RequirementStatus::not_met,
-                fmt::format("{}; by then {} had replaced the rule", what, rule.superseded_by)};
-    return {named.empty() ? RequirementStatus::attest : RequirementStatus::met, what};
+        return not_met("{}; by then {} had replaced the rule", what, rule.superseded_by);
+    return named.empty() ? to_attest("{}", what) : met("{}", what);
 }
 
 Finding computation::calibration(const Clause&, const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
-    const auto& receivers = context.input.attempt.receivers;
-    const auto receiver = std::ranges::find(receivers, judged.receiver, &Receiver::id);
-    if (receiver == receivers.end() || !receiver->calibration)
-        return {
-            RequirementStatus::attest,
-            fmt::format("the attempt states no calibration of receiver \"{}\"", judged.receiver)};
+    const Receiver* const receiver = judged_receiver(context);
+    if (!receiver || !receiver->calibration)
+        return to_attest("the attempt states no calibration of receiver \"{}\"", judged.receiver);
     const std::string& day = receiver->calibration->date;
-    if (!judged.facts.first_epoch)
-        return {RequirementStatus::attest,
-                fmt::format("calibrated on {}; the recording has no date to compare it with", day)};
-    const std::string recorded = to_utc_iso(*judged.facts.first_epoch, 0).substr(0, day.size());
-    if (begins_after(day, *judged.facts.first_epoch))
-        return {RequirementStatus::not_met,
-                fmt::format("calibrated on {}, after the recording of {}: state the calibration "
-                            "that held on that day",
-                            day, recorded)};
-    return {RequirementStatus::met,
-            fmt::format("calibrated on {}; the recording is of {}", day, recorded)};
+    const auto& recorded = judged.facts.first_epoch;
+    if (!recorded)
+        return to_attest("calibrated on {}; the recording has no date to compare it with", day);
+    const std::string recorded_on = to_utc_iso(*recorded, 0).substr(0, day.size());
+    if (begins_after(day, *recorded))
+        return not_met(
+            "calibrated on {}, after the recording of {}: state the calibration that held on that "
+            "day",
+            day, recorded_on);
+    return met("calibrated on {}; the recording is of {}", day, recorded_on);
+}
+
+Finding computation::device_deduction(const Clause&, const ClauseContext& context) {
+    const Receiver* const receiver = judged_receiver(context);
+    if (!receiver || !receiver->device_deduction)
+        return to_attest(
+            "the attempt states no deduction for the device (receivers[].device_deduction)");
+    const DeviceDeduction& taken = *receiver->device_deduction;
+    Finding finding = to_attest("the attempt states a deduction of {} {} for the device",
+                                number_text(taken.speed), taken.unit);
+    finding.figures = {plain("deduction for the device", taken.speed, taken.unit)};
+    if (!context.speed) return finding;
+    const double left_m_s = context.speed->speed_m_s - taken.speed * metres_per_second(taken.unit);
+    const std::string left = speed_of_rule(context, left_m_s);
+    finding.evidence += fmt::format("; it leaves {} of the measured speed", left);
+    if (context.required_speed)
+        finding.evidence += fmt::format(
+            ", which {} the required {} {}",
+            left_m_s >= context.required_speed->speed_m_s ? "reaches" : "does not reach",
+            context.shown->required_speed, context.shown->unit);
+    finding.figures.push_back(
+        speed_figure("measured speed less the deduction", left_m_s, context.shown->unit, left));
+    return finding;
+}
+
+Finding computation::sail_area(const Clause&, const ClauseContext& context) {
+    const auto& area_m2 = context.input.attempt.craft.sail_area_m2;
+    if (!area_m2)
+        return to_attest("the attempt states no sail area (craft: {{sail_area_m2: ...}})");
+    return to_attest("the attempt states a sail area of {}", number_text(*area_m2, "m²"))
+        .by({plain("sail area", *area_m2, "m²")});
 }
 
 Finding computation::claims(const Clause& clause, const ClauseContext& context) {
-    return {RequirementStatus::attest, stated_text(inputs_answered_in(clause, context))};
+    return to_attest("{}", stated_text(inputs_answered_in(clause, context)));
 }
 
 Finding computation::time_scale(const Clause& clause, const ClauseContext& context) {
@@ -192,8 +232,6 @@ Finding computation::time_scale(const Clause& clause, const ClauseContext& conte
     const double rate = judged.tests.time.rate_deviation;
     const std::vector<Figure> figures{{.name = "rate of the time stamps less the nominal one",
                                        .value = rate * 1e6,
-                                       .unit = "",
-                                       .expanded_uncertainty = std::nullopt,
                                        .note = "in millionths"}};
     const std::string steps = unusual_steps(context);
     // Even steps prove no rate: whoever writes stamps anew writes even ones.
@@ -204,54 +242,44 @@ Finding computation::time_scale(const Clause& clause, const ClauseContext& conte
             : "no witness shares the stamps, so nothing shows their rate (recorded velocities, "
               "phases, a second receiver or the receiver's raw measurements would)";
     if (source == "satellites" && doubt.empty())
-        return {RequirementStatus::met,
-                what + "; at another rate the witnesses would contradict the speed", figures};
-    if (source == "satellites")
-        return {RequirementStatus::attest, what + ", by the format; " + doubt, figures};
+        return met("{}; at another rate the witnesses would contradict the speed", what)
+            .by(figures);
+    if (source == "satellites") return to_attest("{}, by the format; {}", what, doubt).by(figures);
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
-        return {
-            RequirementStatus::not_met,
-            fmt::format("{}; their steps are on average {:.3f} % {} than those of a usual rate; "
-                        "either the clock or the rate is not what it seems: write time_source: "
-                        "satellites in the attempt if they are the satellites' time",
-                        what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
-            figures};
+        return not_met(
+                   "{}; their steps are on average {:.3f} % {} than those of a usual rate; either "
+                   "the clock or the rate is not what it seems: write time_source: satellites in "
+                   "the attempt if they are the satellites' time",
+                   what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer")
+            .by(figures);
     if (source == "attempt")
-        return {RequirementStatus::attest,
-                fmt::format("{}; the attempt states that they are the satellites' time{}{}", what,
-                            steps.empty() ? "" : "; but ", steps),
-                figures};
-    return {RequirementStatus::attest,
-            what + "; the recording cannot show whether its rate is true", figures};
+        return to_attest("{}; the attempt states that they are the satellites' time{}{}", what,
+                         steps.empty() ? "" : "; but ", steps)
+            .by(figures);
+    return to_attest("{}; the recording cannot show whether its rate is true", what).by(figures);
 }
 
 Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
-    const ReceiverFindings& judged = context.input.judged;
+    const DeviceSigns device = context.input.judged.tests.device.value_or(DeviceSigns{});
     constexpr double share = 0.01;
-    if (judged.tests.device) {
-        const DeviceSigns& device = *judged.tests.device;
-        const auto moving = static_cast<double>(device.moving);
-        if (static_cast<double>(device.held) > std::max(3.0, share * moving))
-            return {
-                RequirementStatus::not_met,
-                fmt::format("{} of {} positions recorded in motion repeat the one before: they are "
-                            "held, not measured; record at the rate at which the receiver measures",
-                            device.held, device.moving)};
-        const double in_line = static_cast<double>(device.interpolated);
-        if (in_line > std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
-            return {RequirementStatus::not_met,
-                    fmt::format(
-                        "{} of {} positions recorded in motion lie in line with their neighbours "
-                        "to the last digit, where chance makes {:.0f}: they are interpolated, not "
-                        "measured; hand in the recording before it was resampled",
-                        device.interpolated, device.moving, device.by_chance)};
-    }
-    return {RequirementStatus::attest, evidence_of_measuring(context)};
+    const auto moving = static_cast<double>(device.moving);
+    if (static_cast<double>(device.held) > std::max(3.0, share * moving))
+        return not_met(
+            "{} of {} positions recorded in motion repeat the one before: they are held, not "
+            "measured; record at the rate at which the receiver measures",
+            device.held, device.moving);
+    if (static_cast<double>(device.interpolated) >
+        std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
+        return not_met(
+            "{} of {} positions recorded in motion lie in line with their neighbours to the last "
+            "digit, where chance makes {:.0f}: they are interpolated, not measured; hand in the "
+            "recording before it was resampled",
+            device.interpolated, device.moving, device.by_chance);
+    return to_attest("{}", evidence_of_measuring(context));
 }
 
 Finding computation::stated_solution(const Clause&, const ClauseContext& context) {
-    const SolutionSource source = context.input.judged.solution_source;
     const auto& best = context.windows.best;
     const std::string taken = best && best->bound && best->bound->floor_fix
                                   ? fmt::format(
@@ -259,25 +287,19 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
                                         "taken to be at least {:g} m)",
                                         to_text(*best->bound->floor_fix), best->bound->floor_m)
                                   : "";
-    if (source == SolutionSource::attempt) {
-        const auto& rows = context.epochs();
-        const std::string kind =
-            rows.empty() ? std::string("the fix type") : std::string(to_text(rows[0].fix));
-        return {
-            RequirementStatus::attest,
-            fmt::format("the recording does not state it; the attempt states {}{}", kind, taken)};
-    }
-    if (source == SolutionSource::recording)
-        return {RequirementStatus::met, "the recording states it" + taken};
-    if (source == SolutionSource::partly)
-        return {RequirementStatus::met,
-                "the recording states it for some positions; the others count as those of one "
-                "receiver alone" +
-                    taken};
-    return {
-        RequirementStatus::met,
-        "the recording does not state it, so the positions count as those of one receiver alone" +
-            taken};
+    const auto& rows = context.epochs();
+    const SolutionSource source = context.input.judged.solution_source;
+    if (source == SolutionSource::attempt)
+        return to_attest("the recording does not state it; the attempt states {}{}",
+                         rows.empty() ? "the fix type" : to_text(rows[0].fix), taken);
+    return met("{}{}",
+               source == SolutionSource::recording ? "the recording states it"
+               : source == SolutionSource::partly
+                   ? "the recording states it for some positions; the others count as those of one "
+                     "receiver alone"
+                   : "the recording does not state it, so the positions count as those of one "
+                     "receiver alone",
+               taken);
 }
 
 }  // namespace runcert

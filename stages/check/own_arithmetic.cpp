@@ -12,16 +12,6 @@
 namespace runcert {
 namespace {
 
-std::string written_by_body(double speed_m_s, const DecimalRule& rule) {
-    const int decimals = static_cast<int>(rule.decimals);
-    const double steps = speed_m_s / metres_per_second(rule.unit) * power_of_ten(decimals);
-    // A conversion leaves a few units of the last binary place.
-    const double tolerance = kBinaryNoise * std::abs(steps);
-    const StepRounding mode =
-        rule.mode == DecimalMode::truncate ? StepRounding::down : StepRounding::nearest;
-    return format_fixed(whole_steps(steps, tolerance, mode) / power_of_ten(decimals), decimals);
-}
-
 std::string per_unit(double speed_m_s, const DecimalRule& rule) {
     return fmt::format(
         "{} {}",
@@ -63,38 +53,36 @@ std::vector<std::string> reasons_of(const ClauseContext& context, const RuleScor
 
 OwnArithmetic own_arithmetic(const ClauseContext& context) {
     const std::optional<RuleArithmetic>& rule = context.profile.arithmetic;
-    if (!rule)
-        return {.speed_m_s = std::nullopt,
-                .shown = {},
-                .text = "How the body itself computes a speed from samples is not known."};
+    OwnArithmetic own{.text =
+                          rule ? rule->text
+                               : "How the body itself computes a speed from samples is not known."};
+    if (!rule) return own;
     const auto& score = context.windows.score;
     const bool less_current = context.profile.current == CurrentUse::subtracted;
     // Without a speed the current is not known, and cannot be taken off.
-    if (!score || (less_current && !context.speed))
-        return {.speed_m_s = std::nullopt,
-                .shown = {},
-                .text = rule->text + " In this recording it gives no speed."};
-    OwnArithmetic own;
-    const double speed_m_s = score->speed_m_s - (less_current ? context.current->along_m_s : 0.0);
-    own.speed_m_s = speed_m_s;
-    const std::string figure = written_by_body(speed_m_s, rule->rounding);
-    own.shown = fmt::format("{} {}", figure, rule->rounding.unit);
-    own.text = rule->text;
+    if (!score || (less_current && !context.speed)) {
+        own.text += " In this recording it gives no speed.";
+        return own;
+    }
+    own.speed_m_s = score->speed_m_s - (less_current ? context.current->along_m_s : 0.0);
+    const DecimalRule& rounding = rule->rounding;
+    const double unit_m_s = metres_per_second(rounding.unit);
+    const int decimals = static_cast<int>(rounding.decimals);
+    const std::string figure =
+        shown_figure(*own.speed_m_s / unit_m_s, decimals, direction_of(rounding));
+    own.shown = fmt::format("{} {}", figure, rounding.unit);
     if (!score->screened) own.text += " Samples that screening left out are in it.";
     if (!context.shown) return own;
     // As the two stand on the page: both in one unit, as written.
-    const double factor =
-        metres_per_second(context.shown->unit) / metres_per_second(rule->rounding.unit);
-    const double measured = parse_double(context.shown->speed).value() * factor;
+    const double measured = parse_double(context.shown->speed).value() *
+                            (metres_per_second(context.shown->unit) / unit_m_s);
     const double less = parse_double(figure).value() - measured;
-    const int decimals = static_cast<int>(rule->rounding.decimals);
     const std::string apart = format_fixed(std::abs(less), decimals);
-    if (parse_double(apart).value() == 0.0)
-        own.text += " The measured speed is the same.";
-    else
-        own.text += fmt::format(" The measured speed is {} {} {}: {}.", apart, rule->rounding.unit,
-                                less > 0.0 ? "lower" : "higher",
-                                fmt::join(reasons_of(context, *score), "; "));
+    own.text += parse_double(apart).value() == 0.0
+                    ? " The measured speed is the same."
+                    : fmt::format(" The measured speed is {} {} {}: {}.", apart, rounding.unit,
+                                  less > 0.0 ? "lower" : "higher",
+                                  fmt::join(reasons_of(context, *score), "; "));
     return own;
 }
 

@@ -1,34 +1,26 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/prose.h"
-#include "core/speed_unit.h"
-#include "schemas/verdict/figures.h"
 #include "stages/check/requirements.h"
 
 namespace runcert {
 namespace {
 
 std::string_view event_words(WindowEvent event) {
-    switch (event) {
-        case WindowEvent::exit:
-            return "exit";
-        case WindowEvent::below_start:
-            return "the stated height below its beginning";
-        case WindowEvent::above_ground:
-            return "the stated height above the ground";
-        case WindowEvent::at_height:
-            return "the stated height";
-        case WindowEvent::course_start:
-            return "the course's first line";
-        case WindowEvent::course_finish:
-            return "the course's second line";
-        case WindowEvent::stated:
-            return "the stated instant";
-    }
-    return {};
+    constexpr std::pair<WindowEvent, std::string_view> words[] = {
+        {WindowEvent::exit, "exit"},
+        {WindowEvent::below_start, "the stated height below its beginning"},
+        {WindowEvent::above_ground, "the stated height above the ground"},
+        {WindowEvent::at_height, "the stated height"},
+        {WindowEvent::course_start, "the course's first line"},
+        {WindowEvent::course_finish, "the course's second line"},
+        {WindowEvent::stated, "the stated instant"}};
+    return std::ranges::find(words, event, &std::pair<WindowEvent, std::string_view>::first)
+        ->second;
 }
 
 std::string end_text(const FoundEvent& end, const ClauseContext& context) {
@@ -49,8 +41,7 @@ std::string ground_text(const WindowPart& part) {
 Finding computation::counted_part(const Clause&, const ClauseContext& context) {
     const auto& part = context.windows.part;
     if (!part) return unknown("no part of the recording was looked for");
-    if (!part->from)
-        return {RequirementStatus::not_met, fmt::format("{}", fmt::join(part->missing, "; "))};
+    if (!part->from) return not_met("{}", fmt::join(part->missing, "; "));
     std::string evidence = fmt::format(
         "it begins at {} and ends at {}", end_text(*part->from, context),
         part->to ? end_text(*part->to, context) : std::string("the end of the recording"));
@@ -67,9 +58,8 @@ Finding computation::start_height(const Clause& clause, const ClauseContext& con
     if (!part->from->height_m) return unknown("no height was recorded where the part begins");
     if (!part->ground_height_m)
         return unknown(
-            fmt::format("it begins at {:.0f} m as recorded, and nothing tells how high "
-                        "the ground lies",
-                        *part->from->height_m));
+            "it begins at {:.0f} m as recorded, and nothing tells how high the ground lies",
+            *part->from->height_m);
     return against_limit({.name = "height above the ground where the part begins",
                           .value = *part->from->height_m - *part->ground_height_m,
                           .note = ground_text(*part)},
@@ -80,14 +70,14 @@ Finding computation::validation_accuracy(const Clause& clause, const ClauseConte
     const auto& part = context.windows.part;
     if (!part || !part->validated) return unknown("the samples to be validated were not found");
     const ValidatedSamples& samples = *part->validated;
+    const std::int64_t worst = samples.worst_epoch.value_or(0);
     if (!samples.worst_m_s)
-        return unknown(fmt::format("epoch {} does not state how accurate its height is",
-                                   samples.worst_epoch.value_or(0)));
-    return against_limit({.name = "worst accuracy of a sample in the validation window",
-                          .value = *samples.worst_m_s / metres_per_second(clause.unit),
-                          .note = fmt::format("epoch {} of {}", samples.worst_epoch.value_or(0),
-                                              counted(samples.epochs, "sample"))},
-                         clause);
+        return unknown("epoch {} does not state how accurate its height is", worst);
+    return against_limit(
+        {.name = "worst accuracy of a sample in the validation window",
+         .value = *samples.worst_m_s,
+         .note = fmt::format("epoch {} of {}", worst, counted(samples.epochs, "sample"))},
+        clause);
 }
 
 }  // namespace runcert

@@ -7,6 +7,8 @@
 
 #include "core/claimed_text.h"
 #include "core/failure.h"
+#include "core/figures.h"
+#include "core/speed_unit.h"
 #include "schemas/verdict/figures.h"
 
 namespace runcert {
@@ -113,38 +115,43 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .answered_by = std::move(answered_by)};
 }
 
-Finding against_limit(const Compared& figure, const Clause& clause) {
-    const bool at_most = limit_of(clause.decided_by).at_most;
-    const LimitRelation relation = at_most ? LimitRelation::at_most : LimitRelation::at_least;
-    const double limit = clause.limit.value();
-    const double reach = figure.expanded_uncertainty.value_or(0.0);
-    const double sign = at_most ? 1.0 : -1.0;
-    const double worst = sign * figure.value + reach;
-    const double best = sign * figure.value - reach;
-    const RequirementStatus status = worst <= sign * limit ? RequirementStatus::met
-                                     : best > sign * limit ? RequirementStatus::not_met
-                                                           : RequirementStatus::attest;
-    std::string evidence = fmt::format(
-        "{} {}, {} {}{}", figure.name,
-        quantity_text(figure.value, figure.expanded_uncertainty, clause.unit), words_of(relation),
-        quantity_text(limit, std::nullopt, clause.unit),
-        status == RequirementStatus::attest
-            ? ": the limit lies within the uncertainty, not decidable from the recording"
-            : "");
-    if (!figure.note.empty()) evidence += "; " + figure.note;
-    return {status,
-            std::move(evidence),
-            {{.name = figure.name,
-              .value = figure.value,
-              .unit = clause.unit,
-              .expanded_uncertainty = figure.expanded_uncertainty,
-              .relation = relation,
-              .limit = limit,
-              .note = figure.note}}};
+double in_unit(double value, const std::string& unit) {
+    if (unit == "%") return 100.0 * value;
+    const auto& speeds = speed_units();
+    const bool of_speed = std::ranges::find(speeds, unit, &SpeedUnit::name) != speeds.end();
+    return of_speed ? value / metres_per_second(unit) : value;
 }
 
-Finding unknown(std::string why) {
-    return {RequirementStatus::attest, "not decidable from the recording: " + std::move(why)};
+Finding against_limit(const Quantity& quantity, const Clause& clause) {
+    const bool at_most = limit_of(clause.decided_by).at_most;
+    Figure figure{.name = quantity.name,
+                  .value = in_unit(quantity.value, clause.unit),
+                  .unit = clause.unit,
+                  .relation = at_most ? LimitRelation::at_most : LimitRelation::at_least,
+                  .limit = clause.limit.value(),
+                  .note = quantity.note};
+    if (quantity.expanded_uncertainty)
+        figure.expanded_uncertainty = in_unit(*quantity.expanded_uncertainty, clause.unit);
+    const double reach = figure.expanded_uncertainty.value_or(0.0);
+    const double sign = at_most ? 1.0 : -1.0;
+    const bool can_meet = !(sign * figure.value - reach > sign * *figure.limit);
+    const bool meets = sign * figure.value + reach <= sign * *figure.limit;
+    const std::string evidence = fmt::format(
+        "{} {}{}{}{}{}", figure.name,
+        quantity_text(figure.value, figure.expanded_uncertainty, figure.unit), limit_text(figure),
+        can_meet && !meets
+            ? ": the limit lies within the uncertainty, not decidable from the recording"
+            : "",
+        figure.note.empty() ? "" : "; ", figure.note);
+    Finding finding = meets      ? met("{}", evidence)
+                      : can_meet ? to_attest("{}", evidence)
+                                 : not_met("{}", evidence);
+    if (const auto& also = meets ? quantity.if_met : quantity.if_not_met;
+        also && (meets || !can_meet)) {
+        finding.status = also->status;
+        finding.evidence += also->evidence;
+    }
+    return std::move(finding).by({std::move(figure)});
 }
 
 std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt) {

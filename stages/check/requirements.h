@@ -1,11 +1,14 @@
 #pragma once
 
+#include <fmt/format.h>
+
+#include <utility>
+
 #include "schemas/attempt/attempt.h"
 #include "schemas/verdict/figures.h"
 #include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
-#include "stages/check/ground.h"
 #include "stages/check/wind.h"
 #include "witness/runs.h"
 
@@ -14,7 +17,7 @@ namespace runcert {
 /// Comparison of the judged speed with a second method whose result the attempt states.
 struct DeclaredAgreement {
     std::string method;
-    std::string missing;  ///< why it gives no result; empty if it does
+    std::string missing = {};  ///< why it gives no result; empty if it does
     double judged_m_s = 0.0;
     double other_m_s = 0.0;
     double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
@@ -22,22 +25,14 @@ struct DeclaredAgreement {
     /// means agreement (ISO/IEC 17043).
     double normalised_error = 0.0;
 
-    bool agrees() const { return missing.empty() && normalised_error <= 1.0; }
-    bool contradicts() const { return missing.empty() && !agrees(); }
+    bool contradicts() const { return missing.empty() && !(normalised_error <= 1.0); }
 };
 
-/// A judged speed, before the current is subtracted, with its window.
-struct JudgedSpeed {
-    double speed_m_s = 0.0;
-    double standard_uncertainty_m_s = 0.0;
-    WindowSpan span;
-    bool over_course = false;  ///< between the lines of the attempt's course
-};
-
-/// Compares with a stated speed or, over a course, with that of declared times at its lines, which
-/// say nothing of another window, nor of one whose crossings they miss by more than 2 s.
-DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
-                                   const std::optional<Course>& course);
+/// Compares the best window's speed, before the current is subtracted, with the attempt's second
+/// method: a stated speed or, over a course, that of declared times at its lines, which say nothing
+/// of another window, nor of one whose crossings they miss by more than 2 s. Empty without one.
+std::optional<DeclaredAgreement> compare_declared(const CertifiableWindow& best,
+                                                  const Profile& profile, const Attempt& attempt);
 
 /// Speed through the water over a surveyed course, in m/s: distance over elapsed time, minus the
 /// current along the course (positive where it carries the craft forward). Reproduces the 500 m and
@@ -69,6 +64,8 @@ struct ClauseContext {
     std::optional<Decision> decision = std::nullopt;
     std::optional<ShownFigures> shown = std::nullopt;  ///< if there is a speed
     CourseFindings course = {};
+    /// The windows of the speed, the best one first; of that only what all have is in it.
+    std::vector<FurtherWindow> counted = {};
     /// Witnesses of the window other than its positions, in words: those that agree and are
     /// accurate enough to confirm it, and those that agree and are not.
     std::vector<std::string> witnesses = {};
@@ -82,6 +79,8 @@ struct ClauseContext {
                    : profile.id;
     }
     const std::vector<ScreenedEpoch>& epochs() const { return input.judged.epochs_of(key()); }
+    /// The unit of the rule's speeds.
+    const SpeedUnit& unit() const { return speed_unit(rule_unit_name(profile)); }
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
@@ -90,6 +89,9 @@ struct ClauseContext {
 /// probability, course and craft, wind and current, second methods.
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows, bool files_answered);
+
+/// How a body rounds by such a rule.
+StepRounding direction_of(const DecimalRule& rule);
 
 /// A speed as it stands beside the measured one, in the rule's unit: "216.00 km/h".
 std::string speed_of_rule(const ClauseContext& context, double speed_m_s,
@@ -131,6 +133,9 @@ std::string too_uncertain_text(double expanded_uncertainty_m_s, const ClauseCont
 /// The result of a witness for the window, in words.
 std::string witness_text(const WitnessedSpeed& one, const ClauseContext& context);
 
+/// Over what a witness was compared: "the window", "6.0 s around the window".
+std::string span_of(const WitnessedSpeed& one);
+
 /// What a witness of this kind is compared with.
 std::string_view compared_with(WitnessKind kind);
 
@@ -140,11 +145,6 @@ std::string witness_name(const WitnessedSpeed& one);
 /// The fastest speed that the recording shows, certifiable or not, and when, in the rule's unit:
 /// "44.12 kn at 10:03:43.0 UTC". The windows must have one.
 std::string indicated_text(const ClauseContext& context);
-
-/// The smallest drift (m/s) of the positions over the window that their tests would have detected
-/// with the stated power. Empty if a witness was evaluated, or the rule uses recorded
-/// velocities.
-std::optional<double> unseen_drift_m_s(const ClauseContext& context);
 
 /// The windows of a profile in 5-windows. Failure if they were searched under another rule than
 /// the profile now has.
@@ -161,22 +161,64 @@ struct Finding {
     std::string evidence;
     std::vector<Figure> figures = {};
     bool observed = false;  ///< met by observed evidence alone, whatever else is stated
+
+    /// The same finding, by these figures.
+    Finding by(std::vector<Figure> compared) && {
+        figures = std::move(compared);
+        return std::move(*this);
+    }
 };
 
-/// A figure to compare with a clause's limit, in the limit's unit.
-struct Compared {
+/// Findings by their evidence: `met("{} s", 3)`. A clause that is met, one that is not, and one
+/// that a person attests.
+template <RequirementStatus status>
+struct FoundBy {
+    template <class... Args>
+    Finding operator()(fmt::format_string<Args...> evidence, Args&&... args) const {
+        return {status, fmt::format(evidence, std::forward<Args>(args)...)};
+    }
+};
+inline constexpr FoundBy<RequirementStatus::met> met;
+inline constexpr FoundBy<RequirementStatus::not_met> not_met;
+inline constexpr FoundBy<RequirementStatus::attest> to_attest;
+
+/// One that a person attests because the recording does not decide it.
+template <class... Args>
+Finding unknown(fmt::format_string<Args...> why, Args&&... args) {
+    return to_attest("not decidable from the recording: {}",
+                     fmt::format(why, std::forward<Args>(args)...));
+}
+
+/// Evidence of several clauses where there is nothing to judge.
+inline constexpr const char* no_window = "there is no certifiable window";
+
+/// A quantity that is compared with a clause's limit: a speed in m/s, a ratio, or in the limit's
+/// own unit.
+struct Quantity {
     std::string name;
     double value = 0.0;
-    std::optional<double> expanded_uncertainty = std::nullopt;
+    std::optional<double> expanded_uncertainty = std::nullopt;  ///< k = 2
     std::string note = {};
+    /// What else decides the clause where the figure is on the right side of its limit, or on the
+    /// wrong one: the status, and the words that follow.
+    std::optional<Finding> if_met = std::nullopt;
+    std::optional<Finding> if_not_met = std::nullopt;
 };
 
-/// Met or not met where the whole interval is on one side of the clause's limit, by the comparison
-/// of its computation. Otherwise to be attested.
-Finding against_limit(const Compared& figure, const Clause& clause);
+/// A quantity in the unit of a clause's limit, of which it is a multiple: m/s, a ratio, or that
+/// unit itself.
+double in_unit(double value, const std::string& unit);
 
-/// A finding to be attested, because it is not decidable from the recording.
-Finding unknown(std::string why);
+/// Met or not met where the whole interval is on one side of the clause's limit, by the relation of
+/// its computation. Otherwise to be attested. The one place of a figure's words.
+Finding against_limit(const Quantity& quantity, const Clause& clause);
+
+/// A figure that is compared with nothing, and one that must be at most a limit.
+Figure plain(std::string name, double value, std::string unit = {});
+Figure at_most(Figure figure, double limit);
+
+/// A speed as a figure in a unit, with the words in which it is to be read.
+Figure speed_figure(std::string name, double speed_m_s, const std::string& unit, std::string shown);
 
 /// Decides one clause by the computation it names. A positive finding that depends on unobserved
 /// inputs is only to be attested, and the evidence then names them.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/failure.h"
 #include "core/prose.h"
 #include "core/rounding.h"
 #include "core/speed_unit.h"
@@ -17,19 +18,19 @@ namespace runcert {
 namespace {
 
 /// Sets the other speed from times at the lines, or the reason why there is none.
-void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
-                    const std::optional<Course>& course, DeclaredAgreement& agreement) {
+void set_from_times(const WindowSpan& window, const SecondaryMethod::LineTimes& times,
+                    const Course* course, DeclaredAgreement& agreement) {
     constexpr double same_crossing_s = 2.0;
-    if (!judged.over_course || !course) {
+    if (!course) {
         agreement.missing = "times at the lines of a course say nothing of this rule's window";
         return;
     }
-    if (!judged.span.start_gps) {
+    if (!window.start_gps) {
         agreement.missing = "its times cannot be compared: the recording's time is relative";
         return;
     }
-    const GpsTime end = judged.span.start_gps->plus_nanoseconds(judged.span.duration.nanoseconds);
-    const double start_s = times.start.seconds_since(*judged.span.start_gps);
+    const GpsTime end = window.start_gps->plus_nanoseconds(window.duration.nanoseconds);
+    const double start_s = times.start.seconds_since(*window.start_gps);
     const double finish_s = times.finish.seconds_since(end);
     if (std::abs(start_s) > same_crossing_s || std::abs(finish_s) > same_crossing_s) {
         agreement.missing = fmt::format(
@@ -59,16 +60,7 @@ std::string_view silence_of_receiver(const CheckInput& input) {
 }
 
 Figure normalised_error(const std::string& of, double value) {
-    return {.name = "normalised error " + of,
-            .value = value,
-            .relation = LimitRelation::at_most,
-            .limit = 1.0};
-}
-
-/// Decides by the normalised error. Agreement meets the clause only where it could have failed.
-RequirementStatus status_of(double normalised_error, bool could_fail) {
-    if (normalised_error > 1.0) return RequirementStatus::not_met;
-    return could_fail ? RequirementStatus::met : RequirementStatus::attest;
+    return at_most(plain("normalised error " + of, value), 1.0);
 }
 
 std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context) {
@@ -77,35 +69,39 @@ std::string doubt(double expanded_uncertainty_m_s, const ClauseContext& context)
                : "; " + too_uncertain_text(expanded_uncertainty_m_s, context);
 }
 
+/// Decides by the normalised error of a second measurement. Agreement meets the clause only where
+/// it could have failed.
+Finding by_agreement(const std::string& of, double error, double expanded_uncertainty_m_s,
+                     const std::string& evidence, const ClauseContext& context) {
+    Finding finding = error > 1.0 ? not_met("{}", evidence)
+                      : could_have_failed(expanded_uncertainty_m_s, context)
+                          ? met("{}", evidence)
+                          : to_attest("{}", evidence);
+    finding.evidence += doubt(expanded_uncertainty_m_s, context);
+    return std::move(finding).by({normalised_error(of, error)});
+}
+
 /// The second receiver's finding.
 Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
-    if (!context.windows.best)
-        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
+    if (!context.windows.best) return not_met("{} to compare", no_window);
     const auto& witnesses = context.windows.best->witnesses;
     const auto one = std::ranges::find(witnesses, receiver, &WitnessedSpeed::receiver);
     if (one == witnesses.end())
-        return {RequirementStatus::not_met,
-                fmt::format("receiver \"{}\" {}", receiver, silence_of_receiver(context.input))};
+        return not_met("receiver \"{}\" {}", receiver, silence_of_receiver(context.input));
     const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
     const ComparedSpeeds shown = compared_speeds(context, one->speed_m_s, expanded_m_s,
                                                  one->speed_m_s + one->difference_m_s);
-    return {
-        status_of(one->normalised_error, could_have_failed(expanded_m_s, context)),
+    return by_agreement(
+        "of receiver " + receiver, one->normalised_error, expanded_m_s,
         fmt::format(
             "receiver \"{}\" gives {} over the same {:.3f} s, {} against the primary one's {}; "
-            "normalised error {:.2f}, at most 1, with what the two do not "
-            "share: noise, each receiver's own time-correlated error, antenna. They share base "
-            "station, satellites, atmosphere, frame and time scale{}",
+            "normalised error {:.2f}, at most 1, with what the two do not share: noise, each "
+            "receiver's own time-correlated error, antenna. They share base station, satellites, "
+            "atmosphere, frame and time scale",
             receiver, shown.other, context.windows.best->span.duration.seconds(), shown.difference,
-            shown.judged, one->normalised_error, doubt(expanded_m_s, context)),
-        {normalised_error("of receiver " + receiver, one->normalised_error)}};
-}
-
-ComparedSpeeds declared_speeds(const ClauseContext& context) {
-    const DeclaredAgreement& declared = *context.declared;
-    return compared_speeds(context, declared.other_m_s, declared.other_expanded_uncertainty_m_s,
-                           declared.judged_m_s);
+            shown.judged, one->normalised_error),
+        context);
 }
 
 /// What a second method is compared with, and what lies between that and the measured speed: "the
@@ -116,22 +112,25 @@ std::string judged_text(const ComparedSpeeds& shown, const ClauseContext& contex
                        subtracted_current(context) ? " before the current is taken off" : "");
 }
 
+/// The second method's speed beside the positions', from its first figure on.
+std::string declared_text(const ClauseContext& context) {
+    const DeclaredAgreement& second = *context.declared;
+    const ComparedSpeeds shown = compared_speeds(
+        context, second.other_m_s, second.other_expanded_uncertainty_m_s, second.judged_m_s);
+    return fmt::format("gives {}, {} against {}", shown.other, shown.difference,
+                       judged_text(shown, context));
+}
+
 /// The finding of the method that the attempt declares.
 Finding by_declaration(const ClauseContext& context) {
-    if (!context.declared)
-        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
-    const DeclaredAgreement& agreement = *context.declared;
-    if (!agreement.missing.empty())
-        return {RequirementStatus::not_met,
-                fmt::format("{}: {}", agreement.method, agreement.missing)};
-    const double expanded_m_s = agreement.other_expanded_uncertainty_m_s;
-    const ComparedSpeeds shown = declared_speeds(context);
-    return {
-        status_of(agreement.normalised_error, could_have_failed(expanded_m_s, context)),
-        fmt::format("{} gives {}, {} against {}; normalised error {:.2f}, at most 1{}",
-                    agreement.method, shown.other, shown.difference, judged_text(shown, context),
-                    agreement.normalised_error, doubt(expanded_m_s, context)),
-        {normalised_error("of the second method", agreement.normalised_error)}};
+    if (!context.declared) return not_met("{} to compare", no_window);
+    const DeclaredAgreement& second = *context.declared;
+    if (!second.missing.empty()) return not_met("{}: {}", second.method, second.missing);
+    return by_agreement("of the second method", second.normalised_error,
+                        second.other_expanded_uncertainty_m_s,
+                        fmt::format("{} {}; normalised error {:.2f}, at most 1", second.method,
+                                    declared_text(context), second.normalised_error),
+                        context);
 }
 
 /// The finding of witnesses of the same receiver, which meet the clause where it accepts them.
@@ -161,18 +160,14 @@ std::string shown_speed(const ClauseContext& context) {
     return "; the recorded velocities show " + indicated_text(context);
 }
 
-/// The positions' result for the windows of the speed: the one that agrees least.
-std::optional<WitnessedSpeed> least_agreeing(const ProfileWindows& windows) {
-    std::optional<WitnessedSpeed> least;
-    const auto hear = [&](const std::vector<WitnessedSpeed>& witnesses) {
-        for (const WitnessedSpeed& one : witnesses)
+/// The positions' result for the windows of the speed: the one that agrees least. Null if none.
+const WitnessedSpeed* least_agreeing(const std::vector<FurtherWindow>& windows) {
+    const WitnessedSpeed* least = nullptr;
+    for (const FurtherWindow& window : windows)
+        for (const WitnessedSpeed& one : window.witnesses)
             if (one.kind == WitnessKind::positions &&
                 (!least || one.normalised_error > least->normalised_error))
-                least = one;
-    };
-    hear(windows.best->witnesses);
-    for (const FurtherWindow& further : windows.further)
-        hear(further.witnesses);
+                least = &one;
     return least;
 }
 
@@ -208,13 +203,21 @@ std::string unfit(const ClauseContext& context) {
 
 }  // namespace
 
+double course_speed_m_s(double distance_m, double elapsed_s, double current_m_s) {
+    if (!(distance_m > 0.0 && elapsed_s > 0.0 && std::isfinite(distance_m) &&
+          std::isfinite(elapsed_s) && std::isfinite(current_m_s)))
+        throw Failure("course",
+                      fmt::format("{} m in {} s with a current of {} m/s", distance_m, elapsed_s,
+                                  current_m_s),
+                      "Give a distance and a time above 0 and a finite current");
+    return distance_m / elapsed_s - current_m_s;
+}
+
 std::string second_method_text(const ClauseContext& context) {
     const DeclaredAgreement& second = *context.declared;
-    const ComparedSpeeds shown = declared_speeds(context);
-    std::string text = fmt::format(
-        "the second method ({}) gives {}, {} against {} (normalised error {:.2f}, at most 1).",
-        second.method, shown.other, shown.difference, judged_text(shown, context),
-        second.normalised_error);
+    std::string text =
+        fmt::format("the second method ({}) {} (normalised error {:.2f}, at most 1).",
+                    second.method, declared_text(context), second.normalised_error);
     if (const auto between = subtracted_current(context);
         between && context.windows.further.empty())
         text += fmt::format(" The measured {} {} is {} over the ground less the current of {}.",
@@ -223,21 +226,25 @@ std::string second_method_text(const ClauseContext& context) {
     return text;
 }
 
-DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
-                                   const std::optional<Course>& course) {
-    DeclaredAgreement agreement;
-    agreement.method = method.method;
-    agreement.judged_m_s = judged.speed_m_s;
-    if (method.times) {
-        set_from_times(judged, *method.times, course, agreement);
-        if (!agreement.missing.empty()) return agreement;
-    } else {
+std::optional<DeclaredAgreement> compare_declared(const CertifiableWindow& best,
+                                                  const Profile& profile, const Attempt& attempt) {
+    if (!attempt.secondary_method) return std::nullopt;
+    const SecondaryMethod& method = *attempt.secondary_method;
+    DeclaredAgreement agreement{.method = method.method, .judged_m_s = best.speed_m_s};
+    const bool over_course = profile.window_kind == WindowKind::course && attempt.course;
+    if (method.times)
+        set_from_times(best.span, *method.times, over_course ? &*attempt.course : nullptr,
+                       agreement);
+    else {
         agreement.other_m_s = method.speed->speed_m_s;
         agreement.other_expanded_uncertainty_m_s = method.speed->expanded_uncertainty_m_s;
     }
+    if (!agreement.missing.empty()) return agreement;
     const double difference_m_s = std::abs(agreement.other_m_s - agreement.judged_m_s);
-    const double allowed_m_s = std::hypot(usual_coverage_factor * judged.standard_uncertainty_m_s,
-                                          agreement.other_expanded_uncertainty_m_s);
+    const double allowed_m_s =
+        std::hypot(usual_coverage_factor *
+                       best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s),
+                   agreement.other_expanded_uncertainty_m_s);
     agreement.normalised_error = difference_m_s == 0.0 ? 0.0 : difference_m_s / allowed_m_s;
     return agreement;
 }
@@ -247,10 +254,10 @@ Finding computation::secondary_method(const Clause& clause, const ClauseContext&
     if (!context.input.secondary)
         return declared ? by_declaration(context) : by_own_witnesses(clause, context);
     Finding other = by_receiver(context);
-    if (!context.files_answered && other.status == RequirementStatus::met)
-        other = {RequirementStatus::attest,
-                 other.evidence + "; this counts once an official has answered for its file",
-                 std::move(other.figures)};
+    if (!context.files_answered && other.status == RequirementStatus::met) {
+        other.status = RequirementStatus::attest;
+        other.evidence += "; this counts once an official has answered for its file";
+    }
     if (!declared) return other;
     Finding finding = by_declaration(context);
     finding.observed = other.status == RequirementStatus::met;
@@ -261,27 +268,23 @@ Finding computation::secondary_method(const Clause& clause, const ClauseContext&
 }
 
 Finding computation::recorded_speeds(const Clause&, const ClauseContext& context) {
-    if (std::string why = unfit(context); !why.empty())
-        return {RequirementStatus::not_met, std::move(why)};
-    if (!context.windows.best)
-        return {RequirementStatus::not_met, "there is no certifiable window"};
-    const auto one = least_agreeing(context.windows);
-    if (!one) return {RequirementStatus::attest, "the positions say nothing of the window"};
+    if (const std::string why = unfit(context); !why.empty()) return not_met("{}", why);
+    if (!context.windows.best) return not_met(no_window);
+    const WitnessedSpeed* const one = least_agreeing(context.counted);
+    if (!one) return to_attest("the positions say nothing of the window");
     const std::vector<Figure> figures{
         normalised_error("of the positions' speed", one->normalised_error)};
     std::string evidence = witness_text(*one, context);
     if (one->normalised_error > 1.0)
-        return {RequirementStatus::not_met,
-                fmt::format("{}: one of the two is wrong{}", evidence, shown_speed(context)),
-                figures};
+        return not_met("{}: one of the two is wrong{}", evidence, shown_speed(context)).by(figures);
     // Positions that allow half the speed, or half as much again, agree with anything.
     constexpr double says_nothing = 0.5;
     const double expanded_m_s = 2.0 * one->standard_uncertainty_m_s;
+    const std::string uncertain = too_uncertain_text(expanded_m_s, context);
     if (expanded_m_s > says_nothing * (one->speed_m_s + one->difference_m_s))
-        return {RequirementStatus::not_met,
-                fmt::format("{}; {}, or to contradict, any speed{}", evidence,
-                            too_uncertain_text(expanded_m_s, context), shown_speed(context)),
-                figures};
+        return not_met("{}; {}, or to contradict, any speed{}", evidence, uncertain,
+                       shown_speed(context))
+            .by(figures);
     const std::string delay = delay_there(context);
     if (!delay.empty()) evidence += "; " + delay;
     // Met by a test that would find, in four cases of five, 1 % or 2 U. Receivers are off by 0.3 %.
@@ -298,18 +301,19 @@ Finding computation::recorded_speeds(const Clause&, const ClauseContext& context
     if (of_one_scale && confirms(*one, context) &&
         finds_error(
             std::hypot(one->standard_uncertainty_m_s, one->position_standard_uncertainty_m_s)))
-        return {RequirementStatus::met, std::move(evidence), figures};
-    evidence += "; " + too_uncertain_text(expanded_m_s, context);
+        return met("{}", evidence).by(figures);
     if (delay.empty())
-        return {RequirementStatus::attest,
-                evidence + ", and no change of speed tells whether they are of the same moments",
-                figures};
-    evidence += fmt::format(
-        " alone; over the recording the speeds are {:.4f} ± {:.4f} times the positions'", ratio,
-        2.0 * sigma);
-    if (of_one_scale && finds_error(sigma * one->speed_m_s))
-        return {RequirementStatus::met, std::move(evidence), figures};
-    return {RequirementStatus::attest, evidence + ": they may err by 1 % or more", figures};
+        return to_attest(
+                   "{}; {}, and no change of speed tells whether they are of the same moments",
+                   evidence, uncertain)
+            .by(figures);
+    const std::string words = fmt::format(
+        "{}; {} alone; over the recording the speeds are {:.4f} ± {:.4f} times the positions'",
+        evidence, uncertain, ratio, 2.0 * sigma);
+    return (of_one_scale && finds_error(sigma * one->speed_m_s)
+                ? met("{}", words)
+                : to_attest("{}: they may err by 1 % or more", words))
+        .by(figures);
 }
 
 }  // namespace runcert

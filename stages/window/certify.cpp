@@ -14,7 +14,6 @@
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "stages/window/selection.h"
-#include "stages/window/stands.h"
 #include "stages/window/trajectory_part.h"
 #include "stages/window/witnessed_budget.h"
 #include "stages/window/witnesses.h"
@@ -273,7 +272,8 @@ SpeedQuantity quantity_of(const Profile& profile) {
 
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const WitnessRecords& beside) {
+                               const WindowConfig& config, const WitnessRecords& beside,
+                               std::vector<Stand> stands) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
     AxesEstimate<Axes> estimate{.screened = screened,
                                 .trajectory = trajectory,
@@ -286,7 +286,7 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
                                 .times = {},
                                 .witnesses = {},
                                 .unanswered = {},
-                                .stands = {},
+                                .stands = std::move(stands),
                                 .lasting = {}};
     estimate.witnesses =
         witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
@@ -299,9 +299,6 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
         std::ranges::find(estimate.witnesses, WitnessKind::velocities, &HeardWitness<Axes>::kind);
     estimate.lasting = lasting_difference<Axes>(
         screened, velocities == estimate.witnesses.end() ? nullptr : velocities->motion.get());
-    const auto wheel = beside.handed_in.series.find("wheel");
-    estimate.stands = stands_of(screened, trajectory, beside.still_by_imu,
-                                wheel == beside.handed_in.series.end() ? nullptr : &wheel->second);
     const bool equal =
         std::equal(estimate.arcs.begin(), estimate.arcs.end(), estimate.rows.begin(),
                    estimate.rows.end(), [&](const Arc<Axes>& arc, const ArcRows& own) {
@@ -369,9 +366,11 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
 }
 
 template AxesEstimate<1> estimate_of<1>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&, const WitnessRecords&);
+                                        const WindowConfig&, const WitnessRecords&,
+                                        std::vector<Stand>);
 template AxesEstimate<2> estimate_of<2>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&, const WitnessRecords&);
+                                        const WindowConfig&, const WitnessRecords&,
+                                        std::vector<Stand>);
 template CertifiableWindow certified<1>(const AxesEstimate<1>&, const WindowChoice&);
 template CertifiableWindow certified<2>(const AxesEstimate<2>&, const WindowChoice&);
 

@@ -40,12 +40,13 @@ const HeardWitnesses<Axes>& heard(const AxesEstimate<Axes>& estimate, bool files
     return files_answered ? estimate.witnesses : estimate.unanswered;
 }
 
-/// Gathers these data. Heights must have been measured for Axes 1. Failure if the trajectory
-/// does not have the arcs of the screened epochs, or does not state the noise with which it was
-/// estimated.
+/// Gathers these data, with where the craft stood (`stands_of`). Heights must have been measured
+/// for Axes 1. Failure if the trajectory does not have the arcs of the screened epochs, or does not
+/// state the noise with which it was estimated.
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config, const WitnessRecords& beside);
+                               const WindowConfig& config, const WitnessRecords& beside,
+                               std::vector<Stand> stands);
 
 /// How much of a certificate is made: all of it, or as much as comparing windows needs, without the
 /// bias of the choice and the Monte Carlo check.

@@ -32,6 +32,15 @@
 namespace runcert {
 namespace {
 
+/// Where the craft stood, by what was handed in beside the recording or by its positions.
+std::vector<Stand> stands_beside(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                                 const WitnessRecords& beside) {
+    const auto& series = beside.handed_in.series;
+    const auto wheel = series.find("wheel");
+    return stands_of(screened, trajectory, beside.still_by_imu,
+                     wheel == series.end() ? nullptr : &wheel->second);
+}
+
 /// The data from which the profiles of one receiver are searched and certified.
 class Certifier {
   public:
@@ -41,7 +50,8 @@ class Certifier {
         : screened_(screened),
           trajectory_(trajectory),
           inertial_(beside.inertial),
-          horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
+          horizontal_(estimate_of<2>(screened, trajectory, config, beside,
+                                     stands_beside(screened, trajectory, beside))) {
         const auto of_craft = [](const Profile& profile) {
             return profile.speed_of == SpeedOf::reference_point;
         };
@@ -51,7 +61,8 @@ class Certifier {
             return profile.dimension != Dimension::horizontal;
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
-            vertical_.emplace(estimate_of<1>(screened, trajectory, config, beside));
+            vertical_.emplace(
+                estimate_of<1>(screened, trajectory, config, beside, horizontal_.stands));
         for (const Profile& profile : profiles)
             if (profile.speed_source == SpeedSource::velocity &&
                 !velocities_.contains(profile.dimension))

@@ -87,7 +87,9 @@ TEST(Rules, NalsaOneMileAnHourAboveGreenbird) {
 }
 
 TEST(Rules, ConformanceProbabilityOfJcgm106) {
-    EXPECT_NEAR(conformance_probability({13.6, 1.8}, 12.5, 16.3), 0.6626, 5e-5);
+    EXPECT_NEAR(conformance_probability({13.6, 1.8}, {12.5}) -
+                    conformance_probability({13.6, 1.8}, {16.3}),
+                0.6626, 5e-5);
 }
 
 TEST(Rules, FaiRangesTwoPerCentApart) {

@@ -124,10 +124,11 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
     if (window.selection) result.bias_m_s = window.selection->bias_m_s;
     result.error_m_s = window.speed_m_s - truth;
     result.missed_m_s = best - truth;
-    const SpeedPosterior posterior{.speed_m_s = window.speed_m_s,
-                                   .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
-                                   .degrees_of_freedom = window.effective_degrees_of_freedom,
-                                   .bias_limit_m_s = window.bias_limit_m_s};
+    const SpeedPosterior posterior{
+        .speed_m_s = window.speed_m_s,
+        .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
+        .effective_degrees_of_freedom = window.effective_degrees_of_freedom,
+        .bias_limit_m_s = window.bias_limit_m_s};
     result.expanded_m_s = expanded_uncertainty_by_rule_m_s(window, profile.coverage_factor);
     const auto outcome = [&](double required_speed_m_s) {
         return decide(posterior, Threshold{.speed_m_s = required_speed_m_s},

@@ -154,7 +154,7 @@ WitnessedRun SimulatedAttempt::judged(StudyHeard heard, double limit_m_s) {
                             best_->span.duration.seconds();
     run.error_m_s = best_->speed_m_s - true_m_s;
     run.expanded_m_s = expanded_uncertainty_by_rule_m_s(*best_, profile.coverage_factor);
-    const SpeedPosterior speed = *posterior_of(windows.profiles.front());
+    const SpeedPosterior speed = *figure_of(windows.profiles.front());
     run.probability = conformance_probability(speed, {.speed_m_s = true_m_s - limit_m_s});
     run.tail_m_s =
         speed.speed_m_s + speed.bias_limit_m_s -

@@ -4,22 +4,21 @@ namespace runcert {
 
 ReceiverFindings findings_of(const ScreenedTable& screened, TrajectoryTable&& trajectory,
                              Windows&& windows) {
-    ScreenedSelection selection;
+    ReceiverFindings found;
     for (const ScreenedEpoch& row : screened.rows)
-        selection.add(row, windows);
-    return {.receiver = screened.facts.receiver,
-            .facts = screened.facts,
-            .accuracy_source = "recording",
-            .format = "simulated",
-            .time_origin = "the satellites' time",
-            .solution_source = SolutionSource::recording,
-            .records = {.total = std::ssize(screened.rows)},
-            .screening = std::move(selection.summary),
-            .tests = screened.basis,
-            .estimation = trajectory.estimation,
-            .windows = std::move(windows),
-            .trajectory = std::move(trajectory.rows),
-            .window_epochs = std::move(selection.window_epochs)};
+        found.add(row, windows);
+    found.receiver = screened.facts.receiver;
+    found.facts = screened.facts;
+    found.accuracy_source = "recording";
+    found.format = "simulated";
+    found.time_origin = "the satellites' time";
+    found.solution_source = SolutionSource::recording;
+    found.records = {.total = std::ssize(screened.rows)};
+    found.tests = screened.basis;
+    found.estimation = trajectory.estimation;
+    found.windows = std::move(windows);
+    found.trajectory = std::move(trajectory.rows);
+    return found;
 }
 
 ProfileVerdict verdict_at(Attempt attempt, std::optional<double> record_m_s,

@@ -24,7 +24,7 @@ SpeedPosterior posterior_of(const Group& group, const Row& row) {
         .speed_m_s = row.speed * group.task.unit_m_s,
         .standard_uncertainty_m_s = row.standard_uncertainty * group.task.unit_m_s};
     if (row.degrees_of_freedom != decision_table::kInfinite)
-        posterior.degrees_of_freedom = row.degrees_of_freedom;
+        posterior.effective_degrees_of_freedom = row.degrees_of_freedom;
     return posterior;
 }
 

@@ -27,22 +27,6 @@ TEST(ConformanceProbability, IsTheNormalTailWhereTheDegreesAreInfinite) {
                     1e-12 * phi(z));
 }
 
-TEST(ConformanceProbability, OfTwoLimitsIsTheDifferenceOfTwoTails) {
-    EXPECT_NEAR(conformance_probability({13.6, 1.8}, 12.5, 16.3), phi(2.7 / 1.8) - phi(-1.1 / 1.8),
-                1e-15);
-    // Far from the interval on either side the digits of the tail stay: P(8 <= z <= 9).
-    const double expected = phi(-8.0) - phi(-9.0);
-    EXPECT_NEAR(conformance_probability({0.0, 1.0}, 8.0, 9.0), expected, 1e-11 * expected);
-    EXPECT_NEAR(conformance_probability({0.0, 1.0}, -9.0, -8.0), expected, 1e-11 * expected);
-    // Student with 3 degrees within +- 3.182446 u holds 95 % (table G.2 of the GUM: 3.18).
-    EXPECT_NEAR(conformance_probability({60.0, 0.5, 3.0}, 60.0 - 1.591223, 60.0 + 1.591223), 0.95,
-                1e-7);
-    EXPECT_EQ(conformance_probability({60.0, 0.0}, 60.0, 61.0), 1.0);
-    EXPECT_EQ(conformance_probability({61.0, 0.0}, 60.0, 61.0), 1.0);
-    EXPECT_EQ(conformance_probability({61.1, 0.0}, 60.0, 61.0), 0.0);
-    EXPECT_THROW(conformance_probability({61.1, 0.0}, 62.0, 61.0), Failure);
-}
-
 /// P(y + u t >= T + u_T z) for a Student's t and a normal z, the integral over z by Simpson's rule.
 double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
     constexpr int intervals = 4000;
@@ -55,7 +39,8 @@ double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
         const double t =
             (posterior.speed_m_s - threshold.speed_m_s - threshold.standard_uncertainty_m_s * z) /
             posterior.standard_uncertainty_m_s;
-        sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.degrees_of_freedom);
+        sum += weight * std::exp(-0.5 * z * z) *
+               student_t_cdf(t, posterior.effective_degrees_of_freedom);
     }
     return sum * step / 3.0 / std::sqrt(2.0 * std::numbers::pi);
 }
@@ -95,7 +80,7 @@ TEST(ConformanceProbability, GrowsWithTheSpeedAndNearsAHalfWithTheUncertainty) {
         const Threshold threshold{60.0, i % 3 == 0 ? 0.2 * random.uniform() : 0.0};
         const double u = 0.01 + random.uniform();
         SpeedPosterior posterior{60.0 + 5.0 * u * (2.0 * random.uniform() - 1.0), u};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double p = conformance_probability(posterior, threshold);
         EXPECT_EQ(p >= 0.5, posterior.speed_m_s >= threshold.speed_m_s);
         SpeedPosterior faster = posterior;
@@ -125,7 +110,7 @@ TEST(AcceptanceLimit, IsWhereTheProbabilityIsTheLevel) {
         const Threshold threshold{20.0 + 60.0 * random.uniform(),
                                   i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
         SpeedPosterior posterior{50.0, 0.001 + random.uniform()};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         for (const double level : {0.51, 0.95, 0.975, 0.99, 0.999}) {
             posterior.speed_m_s = acceptance_limit(posterior, threshold, level);
             EXPECT_NEAR(conformance_probability(posterior, threshold), level, 1e-10);
@@ -177,7 +162,7 @@ TEST(BiasLimit, IsAddedLinearlyOnBothSidesOfTheTarget) {
     for (int i = 0; i < 500; ++i) {
         const Threshold threshold{60.0, i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
         SpeedPosterior posterior{0.0, 0.01 + 0.2 * random.uniform()};
-        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        if (i % 2 == 0) posterior.effective_degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double unbiased = acceptance_limit(posterior, threshold, 0.975);
         posterior.bias_limit_m_s = 0.3 * random.uniform();
         const double limit = acceptance_limit(posterior, threshold, 0.975);
@@ -255,8 +240,6 @@ TEST(Decision, RefusesWhatIsNoNumber) {
         EXPECT_THROW(conformance_probability({60.0, 0.1, bad}, threshold), Failure);
         EXPECT_THROW(conformance_probability({60.0, 0.1}, {bad, 0.0}), Failure);
         EXPECT_THROW(conformance_probability({60.0, 0.1}, {60.0, bad}), Failure);
-        EXPECT_THROW(conformance_probability({60.0, 0.1}, bad, 60.0), Failure);
-        EXPECT_THROW(conformance_probability({60.0, 0.1}, 60.0, bad), Failure);
         EXPECT_THROW(decide(bad, 0.95), Failure);
         EXPECT_THROW(decide(0.5, bad), Failure);
         EXPECT_THROW(acceptance_limit({60.0, 0.1}, threshold, bad), Failure);

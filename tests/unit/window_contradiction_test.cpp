@@ -49,7 +49,7 @@ struct Drifting {
     explicit Drifting(double rate_m_s, std::shared_ptr<const Witness<2>> wheel,
                       std::optional<double> missed_m_s = {})
         : trajectory(smoothed(rate_m_s, missed_m_s)),
-          estimate(estimate_of<2>(screened, trajectory, config, {})) {
+          estimate(estimate_of<2>(screened, trajectory, config, {}, {})) {
         estimate.witnesses = {{.kind = WitnessKind::wheel, .motion = std::move(wheel)}};
     }
     TrajectoryTable smoothed(double rate_m_s, std::optional<double> missed_m_s) {

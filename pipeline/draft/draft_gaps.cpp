@@ -108,7 +108,7 @@ class DraftGaps {
         const std::vector<std::string> rules = draft_.profiles();
         if (rules.size() > 1 && !has("record")) {
             for (const std::string& rule : rules)
-                add_record_under(rule);
+                add_record_under(rule, rule == rules.front());
             return;
         }
         const bool speed = has("record") && draft_.keys_["record"].contains("speed");
@@ -126,7 +126,7 @@ class DraftGaps {
     }
 
     /// Under one of several rules.
-    void add_record_under(const std::string& rule) {
+    void add_record_under(const std::string& rule, bool first) {
         const Json* record = nullptr;
         if (has("records"))
             for (const Json& one : draft_.keys_["records"])
@@ -135,7 +135,8 @@ class DraftGaps {
             add({.key = "records." + rule,
                  .question =
                      fmt::format("Record to beat under {}, with its unit (202.9 km/h)", rule),
-                 .why = "Without one the speed is measured, and compared with nothing.",
+                 .why = first ? "Without one the speed is measured, and compared with nothing."
+                              : "As under the rule before.",
                  .example = fmt::format("{{profile: {}, speed: ..., unit: km/h, source: \"...\"}}",
                                         rule)});
         else if (!record->contains("source"))

@@ -272,7 +272,7 @@ TEST(Draft, TakesNamesAsPeopleWriteThem) {
     EXPECT_EQ(attempt.profiles, std::vector<std::string>{"nalsa"});
     EXPECT_EQ(attempt.record->unit, "kn");
     EXPECT_EQ(attempt.record->speed, 110.0);
-    EXPECT_EQ(attempt.receivers[0].lever_arm->down, -1.2);
+    EXPECT_EQ((*attempt.receivers[0].lever_arm)[2], -1.2);
 }
 
 TEST(Draft, ARecordForEachRuleThatIsClaimed) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 
@@ -89,7 +90,8 @@ std::optional<WrittenZone> zone_of(std::string_view text) {
         const std::string_view digits = text.substr(sign + 1);
         const bool colon = digits.size() == 5 && digits[2] == ':';
         const auto hours = digits_at(digits, 0, 2);
-        const auto minutes = digits.size() == 2 ? std::optional(0) : digits_at(digits, colon ? 3 : 2, 2);
+        const auto minutes =
+            digits.size() == 2 ? std::optional(0) : digits_at(digits, colon ? 3 : 2, 2);
         if (!colon && digits.size() != 4 && digits.size() != 2) return std::nullopt;
         if (!hours || !minutes || *hours > 14 || *minutes > 59) return std::nullopt;
         ahead_min = (text[sign] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
@@ -108,10 +110,11 @@ std::optional<WrittenZone> zone_of(std::string_view text) {
 Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text) {
     const auto zone = zone_of(text);
     // A sign behind the minutes begins an offset; ".-002" is a FlySight's.
-    const std::size_t colon = text.find(':');
-    const std::size_t sign = colon == std::string_view::npos ? colon : text.find_first_of("+-", colon);
-    if (sign != std::string_view::npos && text[sign - 1] != '.' &&
-        (!zone || zone->begin > sign)) {
+    std::size_t sign = std::string_view::npos;
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    for (std::size_t i = colon; i < text.size() && sign == std::string_view::npos; ++i)
+        if (text[i] == '+' || text[i] == '-') sign = i;
+    if (sign != std::string_view::npos && text[sign - 1] != '.' && (!zone || zone->begin > sign)) {
         Cell offset = time_of_day;
         offset.text = text.substr(sign);
         offset.column += sign;

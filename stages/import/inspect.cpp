@@ -197,7 +197,8 @@ void count_rows(const Observations& observations, Inspection& inspection) {
             velocity_m_s.push_back(*row.sigma_recorded_speed_m_s);
     }
     // A speed of zero has every course: where no other has one, none was recorded.
-    if (inspection.speeds_alone > 0 && inspection.speeds_alone + standing == inspection.with_velocity)
+    if (inspection.speeds_alone > 0 &&
+        inspection.speeds_alone + standing == inspection.with_velocity)
         inspection.speeds_alone = inspection.with_velocity;
     for (std::size_t kind = 0; kind < kinds; ++kind)
         if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixType>(kind), count[kind]);

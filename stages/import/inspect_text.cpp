@@ -254,10 +254,11 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
 
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
     if (!it.bursts.empty())
-        concerns.push_back(fmt::format(
-            "Time stamps come in bursts ({}): a computer stamped what it read from a buffer, and no "
-            "receiver's time does so. Nothing can be certified by these times.",
-            it.bursts));
+        concerns.push_back(
+            fmt::format("Time stamps come in bursts ({}): a computer stamped what it read from a "
+                        "buffer, and no "
+                        "receiver's time does so. Nothing can be certified by these times.",
+                        it.bursts));
     else if (it.gaps > 0)
         concerns.push_back(
             fmt::format("Epochs are missing in {}; a speed is certified across a gap only "

@@ -56,10 +56,11 @@ void set_single_precision(Observations& observations, const std::vector<Observat
     const double east_m = longitude_deg * metres_per_degree *
                           std::cos(rows.front().latitude_deg.value_or(0.0) * radians_per_degree);
     written_m = std::max({*written_m, north_m, east_m});
-    observations.notes.push_back(fmt::format(
-        "Positions went through single precision: they lie on a grid of {} m towards north and {} m "
-        "towards east, which counts as the step that they are written in.",
-        format_fixed(north_m, 2), format_fixed(east_m, 2)));
+    observations.notes.push_back(
+        fmt::format("Positions went through single precision: they lie on a grid of {} m towards "
+                    "north and {} m "
+                    "towards east, which counts as the step that they are written in.",
+                    format_fixed(north_m, 2), format_fixed(east_m, 2)));
 }
 
 bool has_horizontal_accuracy(const Observation& row) {

@@ -44,13 +44,13 @@ void fill_heights(Observations& observations) {
         while (next < known.size() && known[next] < i)
             ++next;
         if (!needs(rows[i])) continue;
-        const bool after = next < known.size(), before = next > 0;
+        const bool after = next<known.size(), before = next> 0;
         if (after && before) {
             const std::size_t a = known[next - 1], b = known[next];
             const double span_s = seconds(a, b);
             const double rise_m = *rows[b].height_m - *rows[a].height_m;
-            if (span_s <= 0.0 || span_s > longest_s || seconds(a, i) < 0.0 ||
-                seconds(i, b) < 0.0 || std::abs(rise_m) > steepest_m_s * span_s)
+            if (span_s <= 0.0 || span_s > longest_s || seconds(a, i) < 0.0 || seconds(i, b) < 0.0 ||
+                std::abs(rise_m) > steepest_m_s * span_s)
                 continue;
             rows[i].height_m = *rows[a].height_m + rise_m * seconds(a, i) / span_s;
         } else if (after || before) {
@@ -98,23 +98,34 @@ std::array<double, 2> single_precision_steps_deg(const std::vector<Observation>&
 }
 
 std::string bursts_in(const std::vector<Observation>& rows) {
-    std::vector<double> steps_s;
-    for (std::size_t i = 1; i < rows.size(); ++i)
-        if (rows[i].time > rows[i - 1].time)
-            steps_s.push_back(rows[i].time.seconds() - rows[i - 1].time.seconds());
+    constexpr double many_times = 10.0, alike = 3.0, short_s = 0.03;
     constexpr std::size_t least = 20;
-    if (steps_s.size() < least) return {};
+    std::vector<double> steps_s;
+    std::size_t short_steps = 0;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const double step_s =
+            static_cast<double>(rows[i].time.nanoseconds - rows[i - 1].time.nanoseconds) * 1e-9;
+        if (step_s <= 0.0) continue;
+        steps_s.push_back(step_s);
+        short_steps += step_s <= short_s ? 1U : 0U;
+    }
+    if (steps_s.size() < least || 3 * short_steps < steps_s.size()) return {};
     std::vector<double> sorted = steps_s;
     std::ranges::sort(sorted);
-    const double shortest_s = sorted[sorted.size() / 3], longest_s = sorted[sorted.size() * 9 / 10];
-    constexpr double many_times = 10.0;
-    if (longest_s < many_times * shortest_s || shortest_s > 0.03) return {};
+    const double shortest_s = sorted[sorted.size() / 3];
+    const auto first_long = std::ranges::lower_bound(sorted, many_times * shortest_s);
+    const std::vector<double> pauses_s(first_long, sorted.end());
+    // Gaps of a recording are few, or of many lengths.
+    if (shortest_s > short_s || 25 * pauses_s.size() < sorted.size() || pauses_s.size() < 5 ||
+        pauses_s[pauses_s.size() * 9 / 10] > alike * pauses_s[pauses_s.size() / 10])
+        return {};
+    const double longest_s = pauses_s[pauses_s.size() / 2];
     // Of one burst, the steps within and the one behind it; most of the recording is such.
     std::vector<std::size_t> sizes;
     std::size_t size = 1;
     double within_s = 0.0, span_s = 0.0;
     for (const double step_s : steps_s) {
-        if (step_s < 0.3 * longest_s) {
+        if (step_s < pauses_s.front()) {
             ++size;
             span_s += step_s;
             continue;
@@ -124,7 +135,6 @@ std::string bursts_in(const std::vector<Observation>& rows) {
         size = 1;
         span_s = 0.0;
     }
-    if (sizes.size() < least / 4) return {};
     const auto several = std::ranges::count_if(sizes, [](std::size_t n) { return n > 1; });
     if (2 * several < std::ssize(sizes)) return {};
     std::ranges::sort(sizes);

@@ -80,8 +80,10 @@ bool is_denied(std::string_view mark, std::string_view before, std::string_view 
     if (small(after.empty() ? ' ' : after.front()) == 't') return true;
     // A column's name says nothing: what it holds does (csv/), or the value beside it.
     if (mark.starts_with("mock")) {
-        const std::string_view rest = after.substr(std::min(after.find_first_not_of("\"') "), after.size()));
-        const bool is_name = rest.empty() || std::string_view(",;\t\r\n|").find(rest.front()) != std::string_view::npos;
+        const std::string_view rest =
+            after.substr(std::min(after.find_first_not_of("\"') "), after.size()));
+        const bool is_name = rest.empty() || std::string_view(",;\t\r\n|").find(rest.front()) !=
+                                                 std::string_view::npos;
         const std::string value = lower_case(rest.substr(std::min<std::size_t>(rest.size(), 1), 4));
         if (is_name && !value.starts_with("true") && !value.starts_with("1")) return true;
     }
@@ -151,7 +153,8 @@ class Finder {
         const std::string run = lower_case(bytes_.substr(start, end - start));
         for (const std::string_view mark : marks_of_simulators)
             if (const auto at = find_mark(start, run, mark);
-                at && !is_denied(mark, bytes_.substr(0, at->first), bytes_.substr(at->second, 32))) {
+                at &&
+                !is_denied(mark, bytes_.substr(0, at->first), bytes_.substr(at->second, 32))) {
                 simulated = true;
                 return show(*at, true);
             }

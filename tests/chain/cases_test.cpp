@@ -47,7 +47,8 @@ TEST_P(Cases, ComeOutRight) {
             bring(entry.path(), folder.path());
         result = certify(folder.path() / file.filename(), folder.path() / "run", {"--no-render"});
         if (fs::exists(folder.path() / "run" / "1-observations.ecsv"))
-            result.output += read_file(folder.path() / "run" / "1-observations.ecsv").substr(0, 20000);
+            result.output +=
+                read_file(folder.path() / "run" / "1-observations.ecsv").substr(0, 20000);
     } else {
         result = runcert({"inspect", file.string()});
     }
@@ -112,14 +113,16 @@ const Case fourth[] = {
      {"1000.00 Hz"}},
     {"cases-4/single-precision-positions/attempt.yaml", 0, {"108.9 km/h", "single precision"}},
     {"cases-4/single-precision-positions/log.csv", 0, {"single precision", "steps of 1.4 m"}},
-    {"cases-4/speed-column-not-found/attempt.yaml",
-     1,
-     {"has no speeds", "GPS (2D speed) [m/s]"}},
+    {"cases-4/speed-column-not-found/attempt.yaml", 1, {"has no speeds", "GPS (2D speed) [m/s]"}},
     {"cases-4/speed-column-not-found/GX01-GPS5.csv", 0, {"speed: 'GPS (2D speed) [m/s]'"}},
     {"cases-4/speed-unit-in-the-name/attempt.yaml", 2, {"the header says km/h"}},
     {"cases-4/speed-unit-in-the-name/attempt_kmh.yaml", 0, {"108.92 km/h"}},
-    {"cases-4/speed-unit-in-the-name/log.csv", 0, {"speed_unit: km/h", "By recorded velocity 109.0"}},
-    {"cases-4/speed-unit-in-the-name/kmh.csv", 0, {"speed_unit: km/h", "By recorded velocity 109.0"}},
+    {"cases-4/speed-unit-in-the-name/log.csv",
+     0,
+     {"speed_unit: km/h", "By recorded velocity 109.0"}},
+    {"cases-4/speed-unit-in-the-name/kmh.csv",
+     0,
+     {"speed_unit: km/h", "By recorded velocity 109.0"}},
     {"cases-4/speed-unit-in-the-name/cm.csv", 0, {"is in cm/s", "By recorded velocity 108.9"}},
     {"cases-4/ubx-hpposllh-without-pvt/attempt.yaml", 0, {"108.951 km/h"}},
     {"cases-4/unicore-um980/bestpos.asc", 0, {"fixed 121", "By position 109.0 km/h"}},

@@ -34,14 +34,14 @@ bool is_taken(const Layout& layout, std::size_t column) {
     return std::ranges::find(layout.place, std::optional(column)) != layout.place.end();
 }
 
-/// The column of letters of a coordinate that is written without: one that is named so, else the one
-/// behind or before it.
+/// The column of letters of a coordinate that is written without: one that is named so, else the
+/// one behind or before it.
 void find_hemisphere(Layout& layout, const Rows& rows, Column coordinate, Column hemisphere) {
     const bool latitude = coordinate == Column::latitude;
     const auto is_free = [&](std::size_t i) {
-        return i < layout.fields && !is_taken(layout, i) && all_are(rows, i, [&](std::string_view text) {
-                   return hemisphere_in(text, latitude) != 0;
-               });
+        return i < layout.fields && !is_taken(layout, i) &&
+               all_are(rows, i,
+                       [&](std::string_view text) { return hemisphere_in(text, latitude) != 0; });
     };
     if (!layout[coordinate]) return;
     for (std::size_t i = 0; i < layout.fields && !layout[hemisphere]; ++i)
@@ -78,7 +78,8 @@ bool can_have_minutes(std::string_view text) {
 void find_angle_form(Layout& layout, const Rows& rows) {
     if (layout.both_in_one || !layout[Column::latitude] || !layout[Column::longitude]) return;
     const auto without_letter = [](std::string_view text) {
-        while (!text.empty() && std::string_view("NSEWnsew ").find(text.back()) != std::string_view::npos)
+        while (!text.empty() &&
+               std::string_view("NSEWnsew ").find(text.back()) != std::string_view::npos)
             text.remove_suffix(1);
         return text;
     };
@@ -94,7 +95,8 @@ void find_angle_form(Layout& layout, const Rows& rows) {
         });
     };
     // Decimals, as every receiver writes minutes; swapped columns have some, too.
-    const bool impossible = beyond(layout[Column::latitude], 180.0) || beyond(layout[Column::longitude], 360.0);
+    const bool impossible =
+        beyond(layout[Column::latitude], 180.0) || beyond(layout[Column::longitude], 360.0);
     if (impossible && !beyond(layout[Column::latitude], 9000.0) &&
         !beyond(layout[Column::longitude], 18000.0) && all_minutes(layout[Column::latitude]) &&
         all_minutes(layout[Column::longitude]))
@@ -140,8 +142,8 @@ void find_beside(Layout& layout, const Description& description, const Recording
     const auto name_of_place = [&](Column column) {
         return escape_for_message(layout.head.names[*layout[column]].text);
     };
-    for (const auto& [column, other] : {std::pair{Column::latitude, Column::longitude},
-                                        {Column::longitude, Column::latitude}})
+    for (const auto& [column, other] :
+         {std::pair{Column::latitude, Column::longitude}, {Column::longitude, Column::latitude}})
         if (layout[column] && !layout.both_in_one &&
             is_named(layout.head.names[*layout[column]].text, other))
             layout.head.names[*layout[column]].fail(
@@ -158,7 +160,8 @@ void find_beside(Layout& layout, const Description& description, const Recording
         std::string names;
         for (const Column column : {Column::north_south, Column::east_west})
             if (layout[column])
-                names += fmt::format("{}\"{}\"", names.empty() ? "" : " and ", name_of_place(column));
+                names +=
+                    fmt::format("{}\"{}\"", names.empty() ? "" : " and ", name_of_place(column));
         layout.notes.push_back(fmt::format("Hemispheres are those of {}.", names));
     }
     if (layout[Column::milliseconds])
@@ -168,8 +171,7 @@ void find_beside(Layout& layout, const Description& description, const Recording
         layout.notes.emplace_back(
             "Coordinates are degrees and minutes, dddmm.mmmm, as their size shows.");
     if (!layout.head.in_three.empty())
-        layout.notes.emplace_back(
-            "Coordinates stand in three fields: degrees, minutes, seconds.");
+        layout.notes.emplace_back("Coordinates stand in three fields: degrees, minutes, seconds.");
 }
 
 }  // namespace runcert::csv

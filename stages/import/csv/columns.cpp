@@ -22,12 +22,23 @@ std::size_t numbers_in(std::span<const Cell> cells) {
     }));
 }
 
+/// Numbers, and what begins as one: times, angles, numbers with their unit, "S31.6".
+std::size_t values_in(std::span<const Cell> cells) {
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const Cell& cell) {
+        std::string_view text = cell.text;
+        constexpr std::string_view before_numbers = "+-NSEWnsew ";
+        while (!text.empty() && before_numbers.find(text.front()) != std::string_view::npos)
+            text.remove_prefix(1);
+        return !text.empty() && is_digit(text.front());
+    }));
+}
+
 /// Whether the cells could be a row under that header.
 bool is_row_of(std::span<const Cell> cells, const Head& head) {
     const std::size_t names = head.names.size();
     const std::size_t more = 2 * head.in_three.size();
     return cells.size() >= names && (cells.size() <= names + 1 || cells.size() == names + more) &&
-           numbers_in(cells) >= 2;
+           values_in(cells) >= 2;
 }
 
 /// How a column's name is that of a meaning.
@@ -135,7 +146,8 @@ bool can_hold(const SeenTable& table, std::size_t column, Column meaning) {
 }
 
 /// Finds the columns of these names that are not taken, and can hold what they are called.
-void take_names(const SeenTable& table, std::span<const KnownNames> names, bool must_fit, Layout& layout) {
+void take_names(const SeenTable& table, std::span<const KnownNames> names, bool must_fit,
+                Layout& layout) {
     const auto is_taken = [&](std::size_t column) {
         return std::ranges::find(layout.place, std::optional(column)) != layout.place.end();
     };
@@ -286,8 +298,9 @@ std::optional<SeenTable> find_table(const RecordingBytes& recording) {
                 const Cell& first = line.names.front();
                 return table.head.in_three.empty()
                            ? line.names
-                           : table.head.row({.text = line_of(recording, first), .number = first.line},
-                                            recording);
+                           : table.head.row(
+                                 {.text = line_of(recording, first), .number = first.line},
+                                 recording);
             };
             for (std::size_t k = i + 1; k < j; ++k)
                 table.head.under.push_back(row_of(lines[k]));

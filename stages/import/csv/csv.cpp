@@ -56,10 +56,11 @@ void note_unused_speeds(Observations& observations, const Layout& layout) {
             names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ",
                                  escape_for_message(name.text, 60));
     if (!names.empty())
-        observations.notes.push_back(fmt::format(
-            "By their names these columns hold speeds, and the attempt names none (columns: {{speed: "
-            "...}}): {}.",
-            names));
+        observations.notes.push_back(
+            fmt::format("By their names these columns hold speeds, and the attempt names none "
+                        "(columns: {{speed: "
+                        "...}}): {}.",
+                        names));
 }
 
 /// Whether two lines that follow one another have as many fields, three at least, and the second
@@ -175,8 +176,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         Cell time;
         time.text = in_first_row(layout.head, *layout[Column::time], recording);
         const std::string_view time_of_day = split_date_time(time)[1].text;
-        if (zone_of(time_of_day.empty() ? time.text : time_of_day))
-            description.clock = Clock::utc;
+        if (zone_of(time_of_day.empty() ? time.text : time_of_day)) description.clock = Clock::utc;
     }
     settle_times(layout, description, receiver, recording);
     RowCollector timed(recording);
@@ -200,15 +200,16 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations =
         observations_of_table(receiver, description, layout, std::move(timed), recording, "csv");
     if (elsewhere > 0)
-        observations.notes.push_back(fmt::format(
-            "{} of {} rows have no position, but other sensors' values: they are no epochs, and are "
-            "not used.",
-            elsewhere, elsewhere + observations.rows.size()));
+        observations.notes.push_back(
+            fmt::format("{} of {} rows have no position, but other sensors' values: they are no "
+                        "epochs, and are "
+                        "not used.",
+                        elsewhere, elsewhere + observations.rows.size()));
     if (mock) {
         observations.simulated = true;
-        observations.written_by.push_back(fmt::format(
-            "rows whose \"{}\" is true",
-            escape_for_message(layout.head.names[*layout[Column::mock]].text)));
+        observations.written_by.push_back(
+            fmt::format("rows whose \"{}\" is true",
+                        escape_for_message(layout.head.names[*layout[Column::mock]].text)));
     }
     if (repeated > 0)
         observations.notes.push_back(fmt::format(

@@ -28,7 +28,8 @@ std::optional<Unit> unit_of_column(const Head& head, std::size_t column, Quantit
     // "Latitude"|"Degrees"|-180.0|180.0|10, as RaceCapture writes it.
     const std::string_view bytes = name.recording->bytes;
     const auto at = static_cast<std::size_t>(name.text.data() + name.text.size() - bytes.data());
-    if (constexpr std::string_view mark = "\"|\""; bytes.substr(std::min(at, bytes.size())).starts_with(mark)) {
+    if (constexpr std::string_view mark = "\"|\"";
+        bytes.substr(std::min(at, bytes.size())).starts_with(mark)) {
         const std::string_view rest = bytes.substr(at + mark.size());
         return find_unit(rest.substr(0, rest.find('"')), quantity);
     }

@@ -52,7 +52,7 @@ struct Layout : ColumnPlaces<Column> {
     Head head;
     /// Of each column's numbers, in metres or metres a second.
     std::array<double, static_cast<std::size_t>(Column::count)> factor{};
-    bool both_in_one = false;        ///< one column holds latitude, then longitude
+    bool both_in_one = false;  ///< one column holds latitude, then longitude
     AngleForm angles = AngleForm::degrees;
     /// Most rows hold other sensors' values and no position: they are no epochs.
     bool between_sensors = false;

@@ -245,9 +245,9 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
     settle_times(layout, description, receiver, recording);
     note_head(layout);
     find_beside(layout, description, recording);
-    const bool unit_is_unknown = layout[Column::speed] && !description.speed_unit &&
-                                 !unit_of_column(layout.head, *layout[Column::speed],
-                                                 Quantity::speed);
+    const bool unit_is_unknown =
+        layout[Column::speed] && !description.speed_unit &&
+        !unit_of_column(layout.head, *layout[Column::speed], Quantity::speed);
     RowCollector timed(recording);
     LeftOut left_out;
     if (preset.interpolates || unit_is_unknown) {

@@ -311,7 +311,8 @@ class Proposing {
         std::string names, speeds;
         for (std::size_t i = 0; i < table_.head.names.size() && table_.has_names; ++i) {
             const std::string_view name = table_.head.names[i].text;
-            if (name.empty() || std::ranges::find(layout_.place, std::optional(i)) != layout_.place.end())
+            if (name.empty() ||
+                std::ranges::find(layout_.place, std::optional(i)) != layout_.place.end())
                 continue;
             names += fmt::format("{}{}", names.empty() ? "" : ", ", escape_for_message(name, 60));
         }

@@ -36,8 +36,8 @@ class Fields : public RowCells<Column> {
         if (const auto unit = take_unit(number.text, *column_kinds[index(column)].quantity)) {
             if (factor != 1.0 && factor != unit->factor)
                 cell(column).fail(
-                    fmt::format("the {} \"{}\" is in another unit than its column",
-                                name_of(column), escape_for_message(cell(column).text)),
+                    fmt::format("the {} \"{}\" is in another unit than its column", name_of(column),
+                                escape_for_message(cell(column).text)),
                     "Hand in the table as the logger wrote it, or another export");
             factor = unit->factor;
         }
@@ -236,8 +236,7 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
     if (frame == CoordinateFrame::geodetic) {
         const WrittenAngle latitude = fields.coordinate(columns[0]);
         written.unit = latitude.unit();
-        written.coordinates = {latitude.last_number(),
-                               fields.coordinate(columns[1]).last_number()};
+        written.coordinates = {latitude.last_number(), fields.coordinate(columns[1]).last_number()};
         return;
     }
     const std::size_t count = frame == CoordinateFrame::ecef ? 3 : 2;
@@ -248,15 +247,14 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
 /// As many decimals of a second as those of a day show: four less, of five digits.
 std::string_view day_decimals(std::string_view text) {
     const std::size_t decimals = text.size() - std::min(text.find('.') + 1, text.size());
-    return std::string_view("0.000000000").substr(0, decimals > 5 ? 2 + std::min<std::size_t>(decimals - 5, 9) : 1);
+    return std::string_view("0.000000000")
+        .substr(0, decimals > 5 ? 2 + std::min<std::size_t>(decimals - 5, 9) : 1);
 }
 
 /// The part of a time that shows its decimals.
 std::string_view written_time(std::string_view text, const Description& description) {
     if (description.days) return day_decimals(text);
-    if (description.time_format == TimeFormat::iso ||
-        description.time_format == TimeFormat::time_of_day)
-        return seconds_text(text);
+    if (description.date_order) return seconds_text(text);
     if (description.time_shift == 0) return text;
     constexpr std::string_view pattern = "0.000000000";
     const std::size_t point = text.find('.');
@@ -266,8 +264,10 @@ std::string_view written_time(std::string_view text, const Description& descript
 
 /// Whether a telephone says that its network gave the position, and no satellites.
 bool is_of_network(const Fields& fields) {
+    if (fields.text(Column::provider).empty()) return false;
     const std::string provider = lower_case(fields.text(Column::provider));
-    return provider == "network" || provider == "wifi" || provider == "cell" || provider == "passive";
+    return provider == "network" || provider == "wifi" || provider == "cell" ||
+           provider == "passive";
 }
 
 FixType read_fix(const Fields& fields) {

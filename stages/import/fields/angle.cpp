@@ -12,7 +12,8 @@ namespace runcert {
 namespace {
 
 constexpr std::string_view degree_sign = "\xc2\xb0";
-constexpr const char* another_export = "Hand in the table as the logger wrote it, or another export";
+constexpr const char* another_export =
+    "Hand in the table as the logger wrote it, or another export";
 
 char small_letter(char c) {
     return static_cast<char>(c | 0x20);
@@ -21,13 +22,14 @@ char small_letter(char c) {
 /// What stands between degrees, minutes and seconds; "d", "m" and "s" only behind a digit.
 std::size_t mark_at(std::string_view text, std::size_t at) {
     if (text.substr(at).starts_with(degree_sign)) return degree_sign.size();
-    for (const std::string_view mark : {"\xe2\x80\xb2", "\xe2\x80\xb3"})  // the signs of minutes, seconds
+    for (const std::string_view mark :
+         {"\xe2\x80\xb2", "\xe2\x80\xb3"})  // the signs of minutes, seconds
         if (text.substr(at).starts_with(mark)) return mark.size();
     return std::string_view(" \t:'\"dms").find(text[at]) != std::string_view::npos ? 1 : 0;
 }
 
 /// The numbers of "31 36 00.0" or "31°36.5'": up to three; none where anything else stands there.
-std::size_t numbers_of(const Cell& cell, std::array<Cell, 3>& parts) {
+std::size_t numbers_of(const Cell& cell, std::array<std::string_view, 3>& parts) {
     std::size_t count = 0;
     for (std::size_t at = 0; at < cell.text.size();) {
         if (const std::size_t mark = mark_at(cell.text, at)) {
@@ -38,9 +40,7 @@ std::size_t numbers_of(const Cell& cell, std::array<Cell, 3>& parts) {
         while (at < cell.text.size() && mark_at(cell.text, at) == 0)
             ++at;
         if (count == parts.size()) return 0;
-        parts[count] = cell;
-        parts[count].text = cell.text.substr(from, at - from);
-        parts[count++].column += from;
+        parts[count++] = cell.text.substr(from, at - from);
     }
     return count;
 }
@@ -51,12 +51,13 @@ bool is_whole(std::string_view text) {
 
 /// Whether several numbers are one angle: all but the last whole, and the last with decimals or a
 /// third, or marks between them; "52 5" may be two angles.
-bool are_one_angle(const Cell& cell, const std::array<Cell, 3>& parts, std::size_t count) {
+bool are_one_angle(const Cell& cell, const std::array<std::string_view, 3>& parts,
+                   std::size_t count) {
     if (count < 2) return false;
-    std::string_view first = parts[0].text;
+    std::string_view first = parts[0];
     if (first.starts_with('-') || first.starts_with('+')) first.remove_prefix(1);
-    if (!is_whole(first) || (count == 3 && !is_whole(parts[1].text))) return false;
-    return count == 3 || parts[1].text.find('.') != std::string_view::npos ||
+    if (!is_whole(first) || (count == 3 && !is_whole(parts[1]))) return false;
+    return count == 3 || parts[1].find('.') != std::string_view::npos ||
            cell.text.find_first_of(":'\xc2") != std::string_view::npos;
 }
 
@@ -87,8 +88,7 @@ WrittenAngle::WrittenAngle(const Cell& cell, bool is_latitude, AngleForm form,
     : meaning_(is_latitude ? "latitude" : "longitude"),
       cell_(cell),
       hemisphere_(hemisphere),
-      form_(form),
-      parts_{cell, cell, cell} {
+      form_(form) {
     const std::string_view letters = is_latitude ? "ns" : "ew";
     std::string_view& text = cell_.text;
     if (text.empty()) return;
@@ -102,17 +102,21 @@ WrittenAngle::WrittenAngle(const Cell& cell, bool is_latitude, AngleForm form,
     }
     if (text.ends_with(degree_sign)) text.remove_suffix(degree_sign.size());
     text = trim(text);
-    parts_[0] = cell_;
     // Most angles are one number.
     if (!text.empty() && std::ranges::find_if_not(text, [](char c) {
-            return is_digit(c) || c == '.' || c == '-';
-        }) == text.end())
+                             return is_digit(c) || c == '.' || c == '-';
+                         }) == text.end())
         return;
-    std::array<Cell, 3> parts;
-    const std::size_t count = numbers_of(cell_, parts);
-    if (!are_one_angle(cell_, parts, count)) return;
-    parts_ = parts;
-    count_ = count;
+    const std::size_t count = numbers_of(cell_, parts_);
+    if (are_one_angle(cell_, parts_, count)) count_ = count;
+}
+
+Cell WrittenAngle::part(std::size_t i) const {
+    if (count_ == 1) return cell_;
+    Cell one = cell_;
+    one.text = parts_[i];
+    one.column += static_cast<std::size_t>(parts_[i].data() - cell_.text.data());
+    return one;
 }
 
 CoordinateUnit WrittenAngle::unit() const {
@@ -122,14 +126,16 @@ CoordinateUnit WrittenAngle::unit() const {
 }
 
 double WrittenAngle::degrees() const {
+    if (count_ == 1 && letter_ == '\0' && !hemisphere_ && form_ == AngleForm::degrees)
+        if (const auto plain = parse_double(cell_.text)) return *plain;
     const bool has_point = cell_.text.find('.') != std::string_view::npos;  // "1,5" is one
     if (count_ == 1 && has_point && parse_double(halves_of(cell_)[0].text) &&
         parse_double(halves_of(cell_)[1].text))
         cell_.fail(fmt::format("the {} \"{}\" is two numbers, both coordinates in one cell",
                                meaning_, escape_for_message(cell_.text)),
                    "Name this column for latitude and for longitude: it is read in that order");
-    double value = read_real(parts_[0], meaning_);
-    const bool negative = parts_[0].text.starts_with('-');
+    double value = read_real(part(0), meaning_);
+    const bool negative = part(0).text.starts_with('-');
     const auto refuse_sixty = [&] {
         cell_.fail(fmt::format("the {} \"{}\" has 60 minutes or seconds, or more", meaning_,
                                escape_for_message(cell_.text)),
@@ -142,10 +148,10 @@ double WrittenAngle::degrees() const {
     }
     double part_of_degree = 1.0;
     for (std::size_t i = 1; i < count_; ++i) {
-        const double part = read_real(parts_[i], meaning_);
-        if (part < 0.0 || part >= 60.0) refuse_sixty();
+        const double sixtieths = read_real(part(i), meaning_);
+        if (sixtieths < 0.0 || sixtieths >= 60.0) refuse_sixty();
         part_of_degree /= 60.0;
-        value += (negative ? -part : part) * part_of_degree;
+        value += (negative ? -sixtieths : sixtieths) * part_of_degree;
     }
     if (letter_ != '\0' && value < 0.0)
         cell_.fail(fmt::format("the {} has a sign, and the letter of a hemisphere", meaning_),

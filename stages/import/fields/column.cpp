@@ -14,13 +14,24 @@ constexpr KnownNames known(Column column, const std::string_view (&names)[count]
 
 constexpr std::string_view latitudes[] = {"latitude", "gpslatitude", "gpslat", "lat",
                                           "breite",   "breitengrad", "latitud"};
-constexpr std::string_view longitudes[] = {"longitude", "gpslongitude", "gpslong",    "gpslon",
-                                           "gpslng",    "long",         "lon",        "lng",
+constexpr std::string_view longitudes[] = {"longitude", "gpslongitude", "gpslong",   "gpslon",
+                                           "gpslng",    "long",         "lon",       "lng",
                                            "laenge",    "laengengrad",  "lngengrad", "longitud"};
-constexpr std::string_view heights[] = {
-    "height",      "ellipsoidheight", "ellipsoidalheight", "hell",   "altitude",
-    "gpsaltitude", "gpsalt",          "gpsheight",         "elevation", "alt",
-    "ele",         "hmsl",            "positionaltitude",  "hoehe",  "hhe"};
+constexpr std::string_view heights[] = {"height",
+                                        "ellipsoidheight",
+                                        "ellipsoidalheight",
+                                        "hell",
+                                        "altitude",
+                                        "gpsaltitude",
+                                        "gpsalt",
+                                        "gpsheight",
+                                        "elevation",
+                                        "alt",
+                                        "ele",
+                                        "hmsl",
+                                        "positionaltitude",
+                                        "hoehe",
+                                        "hhe"};
 constexpr std::string_view ecef_x[] = {"ecefx", "xecef", "x"};
 constexpr std::string_view ecef_y[] = {"ecefy", "yecef", "y"};
 constexpr std::string_view ecef_z[] = {"ecefz", "zecef", "z"};
@@ -28,58 +39,98 @@ constexpr std::string_view easts[] = {"easting", "east", "utme", "e", "x"};
 constexpr std::string_view norths[] = {"northing", "north", "utmn", "n", "y"};
 constexpr std::string_view ups[] = {"up", "height", "elevation", "altitude", "u", "z"};
 constexpr std::string_view times[] = {
-    "utctime",  "gpstime",     "timestamp", "datetime", "utcdatetime", "gpsdatetime", "timeutc",
-    "utcunix",  "utcunixs",    "time",      "utc",      "unixtime",    "unix",        "gpstow",
-    "tow",      "gpsseconds",  "gpssow",    "sow",      "ts",          "epoch"};
+    "utctime", "gpstime",    "timestamp", "datetime", "utcdatetime", "gpsdatetime", "timeutc",
+    "utcunix", "utcunixs",   "time",      "utc",      "unixtime",    "unix",        "gpstow",
+    "tow",     "gpsseconds", "gpssow",    "sow",      "ts",          "epoch"};
 constexpr std::string_view weeks[] = {"gpsweek", "week"};
 constexpr std::string_view dates[] = {"utcdate", "gpsdate", "date"};
 constexpr std::string_view velocities_east[] = {"velocityeast", "eastvelocity", "veast", "vele",
                                                 "ve"};
-constexpr std::string_view velocities_north[] = {"velocitynorth", "northvelocity", "vnorth",
-                                                 "veln", "vn"};
-constexpr std::string_view velocities_up[] = {"velocityup", "upvelocity",   "vup",   "velu", "vu",
-                                              "velocitydown", "downvelocity", "vdown", "veld", "vd"};
-constexpr std::string_view speeds[] = {
-    "gpsspeed", "groundspeed", "speedoverground", "gspd",           "sog",      "speed",
-    "velocity", "kph",         "kmh",             "mph",            "spd",      "gspeed",
-    "gps2dspeed", "2dspeed",   "speed2d",         "speedhorizontal", "horizontalspeed",
-    "geschwindigkeit", "vitesse", "velocidad",    "velocita",       "snelheid", "hastighet"};
-constexpr std::string_view courses[] = {"courseoverground", "course",    "cog",     "gpscourse",
-                                        "groundcourse",     "heading",   "gpsheading", "bearing",
-                                        "track",            "hdg",       "trackangle", "kurs"};
-constexpr std::string_view sigmas_east[] = {"sigmaeast", "sdeast", "stdeast", "eaststd", "eastsd",
-                                            "sde", "eastpositionaccuracy", "eastaccuracy"};
-constexpr std::string_view sigmas_north[] = {"sigmanorth", "sdnorth", "stdnorth", "northstd",
-                                             "northsd", "sdn", "northpositionaccuracy",
-                                             "northaccuracy"};
-constexpr std::string_view sigmas_up[] = {"sigmaup",  "sdup",     "stdup",
-                                          "upstd",    "upsd",     "sdu",
-                                          "sdheight", "heightsd", "heightstd",
-                                          "downpositionaccuracy", "uppositionaccuracy",
+constexpr std::string_view velocities_north[] = {"velocitynorth", "northvelocity", "vnorth", "veln",
+                                                 "vn"};
+constexpr std::string_view velocities_up[] = {
+    "velocityup",   "upvelocity",   "vup",   "velu", "vu",
+    "velocitydown", "downvelocity", "vdown", "veld", "vd"};
+constexpr std::string_view speeds[] = {"gpsspeed",
+                                       "groundspeed",
+                                       "speedoverground",
+                                       "gspd",
+                                       "sog",
+                                       "speed",
+                                       "velocity",
+                                       "kph",
+                                       "kmh",
+                                       "mph",
+                                       "spd",
+                                       "gspeed",
+                                       "gps2dspeed",
+                                       "2dspeed",
+                                       "speed2d",
+                                       "speedhorizontal",
+                                       "horizontalspeed",
+                                       "geschwindigkeit",
+                                       "vitesse",
+                                       "velocidad",
+                                       "velocita",
+                                       "snelheid",
+                                       "hastighet"};
+constexpr std::string_view courses[] = {
+    "courseoverground", "course",  "cog",   "gpscourse", "groundcourse", "heading",
+    "gpsheading",       "bearing", "track", "hdg",       "trackangle",   "kurs"};
+constexpr std::string_view sigmas_east[] = {
+    "sigmaeast",   "sdeast", "stdeast", "eaststd", "eastsd", "sde", "eastpositionaccuracy",
+    "eastaccuracy"};
+constexpr std::string_view sigmas_north[] = {
+    "sigmanorth",   "sdnorth", "stdnorth", "northstd", "northsd", "sdn", "northpositionaccuracy",
+    "northaccuracy"};
+constexpr std::string_view sigmas_up[] = {"sigmaup",
+                                          "sdup",
+                                          "stdup",
+                                          "upstd",
+                                          "upsd",
+                                          "sdu",
+                                          "sdheight",
+                                          "heightsd",
+                                          "heightstd",
+                                          "downpositionaccuracy",
+                                          "uppositionaccuracy",
                                           "downaccuracy"};
-constexpr std::string_view qualities_2d[] = {"quality2d",    "cq2d",      "2dcq",
-                                             "horizontalaccuracy", "haccuracy", "hacc",
-                                             "accuracy",     "gpsaccuracy"};
-constexpr std::string_view qualities_height[] = {"qualityheight", "cq1d", "1dcq",
+constexpr std::string_view qualities_2d[] = {"quality2d", "cq2d", "2dcq",     "horizontalaccuracy",
+                                             "haccuracy", "hacc", "accuracy", "gpsaccuracy"};
+constexpr std::string_view qualities_height[] = {"qualityheight",    "cq1d",      "1dcq",
                                                  "verticalaccuracy", "vaccuracy", "vacc"};
 constexpr std::string_view sigmas_speed[] = {"sigmaspeed", "speedaccuracy", "sacc"};
 constexpr std::string_view fixes[] = {"fix",          "fixtype", "gpsfix",          "solution",
                                       "solutiontype", "valid",   "gnsspositionmode"};
-constexpr std::string_view counts[] = {
-    "satellites", "satellitesused", "sats", "sat",  "numsv", "numsats",            "numsat",
-    "gpsnumsat",  "nsat",           "nsats", "ns",  "numberofsatellites", "gpssats", "svs"};
-constexpr std::string_view norths_or_souths[] = {"ns", "latns", "latdir", "nsindicator",
-                                                 "latitudedirection", "lathemisphere",
-                                                 "latitudehemisphere", "latref"};
-constexpr std::string_view easts_or_wests[] = {"ew", "lonew", "londir", "ewindicator",
-                                               "longitudedirection", "lonhemisphere",
-                                               "longitudehemisphere", "lonref"};
+constexpr std::string_view counts[] = {"satellites", "satellitesused",
+                                       "sats",       "sat",
+                                       "numsv",      "numsats",
+                                       "numsat",     "gpsnumsat",
+                                       "nsat",       "nsats",
+                                       "ns",         "numberofsatellites",
+                                       "gpssats",    "svs"};
+constexpr std::string_view norths_or_souths[] = {"ns",
+                                                 "latns",
+                                                 "latdir",
+                                                 "nsindicator",
+                                                 "latitudedirection",
+                                                 "lathemisphere",
+                                                 "latitudehemisphere",
+                                                 "latref"};
+constexpr std::string_view easts_or_wests[] = {"ew",
+                                               "lonew",
+                                               "londir",
+                                               "ewindicator",
+                                               "longitudedirection",
+                                               "lonhemisphere",
+                                               "longitudehemisphere",
+                                               "lonref"};
 constexpr std::string_view milliseconds_names[] = {"ms", "msec", "millis", "millisecond",
                                                    "milliseconds"};
 constexpr std::string_view providers[] = {"provider", "locationprovider", "positionprovider"};
 
-constexpr std::string_view mocks[] = {"ismocklocation", "mocklocation", "ismock", "mock", "mocked",
-                                      "isfrommockprovider"};
+constexpr std::string_view mocks[] = {"ismocklocation", "mocklocation", "ismock",
+                                      "mock",           "mocked",       "isfrommockprovider"};
 
 constexpr KnownNames geodetic[] = {known(Column::latitude, latitudes),
                                    known(Column::longitude, longitudes),
@@ -110,8 +161,8 @@ constexpr KnownNames others[] = {known(Column::time, times),
                                  known(Column::provider, providers),
                                  known(Column::mock, mocks)};
 
-constexpr std::string_view of_both[] = {"gps", "latlon", "latlong", "latlng", "coordinates",
-                                        "position"};
+constexpr std::string_view of_both[] = {"gps",    "latlon",      "latlong",
+                                        "latlng", "coordinates", "position"};
 
 /// Words of fix types, as OxTS, Columbus, Inertial Explorer and others write them, in letters and
 /// digits.

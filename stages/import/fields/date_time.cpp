@@ -61,10 +61,19 @@ std::optional<std::int64_t> day_of(const Parts& parts, DateOrder order) {
 /// The month of a name of three letters or more, in English and the languages whose short names
 /// differ; 0 for another word.
 int month_named(std::string_view word) {
-    constexpr std::array<std::string_view, 12> names{
-        "jan ene gen", "feb fev f\xc3\xa9v", "mar mrz m\xc3\xa4r mrt", "apr avr abr",
-        "may mai mag mei", "jun giu", "jul lug", "aug ago aou ao\xc3\xbb", "sep set",
-        "oct okt ott out", "nov", "dec dez dic d\xc3\xa9""c"};
+    constexpr std::array<std::string_view, 12> names{"jan ene gen",
+                                                     "feb fev f\xc3\xa9v",
+                                                     "mar mrz m\xc3\xa4r mrt",
+                                                     "apr avr abr",
+                                                     "may mai mag mei",
+                                                     "jun giu",
+                                                     "jul lug",
+                                                     "aug ago aou ao\xc3\xbb",
+                                                     "sep set",
+                                                     "oct okt ott out",
+                                                     "nov",
+                                                     "dec dez dic d\xc3\xa9"
+                                                     "c"};
     const std::string lower = lower_case(word);
     if (lower.starts_with("juin")) return 6;
     if (lower.starts_with("juil")) return 7;
@@ -92,7 +101,11 @@ bool says_nothing_of_date(std::string_view word) {
 /// The day of a date with its month's name: of the two numbers beside it one of four digits is the
 /// year, else the second. Nothing for another text.
 std::optional<std::int64_t> day_by_name(std::string_view text) {
-    if (text.size() > 60 || std::ranges::none_of(text, is_letter)) return std::nullopt;
+    // A name has three letters at least.
+    std::size_t letters = 0;
+    for (std::size_t i = 0; i < text.size() && letters < 3; ++i)
+        letters = is_letter(text[i]) ? letters + 1 : 0;
+    if (letters < 3 || text.size() > 60) return std::nullopt;
     int month = 0;
     std::array<std::string_view, 2> numbers;
     std::size_t count = 0;
@@ -100,8 +113,8 @@ std::optional<std::int64_t> day_by_name(std::string_view text) {
         // Blanks part what may be a time of day or a zone from the rest.
         const std::string_view chunk = left.substr(0, left.find(' '));
         left.remove_prefix(std::min(chunk.size() + 1, left.size()));
-        const bool of_time = chunk.find(':') != std::string_view::npos ||
-                             chunk.starts_with('+') || chunk.starts_with('-');
+        const bool of_time = chunk.find(':') != std::string_view::npos || chunk.starts_with('+') ||
+                             chunk.starts_with('-');
         for (std::size_t at = 0; at < chunk.size() && !of_time;) {
             const std::size_t from = at;
             if (is_digit(chunk[at])) {
@@ -210,7 +223,8 @@ std::array<Cell, 2> split_date_time(const Cell& cell) {
     };
     const std::size_t colon = cell.text.find(':');
     if (day_by_name(cell.text)) {
-        if (colon == std::string_view::npos) return {date, Cell{{}, cell.recording, cell.line, cell.column}};
+        if (colon == std::string_view::npos)
+            return {date, Cell{{}, cell.recording, cell.line, cell.column}};
         const std::size_t begin = cell.text.find_last_of(" \t", colon) + 1;
         // Behind it a year may stand: four digits without a sign.
         std::size_t end = cell.text.size();
@@ -238,7 +252,8 @@ bool is_iso(std::string_view date, std::string_view time_of_day) {
 std::string_view seconds_text(std::string_view text) {
     if (const auto zone = zone_of(text)) text = text.substr(0, zone->begin);
     const std::size_t colon = text.find_last_of(':');
-    if (colon != std::string_view::npos) text.remove_prefix(colon + 1);
+    if (colon != std::string_view::npos)
+        text.remove_prefix(colon + 1);
     else if (const std::size_t blank = text.find_last_of("T \t"); blank != std::string_view::npos)
         text.remove_prefix(blank + 1);
     const std::size_t end = text.find_first_not_of("0123456789.");
@@ -278,10 +293,10 @@ std::optional<DayCountKind> day_count_of(std::string_view text) {
     if (!value || point == std::string_view::npos || text.size() - point - 1 < 4)
         return std::nullopt;
     // Day 0 of each by days since 1980-01-06.
-    for (const DayCountKind& kind : {DayCountKind{"days of a spreadsheet", -29'226.0},
-                                     DayCountKind{"modified Julian days", -44'244.0},
-                                     DayCountKind{"days of Matlab", -723'186.0},
-                                     DayCountKind{"Julian days", -2'444'244.5}}) {
+    for (const DayCountKind& kind :
+         {DayCountKind{"days of a spreadsheet", -29'226.0},
+          DayCountKind{"modified Julian days", -44'244.0},
+          DayCountKind{"days of Matlab", -723'186.0}, DayCountKind{"Julian days", -2'444'244.5}}) {
         const double since_2000 = *value + kind.first_day - from_gps_epoch;
         if (since_2000 >= 0.0 && since_2000 < days_of_40_years) return kind;
     }
@@ -291,16 +306,17 @@ std::optional<DayCountKind> day_count_of(std::string_view text) {
 GpsTime read_days(const Cell& cell, const DayCountKind& kind, Clock clock) {
     // Whole days and the rest apart, so that nothing is rounded by a double of both.
     const std::size_t point = cell.text.find('.');
-    const double whole = read_real(cell, "time") < 0.0 ? -1.0 : *parse_double(cell.text.substr(0, point));
+    const double whole =
+        read_real(cell, "time") < 0.0 ? -1.0 : *parse_double(cell.text.substr(0, point));
     const double rest = *parse_double("0" + std::string(cell.text.substr(point)));
     const double begin = std::floor(whole + kind.first_day);
     const double day_ns = static_cast<double>(GpsTime::nanoseconds_per_day);
     const auto in_day_ns = std::llround((rest + whole + kind.first_day - begin) * day_ns);
-    return instant_of(GpsTime::from_nanoseconds(static_cast<std::int64_t>(begin) *
-                                                GpsTime::nanoseconds_per_day)
-                          .plus_nanoseconds(in_day_ns)
-                          .calendar(),
-                      clock, cell);
+    return instant_of(
+        GpsTime::from_nanoseconds(static_cast<std::int64_t>(begin) * GpsTime::nanoseconds_per_day)
+            .plus_nanoseconds(in_day_ns)
+            .calendar(),
+        clock, cell);
 }
 
 }  // namespace runcert

@@ -35,7 +35,8 @@ constexpr Spelled spelled[] = {
     {{"km", Quantity::length, 1000.0}, {"km"}},
     {{"ft", Quantity::length, 0.3048}, {"ft", "feet", "foot"}},
     {{"deg", Quantity::angle, 1.0}, {"deg", "degs", "degree", "degrees", "\xc2\xb0"}},
-    {{"rad", Quantity::angle, Angle::from_radians(1.0).degrees()}, {"rad", "rads", "radian", "radians"}},
+    {{"rad", Quantity::angle, Angle::from_radians(1.0).degrees()},
+     {"rad", "rads", "radian", "radians"}},
     {{"min", Quantity::angle, 1.0 / 60.0}, {"min", "mins", "arcmin", "minutes"}},
     {{"s", Quantity::time, 1.0}, {"s", "sec", "secs", "second", "seconds"}},
     {{"ms", Quantity::time, 1e-3},
@@ -165,10 +166,10 @@ std::string letters_of(std::string_view name) {
 
 std::optional<Unit> take_unit(std::string_view& cell, Quantity quantity) {
     if (cell.empty() || is_digit(cell.back()) || cell.back() == '.') return std::nullopt;
-    const std::size_t end = std::min(
-        static_cast<std::size_t>(std::ranges::find_if_not(cell, is_number_character) -
-                                 cell.begin()),
-        cell.size());
+    const std::size_t end =
+        std::min(static_cast<std::size_t>(std::ranges::find_if_not(cell, is_number_character) -
+                                          cell.begin()),
+                 cell.size());
     const std::string_view number = trim(cell.substr(0, end));
     if (number.empty() || !is_digit(number.back())) return std::nullopt;
     const auto unit = find_unit(cell.substr(end), quantity);
@@ -187,7 +188,7 @@ bool is_missing(std::string_view cell) {
     if (cell.empty()) return true;
     if (is_digit(cell.back()) || cell.size() > 5) return false;
     const std::string lower = lower_case(cell);
-    constexpr std::array<std::string_view, 11> words{"-",    "--",   "---", "n/a", "na", "null",
+    constexpr std::array<std::string_view, 11> words{"-",    "--",  "---", "n/a",  "na", "null",
                                                      "none", "\\n", "nan", "-nan", "nil"};
     return std::ranges::find(words, lower) != words.end();
 }

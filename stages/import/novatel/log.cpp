@@ -92,8 +92,8 @@ Log read_log(const SourceLine& line, const RecordingBytes& recording) {
         start.fail(fmt::format("the log's header has {} fields, not {}", header.size(),
                                is_short ? short_fields : long_fields),
                    "Take the recording as the receiver wrote it");
-    const bool unicore = !is_short && (header[unicore_scale].text == "GPS" ||
-                                       header[unicore_scale].text == "BDS");
+    const bool unicore =
+        !is_short && (header[unicore_scale].text == "GPS" || header[unicore_scale].text == "BDS");
     const std::size_t week = is_short ? short_week : unicore ? unicore_week : long_week;
     return {.name = header[0].text,
             .time_status = is_short ? std::string_view()

@@ -331,8 +331,8 @@ void RowMaker::set_place(Observation& row, const Epoch& epoch) {
     }
     const Part source = epoch.position();
     if (source == Part::hpposllh)
-        throw Failure(place_in(recording_, place), "the receiver says that its NAV-HPPOSLLH is invalid",
-                      "Record NAV-PVT, too");
+        throw Failure(place_in(recording_, place),
+                      "the receiver says that its NAV-HPPOSLLH is invalid", "Record NAV-PVT, too");
     const std::string_view payload = epoch[source];
     if (source == Part::sol) {
         set_position(row, checked_ecef(centimetres_at(payload, 12), recording_, place));

@@ -97,9 +97,9 @@ class RowMaker {
     explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
 
     /// The row of an epoch that is_whole, or has a position and no date; nothing where the receiver
-    /// did not know the time. Of those without date the week is that of the nearest TIMEGPS, and the
-    /// fix type that of the STATUS of the last second.
-    /// Failure where its time or position is impossible.
+    /// did not know the time. Of those without date the week is that of the nearest TIMEGPS, and
+    /// the fix type that of the STATUS of the last second. Failure where its time or position is
+    /// impossible.
     std::optional<TimedRow> row(const Epoch& epoch);
     const RowTally& tally() const { return tally_; }
 
@@ -112,9 +112,9 @@ class RowMaker {
 
     const RecordingBytes& recording_;
     RowTally tally_;
-    std::optional<GpsTime> dated_;       ///< by a TIMEGPS, the last or the first to come
-    bool looked_for_ = false;            ///< whether the first to come was
-    std::optional<Frame> status_;        ///< the last
+    std::optional<GpsTime> dated_;  ///< by a TIMEGPS, the last or the first to come
+    bool looked_for_ = false;       ///< whether the first to come was
+    std::optional<Frame> status_;   ///< the last
 };
 
 }  // namespace runcert::ubx

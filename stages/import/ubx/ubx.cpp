@@ -128,7 +128,8 @@ class Reader {
 
     void finish_epoch() {
         const std::optional<Epoch> epoch = std::exchange(epoch_, std::nullopt);
-        if (!epoch || !(epoch->is_whole() || (epoch->has_position() && of_older_receivers()))) return;
+        if (!epoch || !(epoch->is_whole() || (epoch->has_position() && of_older_receivers())))
+            return;
         try {
             if (const auto row = maker_.row(*epoch)) timed_.add(*row, epoch->place());
         } catch (const Failure& failure) {
@@ -255,7 +256,8 @@ bool recognises(std::string_view bytes) {
         if (!frame->good) continue;
         any = true;
         const auto part = part_of(*frame);
-        if (part == Part::pvt || part == Part::posllh || part == Part::sol || part == Part::hpposllh)
+        if (part == Part::pvt || part == Part::posllh || part == Part::sol ||
+            part == Part::hpposllh)
             return true;
     }
     // Receivers can mix both, and then the positions may be in NMEA sentences alone.

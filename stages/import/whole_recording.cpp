@@ -75,6 +75,8 @@ std::array<double, 2> single_precision_steps_deg(const std::vector<Observation>&
     constexpr double metres_per_degree = 6'371e3 * std::numbers::pi / 180.0;
     std::array<double, 2> step_deg{};
     std::array<bool, 2> single{true, true};
+    std::array<std::size_t, 2> changes{};
+    const Observation* before = nullptr;
     std::size_t seen = 0;
     // Written to the nearest of its decimals.
     const double half_deg = 0.51 * written_step_m / metres_per_degree;
@@ -90,10 +92,14 @@ std::array<double, 2> single_precision_steps_deg(const std::vector<Observation>&
             single[i] = single[i] && std::abs(value - static_cast<double>(nearest)) <= half_deg;
         }
         if (!single[0] && !single[1]) return {};
+        changes[0] += before && *before->latitude_deg != *row.latitude_deg ? 1U : 0U;
+        changes[1] += before && *before->longitude_deg != *row.longitude_deg ? 1U : 0U;
+        before = &row;
     }
     for (std::size_t i = 0; i < 2; ++i)
         // By chance none of so many would lie on a grid so much coarser than what is written.
-        if (!single[i] || seen < least || step_deg[i] < 8.0 * half_deg) step_deg[i] = 0.0;
+        if (!single[i] || seen < least || changes[i] < least / 3 || step_deg[i] < 8.0 * half_deg)
+            step_deg[i] = 0.0;
     return step_deg;
 }
 

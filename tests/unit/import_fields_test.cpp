@@ -140,7 +140,7 @@ std::string dms(double degrees, const char* pattern) {
 
 TEST(FieldAngles, AreReadHoweverTheyAreWritten) {
     const char* patterns[] = {"{}{:.0f} {:02.0f} {:09.6f}", "{}{:.0f}:{:02.0f}:{:09.6f}",
-                              "{}{:.0f}\xc2\xb0{:02.0f}'{:09.6f}"};
+                              "{}{:.0f}d{:02.0f}m{:09.6f}s", "{}{:.0f}\xc2\xb0{:02.0f}'{:09.6f}"};
     for (const char* pattern : patterns) {
         SCOPED_TRACE(pattern);
         const Observations read = proposed(table("time,lat,lon,alt", [&](const Instant& one) {

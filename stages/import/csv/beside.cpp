@@ -34,21 +34,29 @@ bool is_taken(const Layout& layout, std::size_t column) {
     return std::ranges::find(layout.place, std::optional(column)) != layout.place.end();
 }
 
-/// The column of letters of a coordinate that is written without: one that is named so, else the
-/// one behind or before it.
-void find_hemisphere(Layout& layout, const Rows& rows, Column coordinate, Column hemisphere) {
-    const bool latitude = coordinate == Column::latitude;
-    const auto is_free = [&](std::size_t i) {
+/// The columns of letters of coordinates that are written without: those that are named so; or
+/// both behind, or both before their coordinates. One letter alone may be of anything.
+void find_hemispheres(Layout& layout, const Rows& rows) {
+    const auto is_free = [&](std::size_t i, bool latitude) {
         return i < layout.fields && !is_taken(layout, i) &&
                all_are(rows, i,
                        [&](std::string_view text) { return hemisphere_in(text, latitude) != 0; });
     };
-    if (!layout[coordinate]) return;
-    for (std::size_t i = 0; i < layout.fields && !layout[hemisphere]; ++i)
-        if (is_named(layout.head.names[i].text, hemisphere) && is_free(i)) layout[hemisphere] = i;
-    const std::size_t at = *layout[coordinate];
-    for (const std::size_t i : {at + 1, at - 1})
-        if (!layout[hemisphere] && is_free(i)) layout[hemisphere] = i;
+    if (!layout[Column::latitude] || !layout[Column::longitude]) return;
+    for (const Column column : {Column::north_south, Column::east_west})
+        for (std::size_t i = 0; i < layout.fields && !layout[column]; ++i)
+            if (is_named(layout.head.names[i].text, column) &&
+                is_free(i, column == Column::north_south))
+                layout[column] = i;
+    if (layout[Column::north_south] || layout[Column::east_west]) return;
+    for (const std::size_t offset : {std::size_t{1}, static_cast<std::size_t>(-1)}) {
+        const std::size_t of_latitude = *layout[Column::latitude] + offset;
+        const std::size_t of_longitude = *layout[Column::longitude] + offset;
+        if (!is_free(of_latitude, true) || !is_free(of_longitude, false)) continue;
+        layout[Column::north_south] = of_latitude;
+        layout[Column::east_west] = of_longitude;
+        return;
+    }
 }
 
 /// Milliseconds in a column of their own, where times of day are whole seconds.
@@ -130,10 +138,8 @@ void find_beside(Layout& layout, const Description& description, const Rows& row
     find(Column::mock);
     find_milliseconds(layout, description, rows);
     if (description.frame != CoordinateFrame::geodetic) return;
-    if (!layout.both_in_one && layout[Column::latitude] != layout[Column::longitude]) {
-        find_hemisphere(layout, rows, Column::latitude, Column::north_south);
-        find_hemisphere(layout, rows, Column::longitude, Column::east_west);
-    }
+    if (!layout.both_in_one && layout[Column::latitude] != layout[Column::longitude])
+        find_hemispheres(layout, rows);
     find_angle_form(layout, rows);
     layout.between_sensors = are_between_sensors(layout, rows);
 }

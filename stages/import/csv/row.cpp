@@ -96,6 +96,8 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver, int shift) {
 
 /// Failure for a time that shows itself to be of another format than the attempt says.
 void require_described(const Cell& time, TimeFormat described) {
+    const bool begins_as_iso = time.text.size() > 10 && time.text[4] == '-' && time.text[7] == '-';
+    if (described == TimeFormat::iso && begins_as_iso) return;
     const std::string_view date = split_date_time(time)[0].text;
     const bool has_date =
         (date.find_first_of("/-.") != std::string_view::npos || date.size() == time.text.size()) &&
@@ -164,8 +166,8 @@ Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_
 
 /// A position in geodetic or Earth-centred coordinates. All the coordinates that are recorded are
 /// there.
-Geodetic read_place(const Fields& fields, const Description& description,
-                    const Receiver& receiver) {
+Geodetic read_place(const Fields& fields, const Description& description, const Receiver& receiver,
+                    WrittenCells& written) {
     if (description.frame == CoordinateFrame::ecef)
         return checked_ecef(
             {fields.real(Column::x), fields.real(Column::y), fields.real(Column::z)},
@@ -176,12 +178,18 @@ Geodetic read_place(const Fields& fields, const Description& description,
     const double height_m =
         has_height ? fields.real(height) : description.constant_height_m.value_or(0.0);
     const Cell& first = fields.cell(utm ? Column::east : Column::latitude);
-    const Geodetic position =
-        utm ? read_utm(fields, receiver, height_m)
-            : Geodetic{
-                  .latitude = Angle::from_degrees(fields.coordinate(Column::latitude).degrees()),
-                  .longitude = Angle::from_degrees(fields.coordinate(Column::longitude).degrees()),
-                  .height_m = height_m};
+    Geodetic position;
+    if (utm) {
+        position = read_utm(fields, receiver, height_m);
+    } else {
+        const WrittenAngle latitude = fields.coordinate(Column::latitude);
+        const WrittenAngle longitude = fields.coordinate(Column::longitude);
+        position = {.latitude = Angle::from_degrees(latitude.degrees()),
+                    .longitude = Angle::from_degrees(longitude.degrees()),
+                    .height_m = height_m};
+        written.unit = latitude.unit();
+        written.coordinates = {latitude.last_number(), longitude.last_number()};
+    }
     return checked_geodetic(position, first, fields.cell(utm ? Column::north : Column::longitude),
                             has_height ? fields.cell(height) : first);
 }
@@ -232,13 +240,8 @@ StatedAccuracy read_accuracy(const Fields& fields, const Description& descriptio
 }
 
 void set_written_coordinates(WrittenCells& written, const Fields& fields, CoordinateFrame frame) {
+    if (frame == CoordinateFrame::geodetic) return;  // read_place has
     const std::span<const Column> columns = position_columns(frame);
-    if (frame == CoordinateFrame::geodetic) {
-        const WrittenAngle latitude = fields.coordinate(columns[0]);
-        written.unit = latitude.unit();
-        written.coordinates = {latitude.last_number(), fields.coordinate(columns[1]).last_number()};
-        return;
-    }
     const std::size_t count = frame == CoordinateFrame::ecef ? 3 : 2;
     for (std::size_t i = 0; i < count; ++i)
         written.coordinates[i] = fields.cell(columns[i]).text;
@@ -266,8 +269,7 @@ std::string_view written_time(std::string_view text, const Description& descript
 bool is_of_network(const Fields& fields) {
     if (fields.text(Column::provider).empty()) return false;
     const std::string provider = lower_case(fields.text(Column::provider));
-    return provider == "network" || provider == "wifi" || provider == "cell" ||
-           provider == "passive";
+    return provider == "network" || provider == "wifi" || provider == "cell";
 }
 
 FixType read_fix(const Fields& fields) {
@@ -331,7 +333,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
         observation.plane_north_m = fields.real(Column::north);
         observation.plane_up_m = fields.optional_real(Column::up);
     } else {
-        set_position(observation, read_place(fields, description, receiver));
+        set_position(observation, read_place(fields, description, receiver, row.written));
         const Column height = position_columns(description.frame)[2];
         if (description.has_up && description.frame != CoordinateFrame::ecef && !fields.has(height))
             observation.height_m.reset();

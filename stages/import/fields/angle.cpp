@@ -92,7 +92,9 @@ WrittenAngle::WrittenAngle(const Cell& cell, bool is_latitude, AngleForm form,
     const std::string_view letters = is_latitude ? "ns" : "ew";
     std::string_view& text = cell_.text;
     if (text.empty()) return;
-    if (letters.find(small_letter(text.back())) != std::string_view::npos) {
+    // "31d36m05s" ends in its seconds.
+    const bool ends_in_seconds = text.back() == 's' && text.find('m') != std::string_view::npos;
+    if (letters.find(small_letter(text.back())) != std::string_view::npos && !ends_in_seconds) {
         letter_ = small_letter(text.back());
         text.remove_suffix(1);
     } else if (letters.find(small_letter(text.front())) != std::string_view::npos) {
@@ -102,13 +104,13 @@ WrittenAngle::WrittenAngle(const Cell& cell, bool is_latitude, AngleForm form,
     }
     if (text.ends_with(degree_sign)) text.remove_suffix(degree_sign.size());
     text = trim(text);
-    // Most angles are one number.
-    if (!text.empty() && std::ranges::find_if_not(text, [](char c) {
-                             return is_digit(c) || c == '.' || c == '-';
-                         }) == text.end())
-        return;
-    const std::size_t count = numbers_of(cell_, parts_);
-    if (are_one_angle(cell_, parts_, count)) count_ = count;
+    // Most angles are one number, which nothing but a sign, digits and a point is.
+    for (const char c : text)
+        if (!is_digit(c) && c != '.' && c != '-') {
+            const std::size_t count = numbers_of(cell_, parts_);
+            if (are_one_angle(cell_, parts_, count)) count_ = count;
+            return;
+        }
 }
 
 Cell WrittenAngle::part(std::size_t i) const {

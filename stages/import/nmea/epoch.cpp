@@ -211,8 +211,8 @@ void RowMaker::set_solution(TimedRow& row, const Solution& solution) {
     set_position(row.observation, *solution.position);
     if (solution.has_height && solution.separation_m.value_or(0.0) != 0.0) {
         separation_m_ = *solution.separation_m;
-    } else if (const auto separation_m =
-                   solution.has_height ? known_separation_m() : std::nullopt) {
+    } else if (const auto separation_m = solution.has_height ? known_separation_m() : std::nullopt;
+               separation_m && (solution.above_sea_level || std::abs(*separation_m) > 1.0)) {
         row.observation.height_m = *row.observation.height_m + *separation_m;
         ++tally_.separation_of_another;
         --tally_.above_sea_level;

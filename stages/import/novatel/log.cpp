@@ -94,6 +94,9 @@ Log read_log(const SourceLine& line, const RecordingBytes& recording) {
                    "Take the recording as the receiver wrote it");
     const bool unicore =
         !is_short && (header[unicore_scale].text == "GPS" || header[unicore_scale].text == "BDS");
+    if (unicore && header[unicore_scale].text != "GPS")
+        header[unicore_scale].fail("the log counts BeiDou's time, which is read of no recording",
+                                   "Let the receiver count GPS time, and record again");
     const std::size_t week = is_short ? short_week : unicore ? unicore_week : long_week;
     return {.name = header[0].text,
             .time_status = is_short ? std::string_view()

@@ -153,7 +153,7 @@ void take_names(const SeenTable& table, std::span<const KnownNames> names, bool 
     };
     for (const Match match : {Match::whole, Match::begins, Match::within})
         for (const KnownNames& known : names)
-            for (const std::string_view name : known.names)
+            for (const std::string_view name : words_of(known.names))
                 for (std::size_t i = 0; i < table.head.names.size(); ++i)
                     if (!layout[known.column] && !is_taken(i) &&
                         matches(letters_of(table.head.names[i].text), name, match, known.column) &&

@@ -294,21 +294,17 @@ class Proposing {
         std::string_view cell = table_.first(*place);
         if (take_unit(cell, Quantity::speed)) return;
         const auto unit = unit_of_column(layout_.head, *place, Quantity::speed);
-        if (unit && metres_per_second_of(unit->name)) {
+        // Others than these an attempt has no word for, and import reads them itself.
+        if (unit && speed_unit_of_ratio(1.0 / unit->factor)) {
             proposal_.receiver.speed_unit = unit->name;
             return propose("speed_unit", std::string(unit->name), "the column's name ends so");
         }
         proposal_.speed_unit_unknown = layout_[Column::speed].has_value() && !unit;
     }
 
-    /// Whether an attempt has a word for it.
-    static bool metres_per_second_of(std::string_view unit) {
-        return unit == "m/s" || unit == "km/h" || unit == "kn" || unit == "mph";
-    }
-
     /// The columns that are not used, by their names.
     void set_unused() {
-        std::string names, speeds;
+        std::string names;
         for (std::size_t i = 0; i < table_.head.names.size() && table_.has_names; ++i) {
             const std::string_view name = table_.head.names[i].text;
             if (name.empty() ||

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "schemas/observations/observations.h"
 #include "stages/import/fields/unit.h"
@@ -97,8 +98,11 @@ constexpr std::string_view name_of(Column column) {
 /// several the first that is there counts.
 struct KnownNames {
     Column column;
-    std::span<const std::string_view> names;
+    std::string_view names;  ///< parted by blanks
 };
+
+/// The words of a text that blanks part.
+std::vector<std::string_view> words_of(std::string_view text);
 
 /// Of geodetic, Earth-centred and plane coordinates, and of all else.
 std::span<const KnownNames> geodetic_names();
@@ -107,7 +111,7 @@ std::span<const KnownNames> plane_names();
 std::span<const KnownNames> other_names();
 
 /// The names of columns that hold both coordinates.
-std::span<const std::string_view> names_of_both();
+std::vector<std::string_view> names_of_both();
 
 /// Whether a name, whole, is one of a meaning.
 bool is_named(std::string_view name, Column column);

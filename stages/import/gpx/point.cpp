@@ -127,7 +127,6 @@ double PointReader::read_height(const Piece& piece, const Texts& texts) {
     std::optional<double> geoid_m;
     if (texts.geoid_height)
         geoid_m = real_unless_empty(cell(piece, texts.geoid_height), "geoid height");
-    ++(geoid_m ? counts_.with_geoid_height : counts_.without_geoid_height);
     return height_m + geoid_m.value_or(0.0);
 }
 

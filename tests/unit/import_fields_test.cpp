@@ -163,13 +163,15 @@ TEST(FieldAngles, AreReadHoweverTheyAreWritten) {
 }
 
 TEST(FieldAngles, InThreeFieldsUnderOneName) {
-    const std::string text =
-        table("Week GPSTime Latitude Longitude H-Ell\n(weeks) (sec) (+/-D M S) (+/-D M S) (m)",
-              [&](const Instant& one) {
-                  return fmt::format("2409 {:.2f} {} {} 100.0", 554418.0 + one.t_s,
-                                     dms(one.latitude_deg, "{}{:.0f} {:02.0f} {:09.6f}"),
-                                     dms(one.longitude_deg, "{}{:.0f} {:02.0f} {:09.6f}"));
-              });
+    const std::string text = table(
+        "Week GPSTime Latitude Longitude H-Ell\n(weeks) (sec) (+/"
+        "-D M S) (+/"
+        "-D M S) (m)",
+        [&](const Instant& one) {
+            return fmt::format("2409 {:.2f} {} {} 100.0", 554418.0 + one.t_s,
+                               dms(one.latitude_deg, "{}{:.0f} {:02.0f} {:09.6f}"),
+                               dms(one.longitude_deg, "{}{:.0f} {:02.0f} {:09.6f}"));
+        });
     expect_run(proposed(text));
     Receiver receiver = csv_receiver();
     receiver.columns = {{"time", "GPSTime"},

@@ -138,7 +138,7 @@ void forget_course(RecordedVelocity& row) {
 
 /// What all the velocities of a recording have in common.
 struct Velocities {
-    std::size_t count = 0, moving = 0;
+    std::size_t count = 0, moving = 0, with_course = 0;
     bool all_north = true;
 };
 
@@ -150,6 +150,7 @@ Velocities velocities_of(const std::vector<Observation>& rows) {
         ++all.count;
         if (speed_of(row) == 0.0) continue;
         ++all.moving;
+        ++all.with_course;
         all.all_north = all.all_north && *row.recorded_velocity_east_m_s == 0.0 &&
                         *row.recorded_velocity_north_m_s > 0.0;
     }
@@ -201,7 +202,7 @@ void drop_unfilled_velocities(Observations& observations) {
             "Every recorded velocity is zero while the positions move: velocities are not used.");
         return;
     }
-    if (all.moving >= least_rows && all.all_north && all.count > 0 && moves &&
+    if (all.moving >= least_rows && all.all_north && all.with_course > 0 && moves &&
         extent.east_m > astray * extent.north_m) {
         for (Observation& row : rows)
             if (has_velocity(row) && speed_of(row) > 0.0) forget_course(row);

@@ -51,6 +51,21 @@ std::optional<std::int64_t> parse_shifted(std::string_view text, int shift) {
     return parse_decimal_nanoseconds(negative ? "-" + number : number);
 }
 
+/// A number with an exponent as the same without, where it shows whole seconds at least; empty
+/// where it has been rounded to fewer digits, or is none.
+std::string without_exponent(std::string_view text) {
+    const std::size_t e = text.find_first_of("eE");
+    const std::size_t point = text.find('.');
+    if (e == std::string_view::npos || point == std::string_view::npos || point > e) return {};
+    const auto exponent = parse_integer(text.substr(e + 1));
+    const auto decimals = static_cast<std::int64_t>(e - point - 1);
+    if (!exponent || *exponent < 0 || *exponent > decimals) return {};
+    std::string plain(text.substr(0, point));
+    plain += text.substr(point + 1, e - point - 1);
+    plain.insert(point + static_cast<std::size_t>(*exponent), 1, '.');
+    return plain;
+}
+
 }  // namespace
 
 std::string place_in(const RecordingBytes& recording, std::int64_t line, std::size_t column) {
@@ -103,6 +118,7 @@ double read_deviation(const Cell& cell, std::string_view meaning) {
 std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning, int shift) {
     const std::optional<std::int64_t> value = parse_shifted(cell.text, shift);
     if (value) return *value;
+    if (const auto plain = parse_shifted(without_exponent(cell.text), shift)) return *plain;
     if (parse_double(cell.text))
         cell.fail(fmt::format("the {} \"{}\" is not a plain count of seconds with at most nine "
                               "decimals",

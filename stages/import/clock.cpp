@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 
@@ -78,11 +79,73 @@ constexpr std::int64_t near_midnight_ns = 60 * GpsTime::nanoseconds_per_second;
 
 }  // namespace
 
+std::optional<WrittenZone> zone_of(std::string_view text) {
+    const std::size_t seconds = text.find(':');  // what stands before is no zone
+    if (text.ends_with('Z') && text.size() > 1) return WrittenZone{text.size() - 1};
+    const std::size_t sign = text.find_last_of("+-");
+    std::size_t begin = text.size();
+    std::int64_t ahead_min = 0;
+    if (sign != std::string_view::npos && seconds != std::string_view::npos && sign > seconds &&
+        text[sign - 1] != '.') {
+        const std::string_view digits = text.substr(sign + 1);
+        const bool colon = digits.size() == 5 && digits[2] == ':';
+        const auto hours = digits_at(digits, 0, 2);
+        const auto minutes =
+            digits.size() == 2 ? std::optional(0) : digits_at(digits, colon ? 3 : 2, 2);
+        if (!colon && digits.size() != 4 && digits.size() != 2) return std::nullopt;
+        if (!hours || !minutes || *hours > 14 || *minutes > 59) return std::nullopt;
+        ahead_min = (text[sign] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
+        begin = sign;
+    }
+    std::string_view head = text.substr(0, begin);
+    while (head.ends_with(' '))
+        head.remove_suffix(1);
+    if (head.ends_with("UTC") || head.ends_with("GMT"))
+        begin = head.size() - 3;
+    else if (begin == text.size())
+        return std::nullopt;
+    return WrittenZone{begin, ahead_min};
+}
+
+Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text) {
+    const auto zone = zone_of(text);
+    // A sign behind the minutes begins an offset; ".-002" is a FlySight's.
+    std::size_t sign = std::string_view::npos;
+    const std::size_t colon = std::min(text.find(':'), text.size());
+    for (std::size_t i = colon; i < text.size() && sign == std::string_view::npos; ++i)
+        if (text[i] == '+' || text[i] == '-') sign = i;
+    if (sign != std::string_view::npos && text[sign - 1] != '.' && (!zone || zone->begin > sign)) {
+        Cell offset = time_of_day;
+        offset.text = text.substr(sign);
+        offset.column += sign;
+        offset.fail(
+            fmt::format("\"{}\" is not an offset from UTC", escape_for_message(offset.text)),
+            "Offsets are read as +02:00, +0200 or Z, at most 14 hours: hand in another export");
+    }
+    if (!zone) return stated;
+    const Clock said{false, zone->ahead_of_utc_min * 60 * GpsTime::nanoseconds_per_second};
+    const bool is_z = text.ends_with('Z');
+    if (stated != said && stated != Clock::utc)
+        time_of_day.fail(
+            fmt::format("\"{}\" ends in {}, but the attempt says {} time", escape_for_message(text),
+                        is_z ? std::string("Z, which is UTC")
+                             : fmt::format("its offset from UTC, \"{}\"",
+                                           escape_for_message(text.substr(zone->begin))),
+                        stated.is_gps ? "GPS" : "local"),
+            "Write time_scale: utc in the attempt");
+    text = text.substr(0, zone->begin);
+    while (text.ends_with(' '))
+        text.remove_suffix(1);
+    return said;
+}
+
 GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock) {
     CalendarTime calendar;
     read_date(date, calendar);
-    read_time_of_day(time_of_day, calendar);
-    return instant_of(calendar, clock, time_of_day);
+    Cell shown = time_of_day;
+    const Clock by = clock_at(time_of_day, clock, shown.text);
+    read_time_of_day(shown, calendar);
+    return instant_of(calendar, by, time_of_day);
 }
 
 GpsTime read_iso(const Cell& cell, Clock clock) {
@@ -90,13 +153,6 @@ GpsTime read_iso(const Cell& cell, Clock clock) {
     if (text.size() < 11 || (text[10] != 'T' && text[10] != ' '))
         cell.fail(fmt::format("\"{}\" is not a date and time", escape_for_message(text)),
                   "Export them as 2023-07-11T06:04:30.000");
-    if (text.ends_with('Z')) {
-        if (clock != Clock::utc)
-            cell.fail(fmt::format("\"{}\" ends in Z, which is UTC, but the attempt says {} time",
-                                  escape_for_message(text), clock.is_gps ? "GPS" : "local"),
-                      "Write time_scale: utc in the attempt");
-        text.remove_suffix(1);
-    }
     Cell date = cell, time_of_day = cell;
     date.text = text.substr(0, 10);
     time_of_day.text = text.substr(11);
@@ -104,9 +160,9 @@ GpsTime read_iso(const Cell& cell, Clock clock) {
     return read_calendar(date, time_of_day, clock);
 }
 
-GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock) {
+GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock, int shift) {
     const auto week_number = static_cast<int>(read_whole(week, "GPS week", 0, 9999));
-    const std::int64_t nanoseconds = read_nanoseconds(seconds_of_week, "time of week");
+    const std::int64_t nanoseconds = read_nanoseconds(seconds_of_week, "time of week", shift);
     return at(seconds_of_week, [&] {
         const GpsTime shown = GpsTime::from_week(week_number, nanoseconds);
         return clock.is_gps ? shown : instant(shown.calendar(), clock);

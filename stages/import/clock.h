@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string_view>
 
 #include "core/gps_time.h"
 #include "schemas/attempt/attempt.h"
@@ -39,16 +40,30 @@ constexpr std::int64_t whole_seconds(std::int64_t nanoseconds) {
 
 // All fail at the cell that holds what cannot be read. Exact: no time is ever a double.
 
+/// What a time of day says of its zone, behind it: Z, UTC, GMT, "+02:00", "-0500", "GMT+09:30".
+struct WrittenZone {
+    std::size_t begin = 0;  ///< where it begins in the text
+    std::int64_t ahead_of_utc_min = 0;
+};
+
+/// Nothing where there is none, or none that is read.
+std::optional<WrittenZone> zone_of(std::string_view time_of_day);
+
+/// The clock of a time of day that may say its zone, which is taken off `text`; else the stated
+/// one. Failure where it says one and the attempt another.
+Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text);
+
 /// The instant at which the clock shows this date ("2023-07-11" or "2023/07/11") and time of day
-/// ("06:04:30", with any decimals up to the ninth). Second 60 where UTC had a leap second.
+/// ("06:04:30", with any decimals up to the ninth, and its zone). Second 60 where UTC had a leap
+/// second.
 GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock);
 
-/// The same from one cell: date, T or a blank, time of day. A final Z says UTC, and fails where
-/// the clock is another.
+/// The same from one cell: date, T or a blank, time of day.
 GpsTime read_iso(const Cell& cell, Clock clock);
 
-/// The instant at which the clock shows this full week number and these seconds of the week.
-GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock);
+/// The instant at which the clock shows this full week number and these seconds of the week, or
+/// milliseconds where `shift` is 3.
+GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock, int shift = 0);
 
 /// What `find` gives; its Failure becomes one at the record's place.
 GpsTime instant_of_record(const RecordingBytes& recording, const RecordPlace& place,

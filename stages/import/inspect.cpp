@@ -179,11 +179,13 @@ void count_rows(const Observations& observations, Inspection& inspection) {
     constexpr std::size_t kinds = static_cast<std::size_t>(FixType::dead_reckoning) + 1;
     std::array<std::size_t, kinds> count{};
     std::vector<double> horizontal_m, velocity_m_s;
+    std::size_t standing = 0;
     for (const Observation& row : observations.rows) {
         ++count[static_cast<std::size_t>(row.fix)];
         inspection.without_position += has_position(row) ? 0 : 1;
         inspection.with_velocity += has_speed(row) ? 1 : 0;
         inspection.speeds_alone += row.recorded_speed_m_s ? 1 : 0;
+        standing += has_velocity(row) && *horizontal_speed(row) == 0.0 ? 1U : 0U;
         inspection.velocities_stated += has_velocity_accuracy(row) ? 1 : 0;
         inspection.with_vertical_accuracy += row.sigma_up_m ? 1 : 0;
         if (row.sigma_east_m && row.sigma_north_m)
@@ -194,6 +196,10 @@ void count_rows(const Observations& observations, Inspection& inspection) {
         else if (row.sigma_recorded_speed_m_s)
             velocity_m_s.push_back(*row.sigma_recorded_speed_m_s);
     }
+    // A speed of zero has every course: where no other has one, none was recorded.
+    if (inspection.speeds_alone > 0 &&
+        inspection.speeds_alone + standing == inspection.with_velocity)
+        inspection.speeds_alone = inspection.with_velocity;
     for (std::size_t kind = 0; kind < kinds; ++kind)
         if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixType>(kind), count[kind]);
     std::stable_sort(inspection.fixes.begin(), inspection.fixes.end(),
@@ -253,6 +259,7 @@ Inspection inspect(const Observations& observations) {
     measure_span(observations, inspection);
     count_rows(observations, inspection);
     count_steps(observations, inspection);
+    inspection.bursts = bursts_in(observations.rows);
     inspection.velocity_delay_s = raw_velocity_delay_s(observations);
     inspection.velocity_delays = raw_velocity_delays(observations);
     inspection.velocity_origin = raw_velocity_origin(observations);

@@ -76,6 +76,7 @@ struct Inspection {
     std::size_t repeated_times = 0;    ///< steps of zero
     std::size_t most_at_one_time = 0;  ///< epochs of one time that follow one another
     std::size_t backward_times = 0;
+    std::string bursts;                 ///< as `bursts_in` has it
     std::size_t with_velocity = 0;      ///< epochs with a recorded velocity or speed
     std::size_t speeds_alone = 0;       ///< those of them without a course
     std::size_t velocities_stated = 0;  ///< those of them that state their accuracy

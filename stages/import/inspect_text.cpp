@@ -72,6 +72,7 @@ void add_times(const Inspection& it, Block& facts) {
 
 std::string epochs_text(const Inspection& it) {
     if (it.nominal_interval_s <= 0.0) return fmt::format("{}", it.epochs);
+    if (!it.bursts.empty()) return fmt::format("{}, in bursts", it.epochs);
     return fmt::format("{}, mostly {} s apart ({} Hz)", it.epochs, fixed(it.nominal_interval_s, 3),
                        fixed(1.0 / it.nominal_interval_s, 2));
 }
@@ -252,7 +253,13 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
 }
 
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    if (it.gaps > 0)
+    if (!it.bursts.empty())
+        concerns.push_back(
+            fmt::format("Time stamps come in bursts ({}): a computer stamped what it read from a "
+                        "buffer, and no "
+                        "receiver's time does so. Nothing can be certified by these times.",
+                        it.bursts));
+    else if (it.gaps > 0)
         concerns.push_back(
             fmt::format("Epochs are missing in {}; a speed is certified across a gap only "
                         "where the rule and screen.gap_max_s allow it.",

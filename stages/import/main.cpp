@@ -131,7 +131,16 @@ StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const O
             note_origins_of_head(receiver, by_row->head);
             return *std::move(by_row);
         }
-    return held(import_recordings(receiver, recordings, read_recording));
+    Observations observations = import_recordings(receiver, recordings, read_recording);
+    if (const std::string bursts = bursts_in(observations.rows); !bursts.empty())
+        throw Failure(
+            recordings.front().name,
+            fmt::format("the time stamps come in bursts ({}): they are those of a computer "
+                        "that read a buffer, and not the satellites'",
+                        bursts),
+            "Record the receiver's own time beside each position (UTC of NMEA, time of "
+            "week of UBX); by these stamps no speed can be certified");
+    return held(std::move(observations));
 }
 
 /// What a receiver's files say of who wrote them, behind what the recording's format knows of it.

@@ -12,11 +12,12 @@ constexpr double least_step = 1e-9;
 
 /// Digits after the decimal point of a number or time; nothing where it has an exponent.
 std::optional<int> decimals_written(std::string_view text) {
-    if (text.ends_with('Z')) text.remove_suffix(1);  // of a date and time in UTC
     if (text.find_first_of("eE") != std::string_view::npos) return std::nullopt;
     const std::size_t point = text.find('.');
     if (point == std::string_view::npos) return 0;
-    return static_cast<int>(text.size() - point - 1);
+    // Behind them a zone may stand.
+    const std::size_t end = std::min(text.find_first_not_of("0123456789", point + 1), text.size());
+    return static_cast<int>(end - point - 1);
 }
 
 /// Lengths of a degree of latitude and of longitude on the ellipsoid (m), as chords of 11 m.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/angle.h"
 #include "core/satellite.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
@@ -42,6 +43,24 @@ std::optional<double> impossible_speed(const RecordedVelocity& row) {
                                    std::abs(row.recorded_velocity_up_m_s.value_or(0.0))})
         if (!(speed_m_s >= 0.0 && speed_m_s < speed_of_light_m_s)) return speed_m_s;
     return std::nullopt;
+}
+
+/// A grid that positions went through counts as the step that they are written in.
+void set_single_precision(Observations& observations, const std::vector<Observation>& rows) {
+    auto& written_m = observations.facts.position_resolution_m;
+    if (!written_m) return;
+    const auto [latitude_deg, longitude_deg] = single_precision_steps_deg(rows, *written_m);
+    if (latitude_deg == 0.0 && longitude_deg == 0.0) return;
+    constexpr double metres_per_degree = 6'371e3 * radians_per_degree;
+    const double north_m = latitude_deg * metres_per_degree;
+    const double east_m = longitude_deg * metres_per_degree *
+                          std::cos(rows.front().latitude_deg.value_or(0.0) * radians_per_degree);
+    written_m = std::max({*written_m, north_m, east_m});
+    observations.notes.push_back(
+        fmt::format("Positions went through single precision: they lie on a grid of {} m towards "
+                    "north and {} m "
+                    "towards east, which counts as the step that they are written in.",
+                    format_fixed(north_m, 2), format_fixed(east_m, 2)));
 }
 
 bool has_horizontal_accuracy(const Observation& row) {
@@ -108,6 +127,7 @@ void RowSummary::add(const Observation& row) {
     if (!has_velocity(row) && !row.recorded_speed_m_s) return;
     ++with_velocity;
     speeds_alone += has_velocity(row) ? 0 : 1;
+    standing += has_velocity(row) && *horizontal_speed(row) == 0.0 ? 1 : 0;
     velocity_unstated += has_velocity_accuracy(row) ? 0 : 1;
 }
 
@@ -211,14 +231,22 @@ void set_rows(Observations& observations, RowCollector timed) {
             place_in(recording, *rows.line_of_another_age, 1),
             "the time is more than 292 years from another in the recording",
             "Hand in the recording as the logger wrote it, or each session in a file of its own");
-    observations.facts.nominal_interval_s = rows.steps.median_s();
+    const bool reversed = put_in_order(timed.rows_, timed.log_.bad_records());
+    const GpsTime first =
+        reversed ? GpsTime::from_nanoseconds(timed.rows_.front().time.nanoseconds) : rows.first;
+    observations.facts.nominal_interval_s =
+        reversed ? median_step_s(timed.rows_) : rows.steps.median_s();
     for (Observation& row : timed.rows_)
-        row.time.nanoseconds -= rows.first.nanoseconds();
-    if (observations.time_scale != "relative") observations.facts.first_epoch = rows.first;
+        row.time.nanoseconds -= first.nanoseconds();
+    if (observations.time_scale != "relative") observations.facts.first_epoch = first;
+    if (reversed)
+        observations.notes.emplace_back(
+            "The recording stands newest first, and was put in the order of time.");
     note_leap_seconds(observations, rows.last);
     observations.facts.time_resolution_s = timed.written_.time_s();
     observations.facts.position_resolution_m = timed.written_.position_m(
         Angle::from_degrees(rows.first_latitude_deg.value_or(0.0)));  // the equator's without any
+    set_single_precision(observations, timed.rows_);
     observations.records = std::move(timed.log_).finish(observations.notes);
     observations.rows = std::move(timed.rows_);
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -51,6 +52,7 @@ class RowSummary {
     std::int64_t without_horizontal = 0;  ///< rows that have a position, and no accuracy of it
     std::int64_t with_velocity = 0;       ///< rows with a recorded velocity or speed
     std::int64_t speeds_alone = 0;        ///< those of them that have no course
+    std::int64_t standing = 0;            ///< those of them that are velocities of zero
     std::int64_t velocity_unstated = 0;   ///< those of them that state no accuracy of it
 
   private:
@@ -80,6 +82,7 @@ class RecordLog {
     void count_bad(const RecordPlace& place, const Failure& why, std::int64_t epoch);
 
     const RecordCount& records() const { return records_; }
+    std::vector<BadRecord>& bad_records() { return records_.bad_records; }
 
     /// Failure where more than half of the records could not be read: the first one's, with their
     /// number.
@@ -179,6 +182,22 @@ class RowCollector {
     RecordLog log_;
     std::optional<Failure> impossible_;  ///< of the first recorded speed that no craft has
 };
+
+/// Puts rows that stand newest first in the order of time. Returns whether they were.
+bool put_in_order(std::vector<Observation>& rows, std::vector<BadRecord>& bad);
+
+/// Gives positions without a height, between some that have one, the height between those: where
+/// they are at most 2.5 s apart and of nearly one height; with a note.
+void fill_heights(Observations& observations);
+
+/// The step (degrees) of latitude and of longitude where all positions went through single
+/// precision, which is coarser than they are written; zero of one that did not.
+std::array<double, 2> single_precision_steps_deg(const std::vector<Observation>& rows,
+                                                 double written_step_m);
+
+/// How time stamps come in bursts, as a computer makes them that reads a buffer: "3 within 0.002 s,
+/// then 0.298 s"; empty where they do not.
+std::string bursts_in(const std::vector<Observation>& rows);
 
 /// Gives each row its time since the first, and fills what follows from that: first epoch (unless
 /// `time_scale` is "relative"), nominal interval, resolution, and the records.

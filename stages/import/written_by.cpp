@@ -76,10 +76,25 @@ bool is_one_of(std::string_view text, std::initializer_list<std::string_view> wo
 
 /// Whether words about simulation say that there was none: "not simulated", "Simulation mode: off";
 /// "simultaneous" is no word about it.
-bool is_denied(std::string_view before, std::string_view after) {
+bool is_denied(std::string_view mark, std::string_view before, std::string_view after) {
     if (small(after.empty() ? ' ' : after.front()) == 't') return true;
+    // A column's name says nothing: what it holds does (csv/), or the value beside it.
+    if (mark.starts_with("mock")) {
+        const std::string_view rest =
+            after.substr(std::min(after.find_first_not_of("\"') "), after.size()));
+        const bool is_name = rest.empty() || std::string_view(",;\t\r\n|").find(rest.front()) !=
+                                                 std::string_view::npos;
+        const std::string value = lower_case(rest.substr(std::min<std::size_t>(rest.size(), 1), 4));
+        if (is_name && !value.starts_with("true") && !value.starts_with("1")) return true;
+    }
     const std::string left =
-        lower_case(before.substr(before.size() - std::min<std::size_t>(before.size(), 8)));
+        lower_case(before.substr(before.size() - std::min<std::size_t>(before.size(), 9)));
+    // Loggers speak each other's protocols: "RaceBox protocol emulation", "emulates the protocol".
+    if (mark == "emulat" &&
+        (left.ends_with("protocol ") ||
+         lower_case(after.substr(0, after.find_first_of("\r\n"))).find("protocol") !=
+             std::string::npos))
+        return true;
     for (const std::string_view no : {"not ", "no ", "non ", "non-", "kein ", "keine "})
         if (left.ends_with(no) &&
             (left.size() == no.size() || !is_ascii_letter(left[left.size() - no.size() - 1])))
@@ -138,7 +153,8 @@ class Finder {
         const std::string run = lower_case(bytes_.substr(start, end - start));
         for (const std::string_view mark : marks_of_simulators)
             if (const auto at = find_mark(start, run, mark);
-                at && !is_denied(bytes_.substr(0, at->first), bytes_.substr(at->second, 32))) {
+                at &&
+                !is_denied(mark, bytes_.substr(0, at->first), bytes_.substr(at->second, 32))) {
                 simulated = true;
                 return show(*at, true);
             }

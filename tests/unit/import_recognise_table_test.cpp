@@ -77,11 +77,11 @@ TEST(RecogniseTable, TablesOfTenPrograms) {
          "time_scale height_m accuracy.horizontal_m",
          "2026-03-14T13:00:18.000Z, latitude 52.1000000, longitude 5.1000000, speed 0.23 km/h"},
         {"laptimer",
-         "frame=geodetic time_format=time_of_day columns.time=TIME columns.latitude=LATITUDE "
-         "columns.longitude=LONGITUDE columns.height=HEIGHT_M columns.speed=SPEED_KPH "
-         "columns.course=HEADING_DEG speed_unit=km/h",
-         "time_scale start_date accuracy.horizontal_m accuracy.vertical_m",
-         "2000-01-01T13:00:18.000Z, latitude 52.1000000, longitude 5.1000000, height 44.10 m, "
+         "frame=geodetic time_format=time_of_day columns.date=DATE columns.time=TIME "
+         "columns.latitude=LATITUDE columns.longitude=LONGITUDE columns.height=HEIGHT_M "
+         "columns.speed=SPEED_KPH columns.course=HEADING_DEG speed_unit=km/h",
+         "time_scale accuracy.horizontal_m accuracy.vertical_m",
+         "2026-03-14T13:00:18.000Z, latitude 52.1000000, longitude 5.1000000, height 44.10 m, "
          "speed 0.22 km/h"},
         {"racelogic_export",
          "frame=geodetic time_format=time_of_day columns.time=Time columns.latitude=Latitude "

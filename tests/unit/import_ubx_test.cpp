@@ -389,5 +389,42 @@ TEST(Ubx, InstrumentIsWhatVersionAndIdentitySay) {
     EXPECT_FALSE(read_ubx(pvt_frame()).instrument);
 }
 
+// NAV-PVT off, and what says date and fix type once a second.
+TEST(UbxWithoutPvt, HpposllhIsDatedByTimegpsAndItsFixTypeIsThatOfTheSecondsStatus) {
+    std::string text;
+    for (int i = 0; i < 30; ++i) {
+        const int ms = 100 * i;
+        text += frame(1, 0x14, hpposllh(ms).bytes());
+        text +=
+            frame(1, 0x12,
+                  Payload(36).put(0, first_tow_ms + ms, 4).put(8, 2000, 4).put(28, 5, 4).bytes());
+        if (i % 10 != 5) continue;
+        text += frame(1, 0x20,
+                      Payload(16)
+                          .put(0, first_tow_ms + ms, 4)
+                          .put(8, 2270, 2)
+                          .put(10, 18, 1)
+                          .put(11, 7, 1)
+                          .bytes());
+        text += frame(1, 3,
+                      Payload(16)
+                          .put(0, first_tow_ms + ms, 4)
+                          .put(4, 3, 1)
+                          .put(5, 0x0f, 1)
+                          .put(7, 0x80, 1)
+                          .bytes());
+    }
+    const Observations read = read_ubx(text);
+    ASSERT_EQ(read.rows.size(), 30U);
+    EXPECT_EQ(to_utc_iso(*read.facts.first_epoch), "2023-07-11T06:04:30.000Z");
+    EXPECT_EQ(read.rows[29].time.nanoseconds, 2'900'000'000);
+    EXPECT_EQ(read.rows[4].fix, FixType::unknown);
+    EXPECT_EQ(read.rows[5].fix, FixType::fixed);
+    EXPECT_EQ(read.rows[14].fix, FixType::fixed);
+    EXPECT_NEAR(*read.rows[0].recorded_velocity_east_m_s, 20.0, 1e-9);
+    EXPECT_TRUE(has_note(read, "whose week is that of the NAV-TIMEGPS nearest to them: 27."))
+        << noted(read);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

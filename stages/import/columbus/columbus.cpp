@@ -31,7 +31,7 @@ constexpr csv::Preset preset{
         "Times were taken as UTC unless the attempt says time_scale: local, to which some of "
         "these loggers can be set. Heights are above mean sea level.",
     .speed_unit = "km/h",
-    .date_order = csv::DateOrder::year_first};
+    .date_order = DateOrder::year_first};
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     std::string text(recording.bytes);

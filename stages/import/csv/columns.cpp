@@ -22,67 +22,24 @@ std::size_t numbers_in(std::span<const Cell> cells) {
     }));
 }
 
-/// Whether the cells could be a row under a header of so many.
-bool is_row_of(std::span<const Cell> cells, std::size_t names) {
-    return cells.size() >= names && cells.size() <= names + 1 && numbers_in(cells) >= 2;
+/// Numbers, and what begins as one: times, angles, numbers with their unit, "S31.6".
+std::size_t values_in(std::span<const Cell> cells) {
+    return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [](const Cell& cell) {
+        std::string_view text = cell.text;
+        constexpr std::string_view before_numbers = "+-NSEWnsew ";
+        while (!text.empty() && before_numbers.find(text.front()) != std::string_view::npos)
+            text.remove_prefix(1);
+        return !text.empty() && is_digit(text.front());
+    }));
 }
 
-/// As programs call their columns; of several for one meaning the first that is there.
-struct KnownNames {
-    Column column;
-    std::vector<std::string_view> names;
-};
-
-/// Of the three kinds of coordinates, and of all else.
-using NameTable = std::vector<KnownNames>;
-
-const NameTable geodetic_names{
-    {Column::latitude, {"latitude", "gpslatitude", "gpslat", "lat"}},
-    {Column::longitude,
-     {"longitude", "gpslongitude", "gpslong", "gpslon", "gpslng", "long", "lon", "lng"}},
-    {Column::height,
-     {"height", "ellipsoidheight", "ellipsoidalheight", "hell", "altitude", "gpsaltitude", "gpsalt",
-      "gpsheight", "elevation", "alt", "ele", "hmsl"}}};
-const NameTable ecef_names{{Column::x, {"ecefx", "xecef", "x"}},
-                           {Column::y, {"ecefy", "yecef", "y"}},
-                           {Column::z, {"ecefz", "zecef", "z"}}};
-const NameTable plane_names{{Column::east, {"easting", "east", "utme", "e", "x"}},
-                            {Column::north, {"northing", "north", "utmn", "n", "y"}},
-                            {Column::up, {"up", "height", "elevation", "altitude", "u", "z"}}};
-const NameTable other_names{
-    {Column::time,
-     {"utctime", "gpstime",    "timestamp", "datetime", "utcdatetime", "gpsdatetime", "timeutc",
-      "utcunix", "utcunixs",   "time",      "utc",      "unixtime",    "unix",        "gpstow",
-      "tow",     "gpsseconds", "gpssow",    "sow",      "ts",          "epoch"}},
-    {Column::week, {"gpsweek", "week"}},
-    {Column::date, {"utcdate", "gpsdate", "date"}},
-    {Column::velocity_east, {"velocityeast", "eastvelocity", "veast", "vele", "ve"}},
-    {Column::velocity_north, {"velocitynorth", "northvelocity", "vnorth", "veln", "vn"}},
-    {Column::velocity_up, {"velocityup", "upvelocity", "vup", "velu", "vu"}},
-    {Column::speed,
-     {"gpsspeed", "groundspeed", "speedoverground", "gspd", "sog", "speed", "velocity", "kph",
-      "kmh", "mph", "spd"}},
-    {Column::course,
-     {"courseoverground", "course", "cog", "gpscourse", "groundcourse", "heading", "gpsheading",
-      "bearing", "track", "hdg"}},
-    {Column::sigma_east, {"sigmaeast", "sdeast", "stdeast", "eaststd", "eastsd", "sde"}},
-    {Column::sigma_north, {"sigmanorth", "sdnorth", "stdnorth", "northstd", "northsd", "sdn"}},
-    {Column::sigma_up,
-     {"sigmaup", "sdup", "stdup", "upstd", "upsd", "sdu", "sdheight", "heightsd", "heightstd"}},
-    {Column::quality_2d,
-     {"quality2d", "cq2d", "2dcq", "horizontalaccuracy", "haccuracy", "hacc", "accuracy",
-      "gpsaccuracy"}},
-    {Column::quality_height,
-     {"qualityheight", "cq1d", "1dcq", "verticalaccuracy", "vaccuracy", "vacc"}},
-    {Column::sigma_speed, {"sigmaspeed", "speedaccuracy", "sacc"}},
-    {Column::fix, {"fix", "fixtype", "gpsfix", "solution", "solutiontype"}},
-    {Column::satellites,
-     {"satellites", "satellitesused", "sats", "sat", "numsv", "numsats", "numsat", "gpsnumsat",
-      "nsat", "nsats", "ns", "numberofsatellites", "gpssats", "svs"}}};
-
-/// Columns of both coordinates.
-constexpr std::array<std::string_view, 6> both_names{"gps",    "latlon",      "latlong",
-                                                     "latlng", "coordinates", "position"};
+/// Whether the cells could be a row under that header.
+bool is_row_of(std::span<const Cell> cells, const Head& head) {
+    const std::size_t names = head.names.size();
+    const std::size_t more = 2 * head.in_three.size();
+    return cells.size() >= names && (cells.size() <= names + 1 || cells.size() == names + more) &&
+           values_in(cells) >= 2;
+}
 
 /// How a column's name is that of a meaning.
 enum class Match { whole, begins, within };
@@ -121,10 +78,10 @@ Cells cells_in(const SeenTable& table, std::size_t column) {
     Cells cells;
     std::optional<double> before;
     for (const std::vector<Cell>& row : table.rows) {
-        if (column >= row.size() || row[column].text.empty()) continue;
+        if (column >= row.size() || is_missing(row[column].text)) continue;
         ++cells.filled;
         const std::string_view text = row[column].text;
-        const auto number = parse_double(text);
+        const auto number = number_in(text);
         if (!number) continue;
         ++cells.numbers;
         const std::size_t point = text.find('.');
@@ -137,12 +94,6 @@ Cells cells_in(const SeenTable& table, std::size_t column) {
         before = number;
     }
     return cells;
-}
-
-bool is_fix_word(std::string_view text) {
-    constexpr std::array<std::string_view, 9> words{
-        "fixed", "float", "ppp", "dgps", "sbas", "single", "none", "unknown", "dead_reckoning"};
-    return std::ranges::find(words, lower_case(text)) != words.end();
 }
 
 /// Whether what a column holds can be of that meaning. Numbers for a fix type are every program's
@@ -182,20 +133,27 @@ bool can_hold(const SeenTable& table, std::size_t column, Column meaning) {
         case Column::sigma_up:
             return between(0.0, 1e6);
         case Column::fix:
-            return cells.numbers == 0 && is_fix_word(table.first(column));
+            return cells.numbers == 0 && fix_by_word(table.first(column));
+        case Column::north_south:
+        case Column::east_west:
+        case Column::milliseconds:
+        case Column::provider:
+        case Column::mock:
+            return false;  // find_beside finds these
         default:
             return cells.numbers > 0;
     }
 }
 
 /// Finds the columns of these names that are not taken, and can hold what they are called.
-void take_names(const SeenTable& table, const NameTable& names, bool must_fit, Layout& layout) {
+void take_names(const SeenTable& table, std::span<const KnownNames> names, bool must_fit,
+                Layout& layout) {
     const auto is_taken = [&](std::size_t column) {
         return std::ranges::find(layout.place, std::optional(column)) != layout.place.end();
     };
     for (const Match match : {Match::whole, Match::begins, Match::within})
         for (const KnownNames& known : names)
-            for (const std::string_view name : known.names)
+            for (const std::string_view name : words_of(known.names))
                 for (std::size_t i = 0; i < table.head.names.size(); ++i)
                     if (!layout[known.column] && !is_taken(i) &&
                         matches(letters_of(table.head.names[i].text), name, match, known.column) &&
@@ -244,8 +202,8 @@ bool are_earth_centred(const SeenTable& table, const Layout& layout) {
 
 /// Of the kinds of coordinates the first that is there.
 void take_coordinates(const SeenTable& table, Layout& layout) {
-    take_names(table, geodetic_names, true, layout);
-    for (const std::string_view both : both_names)
+    take_names(table, geodetic_names(), true, layout);
+    for (const std::string_view both : names_of_both())
         for (std::size_t i = 0; i < table.head.names.size(); ++i)
             if (!layout[Column::latitude] && !layout[Column::longitude] &&
                 letters_of(table.head.names[i].text) == both)
@@ -254,18 +212,18 @@ void take_coordinates(const SeenTable& table, Layout& layout) {
     Layout other = layout;
     drop(other, {Column::latitude, Column::longitude, Column::height});
     Layout ecef = other;
-    take_names(table, ecef_names, true, ecef);
+    take_names(table, ecef_names(), true, ecef);
     if (are_earth_centred(table, ecef)) {
         layout = ecef;
         return;
     }
-    take_names(table, plane_names, true, other);
+    take_names(table, plane_names(), true, other);
     if (other[Column::east] && other[Column::north]) {
         layout = other;
         return;
     }
     // Named so, whatever they hold: reading says what is wrong with it.
-    take_names(table, geodetic_names, false, layout);
+    take_names(table, geodetic_names(), false, layout);
 }
 
 /// Two columns beside each other that change little, with the decimals of degrees; and before them
@@ -300,16 +258,21 @@ void take_values(const SeenTable& table, Layout& layout) {
     }
 }
 
+/// The line that a cell stands on.
+std::string_view line_of(const RecordingBytes& recording, const Cell& cell) {
+    const auto at = static_cast<std::size_t>(cell.text.data() - recording.bytes.data());
+    const std::size_t begin = at == 0 ? 0 : recording.bytes.find_last_of('\n', at - 1) + 1;
+    std::string_view line = recording.bytes.substr(begin, recording.bytes.find('\n', at) - begin);
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+}
+
 }  // namespace
 
 std::string_view SeenTable::first(std::size_t column) const {
-    return column < rows.front().size() ? rows.front()[column].text : std::string_view();
-}
-
-std::string letters_of(std::string_view name) {
-    std::string text = lower_case(without_unit(name));
-    std::erase_if(text, [](char c) { return !((c >= 'a' && c <= 'z') || is_digit(c)); });
-    return text;
+    for (const std::vector<Cell>& row : rows)
+        if (column < row.size() && !row[column].text.empty()) return row[column].text;
+    return {};
 }
 
 std::optional<SeenTable> find_table(const RecordingBytes& recording) {
@@ -323,17 +286,26 @@ std::optional<SeenTable> find_table(const RecordingBytes& recording) {
     });
     for (std::size_t i = 0; i < lines.size(); ++i) {
         const bool names = numbers_in(lines[i].names) < 2;
+        lines[i].delimiter = find_delimiter(line_of(recording, lines[i].names.front()));
         for (std::size_t j = names ? i + 1 : i; j < std::min(lines.size(), i + 2 + lines_between);
              ++j) {
-            if (!is_row_of(lines[j].names, lines[i].names.size())) continue;
+            if (names && numbers_in(lines[j].names) >= 2) find_in_three(lines[i], lines[j].names);
+            if (!is_row_of(lines[j].names, lines[i])) continue;
             SeenTable table{.head = lines[i], .rows = {}, .has_names = names};
             table.head.line = lines[i].names.front().line;
             table.head.first_row = lines[j].names.front().line;
+            const auto row_of = [&](const Head& line) {
+                const Cell& first = line.names.front();
+                return table.head.in_three.empty()
+                           ? line.names
+                           : table.head.row(
+                                 {.text = line_of(recording, first), .number = first.line},
+                                 recording);
+            };
             for (std::size_t k = i + 1; k < j; ++k)
-                table.head.under.push_back(lines[k].names);
+                table.head.under.push_back(row_of(lines[k]));
             for (std::size_t k = j; k < lines.size() && table.rows.size() < rows_seen; ++k)
-                if (is_row_of(lines[k].names, lines[i].names.size()))
-                    table.rows.push_back(lines[k].names);
+                if (is_row_of(lines[k].names, lines[i])) table.rows.push_back(row_of(lines[k]));
             return table;
         }
     }
@@ -349,11 +321,10 @@ Layout find_columns(const SeenTable& table, const CsvColumns& given) {
         if (given.empty()) take_values(table, layout);
         return layout;
     }
-    take_names(table, other_names, true, layout);
+    take_names(table, other_names(), true, layout);
     take_coordinates(table, layout);
     if (!layout[Column::time] && !layout[Column::date]) {
-        const NameTable time{other_names.front()};
-        take_names(table, time, false, layout);
+        take_names(table, other_names().first(1), false, layout);
     }
     if (layout[Column::velocity_east].has_value() != layout[Column::velocity_north].has_value())
         drop(layout, {Column::velocity_east, Column::velocity_north});

@@ -16,16 +16,12 @@ struct SeenTable {
     std::vector<std::vector<Cell>> rows;  ///< one at least
     bool has_names = true;                ///< else the head's names are those of the first row
 
-    /// The text of a column, counted from 0, in the first row.
+    /// The text of a column, counted from 0, in the first row that has any.
     std::string_view first(std::size_t column) const;
 };
 
 /// Finds a header line with rows under it, or rows alone. Nothing for a text that is no table.
 std::optional<SeenTable> find_table(const RecordingBytes& recording);
-
-/// Letters and digits of a name without its unit, in lower case: "gpslatitude" of "GPS_Latitude
-/// (deg)".
-std::string letters_of(std::string_view name);
 
 /// Which column may hold what, by the names of the header line, where what the column holds can be
 /// that; without names by what the columns hold. Of coordinates one kind: geodetic, else

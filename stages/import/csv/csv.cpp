@@ -47,6 +47,22 @@ void note_description(Observations& observations, const Receiver& receiver,
         observations.notes.push_back("The attempt's height_m is not used.");
 }
 
+/// Names the columns that hold speeds by their names, where the attempt uses none.
+void note_unused_speeds(Observations& observations, const Layout& layout) {
+    if (layout[Column::speed] || layout[Column::velocity_east]) return;
+    std::string names;
+    for (const Cell& name : layout.head.names)
+        if (is_named(name.text, Column::speed))
+            names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ",
+                                 escape_for_message(name.text, 60));
+    if (!names.empty())
+        observations.notes.push_back(
+            fmt::format("By their names these columns hold speeds, and the attempt names none "
+                        "(columns: {{speed: "
+                        "...}}): {}.",
+                        names));
+}
+
 /// Whether two lines that follow one another have as many fields, three at least, and the second
 /// one two numbers.
 bool begin_table(std::span<const Cell> first, std::span<const Cell> second) {
@@ -110,7 +126,11 @@ void for_each_row(const Layout& layout, const RecordingBytes& recording, RowColl
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number < layout.head.first_row || is_skipped(*line)) continue;
         try {
-            std::vector<Cell> cells = split(*line, recording, layout.head.delimiter);
+            std::vector<Cell> cells = layout.head.row(*line, recording);
+            // "," between two rows: a program's empty line.
+            if (line->text.size() < cells.size() + 2 &&
+                std::ranges::all_of(cells, [](const Cell& cell) { return cell.text.empty(); }))
+                continue;
             // Some writers end each row, but not the header, with a delimiter.
             if (cells.size() == layout.fields + 1 && cells.back().text.empty()) cells.pop_back();
             require_count(cells.size(), layout.fields, *line, recording,
@@ -138,6 +158,8 @@ Observations observations_of_table(const Receiver& receiver, const Description& 
     set_rows(observations, std::move(timed));
     observations.notes.insert(observations.notes.end(), layout.notes.begin(), layout.notes.end());
     note_description(observations, receiver, description);
+    note_unused_speeds(observations, layout);
+    fill_heights(observations);
     apply_attempt(observations, receiver, description.time_format == TimeFormat::seconds);
     note_text(observations, recording);
     return observations;
@@ -147,18 +169,26 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Description description = describe(receiver);
     require_text(recording);
     Layout layout = read_layout(receiver, description, recording);
-    // What ends in Z says itself that it is UTC.
-    if (receiver.time_scale.empty() && description.time_format == TimeFormat::iso &&
-        layout[Column::time] &&
-        in_first_row(layout.head, *layout[Column::time], recording).ends_with('Z'))
-        description.clock = Clock::utc;
+    // What ends in Z, or in an offset, says itself that it is UTC.
+    if (receiver.time_scale.empty() && layout[Column::time] &&
+        (description.time_format == TimeFormat::iso ||
+         description.time_format == TimeFormat::time_of_day)) {
+        Cell time;
+        time.text = in_first_row(layout.head, *layout[Column::time], recording);
+        const std::string_view time_of_day = split_date_time(time)[1].text;
+        if (zone_of(time_of_day.empty() ? time.text : time_of_day)) description.clock = Clock::utc;
+    }
     settle_times(layout, description, receiver, recording);
     RowCollector timed(recording);
-    std::size_t repeated = 0;
+    std::size_t repeated = 0, elsewhere = 0;
+    bool mock = false;
     RunningDate date(description.start_date);
     for_each_row(layout, recording, timed,
                  [&](const SourceLine& line, std::span<const Cell> cells) {
-                     if (is_new_fix(cells, layout)) {
+                     mock = mock || is_mock(cells, layout);
+                     if (is_other_sensors(cells, layout)) {
+                         ++elsewhere;
+                     } else if (is_new_fix(cells, layout)) {
                          TimedRow row = read_row(cells, layout, description, receiver);
                          date.set(row.instant);
                          timed.add(std::move(row), line);
@@ -169,6 +199,18 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
                  });
     Observations observations =
         observations_of_table(receiver, description, layout, std::move(timed), recording, "csv");
+    if (elsewhere > 0)
+        observations.notes.push_back(
+            fmt::format("{} of {} rows have no position, but other sensors' values: they are no "
+                        "epochs, and are "
+                        "not used.",
+                        elsewhere, elsewhere + observations.rows.size()));
+    if (mock) {
+        observations.simulated = true;
+        observations.written_by.push_back(
+            fmt::format("rows whose \"{}\" is true",
+                        escape_for_message(layout.head.names[*layout[Column::mock]].text)));
+    }
     if (repeated > 0)
         observations.notes.push_back(fmt::format(
             "Rows that repeat the last position, by the column new_fix: {}. They were not "

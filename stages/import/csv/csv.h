@@ -45,6 +45,12 @@ Observations observations_of_table(const Receiver& receiver, const Description& 
 /// text.
 bool is_new_fix(std::span<const Cell> fields, const Layout& layout);
 
+/// Whether the row's own column says that its position was made up (a telephone's mock location).
+bool is_mock(std::span<const Cell> fields, const Layout& layout);
+
+/// Whether the row holds other sensors' values alone, in a table where most rows do.
+bool is_other_sensors(std::span<const Cell> fields, const Layout& layout);
+
 /// Reads the fields of a row, as many as the layout says. A row with an empty coordinate has no
 /// position.
 TimedRow read_row(std::span<const Cell> fields, const Layout& layout,

@@ -5,6 +5,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/fields/column.h"
 
 namespace runcert::csv {
 namespace {
@@ -34,9 +35,9 @@ constexpr std::size_t lines_under_at_most = 4;
 
 /// Nothing where its quotation marks do not pair: such a line is no header.
 std::vector<Cell> cells_of(const SourceLine& line, const RecordingBytes& recording,
-                           char delimiter) {
+                           const Head& head) {
     try {
-        return split(line, recording, delimiter);
+        return head.row(line, recording);
     } catch (const Failure&) {
         return {};
     }
@@ -101,6 +102,9 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording,
             at = mark + 1;
             while (at < text.size() && blank(at))
                 ++at;
+            if (at < text.size() && text[at] == '|')
+                while (at < text.size() && !delimits(at))
+                    ++at;
             if (at < text.size() && !delimits(at))
                 cell(at, at + 1)
                     .fail("something follows a closing quotation mark",
@@ -118,6 +122,29 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording,
     }
 }
 
+std::vector<Cell> Head::row(const SourceLine& source, const RecordingBytes& recording) const {
+    std::vector<Cell> cells = split(source, recording, delimiter);
+    for (const std::size_t column : in_three) {
+        if (column + 2 >= cells.size()) continue;
+        Cell& first = cells[column];
+        const std::string_view last = cells[column + 2].text;
+        first.text = {first.text.data(),
+                      static_cast<std::size_t>(last.data() + last.size() - first.text.data())};
+        cells.erase(cells.begin() + static_cast<std::ptrdiff_t>(column) + 1,
+                    cells.begin() + static_cast<std::ptrdiff_t>(column) + 3);
+    }
+    return cells;
+}
+
+void find_in_three(Head& head, std::span<const Cell> cells) {
+    if (head.delimiter != ' ' || !head.in_three.empty() || cells.size() != head.names.size() + 4)
+        return;
+    for (std::size_t i = 0; i < head.names.size(); ++i)
+        for (const Column column : {Column::latitude, Column::longitude})
+            if (is_named(head.names[i].text, column)) head.in_three.push_back(i);
+    if (head.in_three.size() != 2) head.in_three.clear();
+}
+
 bool is_skipped(const SourceLine& line) {
     return line.text.starts_with('#') || trim(line.text).empty();
 }
@@ -133,7 +160,7 @@ std::optional<Head> find_head(const RecordingBytes& recording, std::optional<cha
                 std::min(line->text.find_first_not_of("# "), line->text.size()));
         if (line->text.empty()) continue;
         head.delimiter = delimiter.value_or(find_delimiter(line->text));
-        head.names = cells_of(*line, recording, head.delimiter);
+        head.names = cells_of(*line, recording, head);
         if (!head.names.empty() && is_it(head.names, comment)) {
             head.line = line->number;
             head.first_row = line->number + 1;
@@ -149,7 +176,7 @@ void look_at_rows(const Head& head, const RecordingBytes& recording,
     LineReader lines = head_lines(recording);
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number < head.first_row || is_skipped(*line)) continue;
-        const std::vector<Cell> cells = cells_of(*line, recording, head.delimiter);
+        const std::vector<Cell> cells = cells_of(*line, recording, head);
         if (!cells.empty() && look(cells)) return;
     }
 }
@@ -167,16 +194,18 @@ std::string_view in_first_row(const Head& head, std::size_t column,
 void take_lines_under(Head& head, const RecordingBytes& recording,
                       std::span<const std::size_t> columns) {
     LineReader lines = head_lines(recording);
-    std::vector<std::vector<Cell>> under;
+    std::vector<SourceLine> under;
     for (auto line = lines.next(); line; line = lines.next()) {
         if (line->number <= head.line || is_skipped(*line)) continue;
-        std::vector<Cell> cells = cells_of(*line, recording, head.delimiter);
+        const std::vector<Cell> cells = cells_of(*line, recording, head);
         if (cells.empty() || holds_number(cells, columns)) {
-            head.under = std::move(under);
+            find_in_three(head, cells);
+            for (const SourceLine& one : under)
+                head.under.push_back(cells_of(one, recording, head));
             head.first_row = line->number;
             return;
         }
-        under.push_back(std::move(cells));
+        under.push_back(*line);
         if (under.size() > lines_under_at_most) return;
     }
 }

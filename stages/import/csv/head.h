@@ -26,7 +26,8 @@ char find_delimiter(std::string_view line);
 
 /// Splits a line. Blanks around a field are not part of it. A field may stand in quotation marks,
 /// and then hold the delimiter; "" inside stays as it is. Failure on a quotation mark that is not
-/// closed, or that something follows.
+/// closed, or that something follows; but what RaceCapture has there behind |, unit and range, is
+/// passed over.
 std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording, char delimiter);
 
 /// The lines of a table above its first row.
@@ -38,7 +39,16 @@ struct Head {
     std::vector<std::vector<Cell>> under;
     std::int64_t first_row = 0;    ///< its line, or one that no row stands before
     std::int64_t passed_over = 0;  ///< lines above, but for comments and empty ones
+    /// Columns, counted from 0, whose angles stand in three fields: degrees, minutes, seconds.
+    std::vector<std::size_t> in_three;
+
+    /// The cells of a row, one to each name: three fields of an angle are one.
+    std::vector<Cell> row(const SourceLine& line, const RecordingBytes& recording) const;
 };
+
+/// Finds the columns that stand in three fields: of a table by blanks whose rows have four more
+/// than it has names, latitude and longitude. `cells`: those of a row.
+void find_in_three(Head& head, std::span<const Cell> cells);
 
 /// Whether a line (# begins a comment) is no part of a table.
 bool is_skipped(const SourceLine& line);

@@ -6,43 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "core/angle.h"
 #include "core/failure.h"
-#include "core/speed_unit.h"
 #include "core/text.h"
 
 namespace runcert::csv {
 namespace {
-
-/// A unit, and how headers write it, in lower case. The factors are exact by the units' definitions
-/// (BIPM, SI Brochure; 1959 yard).
-struct Spelled {
-    Unit unit;
-    std::array<std::string_view, 4> spellings;
-};
-constexpr Spelled units[] = {
-    {{"m/s", Quantity::speed, 1.0}, {"m/s", "mps"}},
-    {{"km/h", Quantity::speed, km_h_in_m_s}, {"km/h", "kmh", "kph", "kmph"}},
-    {{"mph", Quantity::speed, 0.44704}, {"mph", "mi/h"}},
-    {{"kn", Quantity::speed, knot_in_m_s}, {"kn", "kt", "kts", "knots"}},
-    {{"ft/s", Quantity::speed, 0.3048}, {"ft/s"}},
-    {{"m", Quantity::length, 1.0}, {"m", "meter", "meters", "metres"}},
-    {{"cm", Quantity::length, 0.01}, {"cm"}},
-    {{"mm", Quantity::length, 0.001}, {"mm"}},
-    {{"ft", Quantity::length, 0.3048}, {"ft", "feet"}},
-    {{"deg", Quantity::angle, 1.0}, {"deg", "degrees"}},
-    {{"rad", Quantity::angle, Angle::from_radians(1.0).degrees()}, {"rad", "radians"}},
-    {{"s", Quantity::time, 1.0}, {"s", "sec", "seconds"}},
-    {{"ms", Quantity::time, 0.001}, {"ms", "0.001 s", "milliseconds"}}};
-/// Of speeds that programs write: of those above, the first.
-constexpr std::size_t usual_speeds = 4;
-
-/// Where the brackets at the end of a name begin; its size where there are none.
-std::size_t brackets_of(std::string_view name) {
-    if (!name.ends_with(')') && !name.ends_with(']')) return name.size();
-    const std::size_t open = name.rfind(name.back() == ')' ? '(' : '[');
-    return open == std::string_view::npos ? name.size() : open;
-}
 
 std::string_view word_of(Quantity quantity) {
     constexpr std::string_view words[] = {"m/s", "metres", "degrees", "seconds"};
@@ -51,45 +19,23 @@ std::string_view word_of(Quantity quantity) {
 
 }  // namespace
 
-std::optional<Unit> find_unit(std::string_view text) {
-    const std::string lower = lower_case(trim(text));
-    if (lower.empty()) return std::nullopt;
-    for (const Spelled& each : units)
-        if (std::ranges::find(each.spellings, lower) != each.spellings.end()) return each.unit;
-    return std::nullopt;
-}
-
-namespace {
-
-/// What a header's name says of its unit: "Speed (km/h)", "Altitude [m]", or a name that is a unit
-/// itself ("KPH").
-std::optional<Unit> unit_in_name(std::string_view name) {
-    name = trim(name);
-    const std::size_t open = brackets_of(name);
-    if (open < name.size()) return find_unit(name.substr(open + 1, name.size() - open - 2));
-    const std::optional<Unit> itself = find_unit(name);
-    // "M" is rather a name.
-    return itself && itself->quantity == Quantity::speed ? itself : std::nullopt;
-}
-
-}  // namespace
-
-std::string_view without_unit(std::string_view name) {
-    name = trim(name);
-    return trim(name.substr(0, brackets_of(name)));
-}
-
-std::optional<Unit> speed_unit_of_ratio(double ratio) {
-    for (const Spelled& each : std::span(units).first(usual_speeds))
-        if (std::abs(ratio * each.unit.factor - 1.0) < 0.07) return each.unit;
-    return std::nullopt;
-}
-
-std::optional<Unit> unit_of_column(const Head& head, std::size_t column) {
-    if (auto unit = unit_in_name(head.names[column].text)) return unit;
+std::optional<Unit> unit_of_column(const Head& head, std::size_t column, Quantity quantity,
+                                   bool by_last_words) {
+    const Cell& name = head.names[column];
+    if (auto unit = by_last_words ? unit_in_name(name.text, quantity)
+                                  : unit_in_brackets(name.text, quantity))
+        return unit;
+    // "Latitude"|"Degrees"|-180.0|180.0|10, as RaceCapture writes it.
+    const std::string_view bytes = name.recording->bytes;
+    const auto at = static_cast<std::size_t>(name.text.data() + name.text.size() - bytes.data());
+    if (constexpr std::string_view mark = "\"|\"";
+        bytes.substr(std::min(at, bytes.size())).starts_with(mark)) {
+        const std::string_view rest = bytes.substr(at + mark.size());
+        return find_unit(rest.substr(0, rest.find('"')), quantity);
+    }
     for (const std::vector<Cell>& line : head.under)
         if (column < line.size())
-            if (auto unit = find_unit(line[column].text)) return unit;
+            if (auto unit = find_unit(line[column].text, quantity)) return unit;
     return std::nullopt;
 }
 
@@ -104,8 +50,13 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
             description.time_format != TimeFormat::seconds)
             continue;
         const Cell& name = layout.head.names[*layout.place[i]];
-        std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i]);
-        if (unit && unit->quantity != *quantity) unit.reset();
+        std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i], *quantity);
+        const std::string_view unknown = unknown_speed_unit(name.text);
+        if (*quantity == Quantity::speed && !unit && !description.speed_unit && !unknown.empty())
+            name.fail(fmt::format("the unit \"{}\" of the column \"{}\" is not known",
+                                  escape_for_message(unknown), escape_for_message(name.text)),
+                      "Units of speed that are read: m/s, km/h, kn, mph, ft/s, cm/s, mm/s; else "
+                      "write speed_unit in the receiver, if it is one of its words");
         if (unit && unit->name == "ms" && description.time_format == TimeFormat::seconds) continue;
         if (unit && column_kinds[i].keeps_unit && unit->factor != 1.0)
             name.fail(
@@ -121,8 +72,14 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
                           "Remove speed_unit from the receiver, or write that unit");
             unit = description.speed_unit;
         }
+        if ((column == Column::velocity_up || column == Column::up) && counts_down(name.text)) {
+            layout.factor[i] = -1.0;
+            layout.notes.push_back(fmt::format(
+                "The column \"{}\" counts downwards, as its name says, and was turned upwards.",
+                escape_for_message(name.text)));
+        }
         if (!unit) continue;
-        layout.factor[i] = unit->factor;
+        layout.factor[i] *= unit->factor;
         if (unit->factor != 1.0)
             layout.notes.push_back(fmt::format("The column \"{}\" is in {}, and was turned to {}.",
                                                escape_for_message(name.text), unit->name,
@@ -301,6 +258,7 @@ Layout read_layout(const Receiver& receiver, const Description& description,
     }
     set_units(layout, description, receiver);
     note_head(layout);
+    find_beside(layout, description, recording);
     return layout;
 }
 

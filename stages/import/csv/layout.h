@@ -11,101 +11,12 @@
 #include "schemas/attempt/attempt.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
-#include "stages/import/csv/date_time.h"
 #include "stages/import/csv/head.h"
+#include "stages/import/fields/angle.h"
+#include "stages/import/fields/column.h"
+#include "stages/import/fields/date_time.h"
 
 namespace runcert::csv {
-
-enum class Quantity { speed, length, angle, time };
-
-/// A unit as the headers of tables write it ("Km/h", "mph", "ft"), in metres a second, metres,
-/// degrees or seconds.
-struct Unit {
-    std::string_view name;  ///< "km/h", "ft", as the attempt writes it
-    Quantity quantity = Quantity::speed;
-    double factor = 1.0;
-};
-
-/// The unit by any of its spellings, in any case; nothing for any other text.
-std::optional<Unit> find_unit(std::string_view text);
-
-/// The name without a unit in brackets at its end: "Speed" of "Speed (km/h)".
-std::string_view without_unit(std::string_view name);
-
-/// The unit of speeds that a speed in metres a second, times `ratio`, would have: what fits within
-/// a tenth.
-std::optional<Unit> speed_unit_of_ratio(double ratio);
-
-/// What a column may hold: the keys of `columns` in an attempt.
-enum class Column : std::size_t {
-    time,
-    week,
-    date,
-    east,
-    north,
-    up,
-    latitude,
-    longitude,
-    height,
-    x,
-    y,
-    z,
-    sigma_east,
-    sigma_north,
-    sigma_up,
-    quality_2d,
-    quality_height,
-    velocity_east,
-    velocity_north,
-    velocity_up,
-    speed,
-    course,
-    sigma_speed,
-    fix,
-    satellites,
-    new_fix,
-    count
-};
-
-/// What a column holds.
-struct ColumnKind {
-    std::string_view name;                            ///< its key in an attempt ("sigma_east")
-    std::optional<Quantity> quantity = std::nullopt;  ///< of its numbers, where they have a unit
-    bool keeps_unit = false;  ///< coordinates and times keep the decimals they are written with
-};
-
-/// In the order of Column.
-inline constexpr std::array<ColumnKind, static_cast<std::size_t>(Column::count)> column_kinds{
-    {{"time", Quantity::time, true},
-     {"week"},
-     {"date"},
-     {"east", Quantity::length, true},
-     {"north", Quantity::length, true},
-     {"up", Quantity::length},
-     {"latitude", Quantity::angle, true},
-     {"longitude", Quantity::angle, true},
-     {"height", Quantity::length},
-     {"x", Quantity::length, true},
-     {"y", Quantity::length, true},
-     {"z", Quantity::length, true},
-     {"sigma_east", Quantity::length},
-     {"sigma_north", Quantity::length},
-     {"sigma_up", Quantity::length},
-     {"quality_2d", Quantity::length},
-     {"quality_height", Quantity::length},
-     {"velocity_east", Quantity::speed},
-     {"velocity_north", Quantity::speed},
-     {"velocity_up", Quantity::speed},
-     {"speed", Quantity::speed},
-     {"course", Quantity::angle},
-     {"sigma_speed", Quantity::speed},
-     {"fix"},
-     {"satellites"},
-     {"new_fix"}}};
-
-constexpr std::string_view name_of(Column column) {
-    return column_kinds[static_cast<std::size_t>(column)].name;
-}
 
 /// The three columns of a position in a frame, the one of heights last.
 std::span<const Column> position_columns(CoordinateFrame frame);
@@ -126,6 +37,7 @@ struct Description {
     /// Of counts of time: so many more digits are decimals (3: milliseconds).
     int time_shift = 0;
     std::optional<DateOrder> date_order;  ///< of dates and times that are not ISO 8601
+    std::optional<DayCountKind> days;     ///< where times are counts of days
     /// Of times of day that no column has a date for: the UTC date of the first row.
     std::string start_date;
 };
@@ -140,7 +52,10 @@ struct Layout : ColumnPlaces<Column> {
     Head head;
     /// Of each column's numbers, in metres or metres a second.
     std::array<double, static_cast<std::size_t>(Column::count)> factor{};
-    bool both_in_one = false;        ///< one column holds latitude, then longitude
+    bool both_in_one = false;  ///< one column holds latitude, then longitude
+    AngleForm angles = AngleForm::degrees;
+    /// Most rows hold other sensors' values and no position: they are no epochs.
+    bool between_sensors = false;
     std::vector<std::string> notes;  ///< on what was passed over, and on units
 };
 
@@ -154,8 +69,20 @@ Layout read_layout(const Receiver& receiver, const Description& description,
 /// The columns' units, by the header's names, by a line of units under it, and by the attempt.
 void set_units(Layout& layout, const Description& description, const Receiver& receiver);
 
-/// The unit that header and lines under it give a column; nothing where they do not.
-std::optional<Unit> unit_of_column(const Head& head, std::size_t column);
+/// The unit of that quantity that header and lines under it give a column; nothing where they do
+/// not. `by_last_words`: also the last words of its name ("speed_kmh").
+std::optional<Unit> unit_of_column(const Head& head, std::size_t column, Quantity quantity,
+                                   bool by_last_words = true);
+
+using Rows = std::vector<std::vector<Cell>>;
+
+/// What the first rows show beside the columns that are named: hemispheres and milliseconds in
+/// columns of their own, how angles are written, rows of other sensors.
+void find_beside(Layout& layout, const Description& description, const Rows& rows);
+
+/// The same of the first rows of a recording; notes what was found. Failure where latitude is named
+/// for longitude.
+void find_beside(Layout& layout, const Description& description, const RecordingBytes& recording);
 
 /// Finds how the rows write their times: the unit of counts, and the order of dates that are not
 /// ISO 8601. Failure where that order shows neither in the dates nor in the attempt's start_date.

@@ -154,31 +154,20 @@ struct LeftOut {
     std::size_t twice = 0, repeated = 0, elsewhere = 0, interpolated = 0;
 };
 
-std::string count_of(std::size_t count, std::size_t all) {
-    return fmt::format("{} of {} rows", count, all);
-}
-
 void note_left_out(Layout& layout, const LeftOut& left_out, std::size_t rows) {
     const std::size_t all =
         rows + left_out.twice + left_out.repeated + left_out.elsewhere + left_out.interpolated;
-    if (left_out.twice > 0)
-        layout.notes.push_back(
-            fmt::format("{} stand there twice, word for word: the second is not used.",
-                        count_of(left_out.twice, all)));
-    if (left_out.elsewhere > 0)
-        layout.notes.push_back(fmt::format(
-            "{} have no position, but other sensors' values: they are no epochs, and are not used.",
-            count_of(left_out.elsewhere, all)));
-    if (left_out.repeated > 0)
-        layout.notes.push_back(
-            fmt::format("{} repeat the last position, by the table's own column: they were not "
-                        "measured, and are not used.",
-                        count_of(left_out.repeated, all)));
-    if (left_out.interpolated > 0)
-        layout.notes.push_back(
-            fmt::format("{} are interpolated between fixes: they were not measured, and are not "
-                        "used.",
-                        count_of(left_out.interpolated, all)));
+    const std::pair<std::size_t, std::string_view> kinds[] = {
+        {left_out.twice, "stand there twice, word for word: the second is not used."},
+        {left_out.elsewhere,
+         "have no position, but other sensors' values: they are no epochs, and are not used."},
+        {left_out.repeated,
+         "repeat the last position, by the table's own column: they were not measured, and are not "
+         "used."},
+        {left_out.interpolated,
+         "are interpolated between fixes: they were not measured, and are not used."}};
+    for (const auto& [count, what] : kinds)
+        if (count > 0) layout.notes.push_back(fmt::format("{} of {} rows {}", count, all, what));
 }
 
 using TakeFix = std::function<void(const TimedRow& row, const RecordPlace& place)>;
@@ -244,8 +233,10 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
     set_units(layout, description, receiver);
     settle_times(layout, description, receiver, recording);
     note_head(layout);
-    const bool unit_is_unknown = layout[Column::speed] && !description.speed_unit &&
-                                 !unit_of_column(layout.head, *layout[Column::speed]);
+    find_beside(layout, description, recording);
+    const bool unit_is_unknown =
+        layout[Column::speed] && !description.speed_unit &&
+        !unit_of_column(layout.head, *layout[Column::speed], Quantity::speed);
     RowCollector timed(recording);
     LeftOut left_out;
     if (preset.interpolates || unit_is_unknown) {

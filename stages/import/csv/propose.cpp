@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -61,6 +62,8 @@ class Proposing {
         : table_(table), given_(given), layout_(find_columns(table, given)) {}
 
     Proposal made() {
+        layout_.both_in_one =
+            layout_[Column::latitude] && layout_[Column::latitude] == layout_[Column::longitude];
         proposal_.first_row = first_row();
         proposal_.receiver.format = "csv";
         set_frame();
@@ -74,6 +77,7 @@ class Proposing {
         set_columns();
         set_heights();
         set_speed_unit();
+        set_unused();
         for (const Column column : named_columns)
             if (layout_[column] && has_decimal_commas(table_, *layout_[column])) {
                 proposal_.unsure.push_back(
@@ -134,13 +138,29 @@ class Proposing {
     /// What the time column holds, by its first cell.
     std::string time_format(std::string_view time, std::string_view date) {
         if (!is_date(time) && is_date(date) && !time.empty()) return "time_of_day";
+        if (day_count_of(time) && is_close(1.0 / 1440.0)) return "iso";
         if (parse_double(time)) {
-            if (layout_[Column::week]) return "seconds_of_week";
-            return unix_shift(time) ? "unix" : "seconds";
+            if (unix_shift(time)) return "unix";
+            return layout_[Column::week] ? "seconds_of_week" : "seconds";
         }
-        const std::string_view day = time.substr(0, time.find_first_of("T "));
+        Cell cell;
+        cell.text = time;
+        const std::string_view day = split_date_time(cell)[0].text;
         if (time.find(':') != std::string_view::npos && !is_date(day)) return "time_of_day";
         return time.find(':') != std::string_view::npos || is_date(time) ? "iso" : "seconds";
+    }
+
+    /// Whether the times of the first rows are less apart.
+    bool is_close(double most) const {
+        const std::size_t column = *layout_[Column::time];
+        for (std::size_t i = 1; i < table_.rows.size(); ++i) {
+            const auto& a = table_.rows[i - 1];
+            const auto& b = table_.rows[i];
+            if (column >= a.size() || column >= b.size()) continue;
+            const auto first = parse_double(a[column].text), second = parse_double(b[column].text);
+            if (first && second && *first != *second) return std::abs(*second - *first) < most;
+        }
+        return false;
     }
 
     void set_time() {
@@ -195,11 +215,17 @@ class Proposing {
     }
 
     void set_scale(std::string_view time) {
-        if (time.ends_with('Z')) return;
+        Cell cell;
+        cell.text = time;
+        const std::string_view time_of_day = split_date_time(cell)[1].text;
+        if (zone_of(time_of_day.empty() ? time : time_of_day)) return;
         proposal_.receiver.time_scale = "utc";
-        const std::string name = letters_of(table_.head.names[*layout_[Column::time]].text);
-        const std::string date =
-            layout_[Column::date] ? letters_of(table_.head.names[*layout_[Column::date]].text) : "";
+        // With what stands in brackets: "Time (UTC)".
+        const auto name_at = [&](Column column) {
+            return layout_[column] ? lower_case(table_.head.names[*layout_[column]].text)
+                                   : std::string();
+        };
+        const std::string name = name_at(Column::time), date = name_at(Column::date);
         if (name.find("utc") != std::string::npos || date.find("utc") != std::string::npos)
             return propose("time_scale", "utc", "the column's name says UTC");
         if (name.find("gps") != std::string::npos) {
@@ -232,6 +258,13 @@ class Proposing {
                 reason += "; taken as the root of the sum of both horizontal variances";
             propose(key, source, std::move(reason));
         }
+        Description description;
+        description.frame = proposal_.receiver.frame->kind;
+        description.time_format = proposal_.receiver.time_format == "iso" ? TimeFormat::iso
+                                  : proposal_.receiver.time_format == "time_of_day"
+                                      ? TimeFormat::time_of_day
+                                      : TimeFormat::seconds;
+        find_beside(layout_, description, table_.rows);
         const bool geodetic = proposal_.receiver.frame->kind == CoordinateFrame::geodetic;
         for (const Column column : {Column::time, Column::latitude, Column::longitude})
             if (!layout_[column] && (geodetic || column == Column::time))
@@ -253,26 +286,33 @@ class Proposing {
              "No column holds heights, and each kilometre of it changes the speed by 0.016 %.");
     }
 
-    /// By the name where no unit stands in brackets or under it.
+    /// By the name where no unit stands in brackets, in cells or under it.
     void set_speed_unit() {
         const auto& place =
             layout_[Column::speed] ? layout_[Column::speed] : layout_[Column::velocity_east];
-        if (!place || unit_of_column(layout_.head, *place)) return;
-        const std::string name = letters_of(table_.head.names[*place].text);
-        for (const auto& [ending, unit] :
-             {std::pair<std::string_view, std::string_view>{"kmh", "km/h"},
-              {"kph", "km/h"},
-              {"mph", "mph"},
-              {"knots", "kn"},
-              {"kts", "kn"},
-              {"kn", "kn"},
-              {"mps", "m/s"},
-              {"ms", "m/s"}})
-            if (name.ends_with(ending)) {
-                proposal_.receiver.speed_unit = unit;
-                return propose("speed_unit", std::string(unit), "the column's name ends so");
-            }
-        proposal_.speed_unit_unknown = layout_[Column::speed].has_value();
+        if (!place || unit_of_column(layout_.head, *place, Quantity::speed, false)) return;
+        std::string_view cell = table_.first(*place);
+        if (take_unit(cell, Quantity::speed)) return;
+        const auto unit = unit_of_column(layout_.head, *place, Quantity::speed);
+        // Others than these an attempt has no word for, and import reads them itself.
+        if (unit && speed_unit_of_ratio(1.0 / unit->factor)) {
+            proposal_.receiver.speed_unit = unit->name;
+            return propose("speed_unit", std::string(unit->name), "the column's name ends so");
+        }
+        proposal_.speed_unit_unknown = layout_[Column::speed].has_value() && !unit;
+    }
+
+    /// The columns that are not used, by their names.
+    void set_unused() {
+        std::string names;
+        for (std::size_t i = 0; i < table_.head.names.size() && table_.has_names; ++i) {
+            const std::string_view name = table_.head.names[i].text;
+            if (name.empty() ||
+                std::ranges::find(layout_.place, std::optional(i)) != layout_.place.end())
+                continue;
+            names += fmt::format("{}{}", names.empty() ? "" : ", ", escape_for_message(name, 60));
+        }
+        if (!names.empty()) proposal_.unused = "Columns that are not used: " + names + ".";
     }
 
     /// A column's name, or its number where its name is there twice or empty.
@@ -429,6 +469,7 @@ std::vector<Section> table_sections(const RecordingBytes& recording) {
     add(section,
         {paragraph("A table that no format recognises. An attempt's receiver may say:"),
          code(proposal->yaml()), facts({{.name = "First row", .value = proposal->first_row}})});
+    if (!proposal->unused.empty()) proposal->unsure.push_back(std::move(proposal->unused));
     if (!proposal->unsure.empty()) add(section, list_of(std::move(proposal->unsure)));
     std::vector<Section> sections{std::move(section)};
     if (proposal->read) {

@@ -20,6 +20,7 @@ struct Proposal {
     std::vector<NeededKey> needed;    ///< what they do not show
     std::vector<std::string> unsure;  ///< sentences
     std::string first_row;            ///< "lat 52.1, lon 5.1"
+    std::string unused;               ///< a sentence on the columns that are not used; may be empty
     bool speed_unit_unknown = false;
     std::string problem;  ///< why it cannot be read so; empty where it can
     std::optional<Observations> read = std::nullopt;

@@ -16,89 +16,53 @@
 namespace runcert::csv {
 namespace {
 
-/// The halves of a cell that holds two values, which blanks or one , ; or / parts; the second is
-/// empty where nothing does.
-std::array<Cell, 2> halves_of(const Cell& cell) {
-    Cell first = cell, second = cell;
-    const std::size_t end = std::min(cell.text.find_first_of(" \t,;/"), cell.text.size());
-    const std::size_t begin =
-        std::min(cell.text.find_first_not_of(" \t,;/", end), cell.text.size());
-    first.text = cell.text.substr(0, end);
-    second.text = cell.text.substr(begin);
-    second.column += begin;
-    return {first, second};
-}
-
-/// A latitude or longitude as written: with a sign, or with the letter of its hemisphere.
-struct Coordinate {
-    Cell number;
-    std::string_view meaning;
-    char letter = '\0';  ///< lower case
-
-    /// In degrees, south and west negative. Failure where it is no number, or two.
-    double value() const {
-        const bool has_point = number.text.find('.') != std::string_view::npos;  // "1,5" is one
-        if (has_point && parse_double(halves_of(number)[0].text) &&
-            parse_double(halves_of(number)[1].text))
-            number.fail(
-                fmt::format("the {} \"{}\" is two numbers, both coordinates in one cell", meaning,
-                            escape_for_message(number.text)),
-                "Name this column for latitude and for longitude: it is read in that order");
-        const double degrees = read_real(number, meaning);
-        if (letter != '\0' && degrees < 0.0)
-            number.fail(fmt::format("the {} has a sign, and the letter of a hemisphere", meaning),
-                        "Hand in the table as the logger wrote it, or another export");
-        return letter == 's' || letter == 'w' ? -degrees : degrees;
-    }
-};
-
-/// The coordinate in a cell; `letters` are those of its two hemispheres, in lower case ("ns").
-Coordinate coordinate_in(const Cell& cell, std::string_view meaning, std::string_view letters) {
-    Coordinate coordinate{.number = cell, .meaning = meaning};
-    std::string_view& text = coordinate.number.text;
-    if (text.empty()) return coordinate;
-    const auto lower = [](char c) { return static_cast<char>(c | 0x20); };
-    if (letters.find(lower(text.back())) != std::string_view::npos) {
-        coordinate.letter = lower(text.back());
-        text.remove_suffix(1);
-    } else if (letters.find(lower(text.front())) != std::string_view::npos) {
-        coordinate.letter = lower(text.front());
-        text.remove_prefix(1);
-        ++coordinate.number.column;
-    }
-    constexpr std::string_view degree_sign = "\xc2\xb0";
-    if (text.ends_with(degree_sign)) text.remove_suffix(degree_sign.size());
-    text = trim(text);
-    return coordinate;
-}
-
 /// The fields of one row, by column.
 class Fields : public RowCells<Column> {
   public:
     Fields(std::span<const Cell> cells, const Layout& layout)
         : RowCells(cells, layout), layout_(layout) {}
 
-    /// Whether the column is there and its field not empty.
-    bool has(Column column) const { return !text(column).empty(); }
+    /// Whether the column is there and its field holds a value. What a program writes for a
+    /// coordinate that it does not have ("nan") is no coordinate all the same, and fails.
+    bool has(Column column) const {
+        const std::string_view field = text(column);
+        if (!is_missing(field)) return true;
+        return (column_kinds[index(column)].keeps_unit || column == Column::height) &&
+               (field.ends_with('n') || field.ends_with('N'));
+    }
     double real(Column column) const {
-        return RowCells::real(column, name_of(column)) * layout_.factor[index(column)];
+        Cell number = cell(column);
+        double factor = layout_.factor[index(column)];
+        if (const auto unit = take_unit(number.text, *column_kinds[index(column)].quantity)) {
+            if (factor != 1.0 && factor != unit->factor)
+                cell(column).fail(
+                    fmt::format("the {} \"{}\" is in another unit than its column", name_of(column),
+                                escape_for_message(cell(column).text)),
+                    "Hand in the table as the logger wrote it, or another export");
+            factor = unit->factor;
+        }
+        return read_real(number, name_of(column)) * factor;
     }
     std::optional<double> optional_real(Column column) const {
         if (!has(column)) return std::nullopt;
         return real(column);
     }
     /// Latitude or longitude, each a half of its cell where one column holds both.
-    Coordinate coordinate(Column column) const {
+    WrittenAngle coordinate(Column column) const {
         const bool north = column == Column::latitude;
         const Cell& whole = cell(column);
-        return coordinate_in(layout_.both_in_one ? halves_of(whole)[north ? 0 : 1] : whole,
-                             name_of(column), north ? "ns" : "ew");
+        const Column hemisphere = north ? Column::north_south : Column::east_west;
+        return WrittenAngle(layout_.both_in_one ? halves_of(whole)[north ? 0 : 1] : whole, north,
+                            layout_.angles,
+                            RowCells::has(hemisphere) ? &cell(hemisphere) : nullptr);
     }
     /// Empty, and zero, are unknown.
     std::optional<double> deviation(Column column) const {
         if (!has(column)) return std::nullopt;
-        const double value =
-            read_deviation(cell(column), name_of(column)) * layout_.factor[index(column)];
+        Cell number = cell(column);
+        const auto unit = take_unit(number.text, *column_kinds[index(column)].quantity);
+        const double value = read_deviation(number, name_of(column)) *
+                             (unit ? unit->factor : layout_.factor[index(column)]);
         return value > 0.0 ? std::optional(value) : std::nullopt;
     }
 
@@ -110,9 +74,10 @@ class Fields : public RowCells<Column> {
 
 /// A count of satellites, which is interpolated too where rows are.
 std::int16_t read_count(const Cell& cell, bool between_fixes) {
-    if (!between_fixes) return read_satellites(cell);
     Cell whole = cell;
-    whole.text = cell.text.substr(0, cell.text.find('.'));
+    // "12(17)": used of those in view.
+    whole.text = cell.text.substr(0, cell.text.find('('));
+    if (between_fixes) whole.text = whole.text.substr(0, whole.text.find('.'));
     return read_satellites(whole);
 }
 
@@ -131,8 +96,12 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver, int shift) {
 
 /// Failure for a time that shows itself to be of another format than the attempt says.
 void require_described(const Cell& time, TimeFormat described) {
+    const bool begins_as_iso = time.text.size() > 10 && time.text[4] == '-' && time.text[7] == '-';
+    if (described == TimeFormat::iso && begins_as_iso) return;
     const std::string_view date = split_date_time(time)[0].text;
-    const bool has_date = date.find_first_of("/-.") != std::string_view::npos && is_date(date);
+    const bool has_date =
+        (date.find_first_of("/-.") != std::string_view::npos || date.size() == time.text.size()) &&
+        std::ranges::any_of(date, [](char c) { return !is_digit(c); }) && is_date(date);
     const bool has_colon = time.text.find(':') != std::string_view::npos;
     if (has_date && described != TimeFormat::iso)
         time.fail(fmt::format("\"{}\" is a date and time, and the attempt describes another format",
@@ -145,8 +114,8 @@ void require_described(const Cell& time, TimeFormat described) {
             "Write time_format: time_of_day in the receiver, and name the column of the date");
 }
 
-GpsTime read_instant(const Fields& fields, const Description& description,
-                     const Receiver& receiver) {
+GpsTime read_whole_instant(const Fields& fields, const Description& description,
+                           const Receiver& receiver) {
     const Clock clock = description.clock;
     const Cell& time = fields.cell(Column::time);
     if (time.text.empty())
@@ -161,6 +130,7 @@ GpsTime read_instant(const Fields& fields, const Description& description,
         case TimeFormat::unix:
             return read_unix(time, description.time_shift);
         case TimeFormat::iso:
+            if (description.days) return read_days(time, *description.days, clock);
             if (description.date_order) {
                 const auto [date, time_of_day] = split_date_time(time);
                 return read_date_time(date, time_of_day, *description.date_order, clock);
@@ -176,6 +146,14 @@ GpsTime read_instant(const Fields& fields, const Description& description,
     return read_calendar(date, time, clock);
 }
 
+GpsTime read_instant(const Fields& fields, const Description& description,
+                     const Receiver& receiver) {
+    const GpsTime instant = read_whole_instant(fields, description, receiver);
+    if (!fields.has(Column::milliseconds)) return instant;
+    return instant.plus_nanoseconds(
+        read_whole(fields.cell(Column::milliseconds), "count of milliseconds", 0, 999) * 1'000'000);
+}
+
 Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_m) {
     const double easting_m = fields.real(Column::east);
     const double northing_m = fields.real(Column::north);
@@ -188,31 +166,38 @@ Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_
 
 /// A position in geodetic or Earth-centred coordinates. All the coordinates that are recorded are
 /// there.
-Geodetic read_place(const Fields& fields, const Description& description,
-                    const Receiver& receiver) {
+Geodetic read_place(const Fields& fields, const Description& description, const Receiver& receiver,
+                    WrittenCells& written) {
     if (description.frame == CoordinateFrame::ecef)
         return checked_ecef(
             {fields.real(Column::x), fields.real(Column::y), fields.real(Column::z)},
             fields.cell(Column::x));
     const bool utm = description.frame == CoordinateFrame::utm;
     const Column height = utm ? Column::up : Column::height;
+    const bool has_height = description.has_up && fields.has(height);
     const double height_m =
-        description.has_up ? fields.real(height) : *description.constant_height_m;
+        has_height ? fields.real(height) : description.constant_height_m.value_or(0.0);
     const Cell& first = fields.cell(utm ? Column::east : Column::latitude);
-    const Geodetic position =
-        utm ? read_utm(fields, receiver, height_m)
-            : Geodetic{
-                  .latitude = Angle::from_degrees(fields.coordinate(Column::latitude).value()),
-                  .longitude = Angle::from_degrees(fields.coordinate(Column::longitude).value()),
-                  .height_m = height_m};
+    Geodetic position;
+    if (utm) {
+        position = read_utm(fields, receiver, height_m);
+    } else {
+        const WrittenAngle latitude = fields.coordinate(Column::latitude);
+        const WrittenAngle longitude = fields.coordinate(Column::longitude);
+        position = {.latitude = Angle::from_degrees(latitude.degrees()),
+                    .longitude = Angle::from_degrees(longitude.degrees()),
+                    .height_m = height_m};
+        written.unit = latitude.unit();
+        written.coordinates = {latitude.last_number(), longitude.last_number()};
+    }
     return checked_geodetic(position, first, fields.cell(utm ? Column::north : Column::longitude),
-                            description.has_up ? fields.cell(height) : first);
+                            has_height ? fields.cell(height) : first);
 }
 
 bool has_position(const Fields& fields, const Description& description) {
     const std::span<const Column> columns = position_columns(description.frame);
     return fields.has(columns[0]) && fields.has(columns[1]) &&
-           (!description.has_up || fields.has(columns[2]));
+           (description.frame != CoordinateFrame::ecef || fields.has(columns[2]));
 }
 
 /// Deviations along the axes of a UTM grid, in its metres, as those towards true east and north
@@ -255,20 +240,23 @@ StatedAccuracy read_accuracy(const Fields& fields, const Description& descriptio
 }
 
 void set_written_coordinates(WrittenCells& written, const Fields& fields, CoordinateFrame frame) {
+    if (frame == CoordinateFrame::geodetic) return;  // read_place has
     const std::span<const Column> columns = position_columns(frame);
-    if (frame == CoordinateFrame::geodetic) {
-        written.unit = CoordinateUnit::degree;
-        written.coordinates = {fields.coordinate(columns[0]).number.text,
-                               fields.coordinate(columns[1]).number.text};
-        return;
-    }
     const std::size_t count = frame == CoordinateFrame::ecef ? 3 : 2;
     for (std::size_t i = 0; i < count; ++i)
         written.coordinates[i] = fields.cell(columns[i]).text;
 }
 
+/// As many decimals of a second as those of a day show: four less, of five digits.
+std::string_view day_decimals(std::string_view text) {
+    const std::size_t decimals = text.size() - std::min(text.find('.') + 1, text.size());
+    return std::string_view("0.000000000")
+        .substr(0, decimals > 5 ? 2 + std::min<std::size_t>(decimals - 5, 9) : 1);
+}
+
 /// The part of a time that shows its decimals.
 std::string_view written_time(std::string_view text, const Description& description) {
+    if (description.days) return day_decimals(text);
     if (description.date_order) return seconds_text(text);
     if (description.time_shift == 0) return text;
     constexpr std::string_view pattern = "0.000000000";
@@ -277,12 +265,17 @@ std::string_view written_time(std::string_view text, const Description& descript
     return pattern.substr(0, 2 + decimals + static_cast<std::size_t>(description.time_shift));
 }
 
+/// Whether a telephone says that its network gave the position, and no satellites.
+bool is_of_network(const Fields& fields) {
+    if (fields.text(Column::provider).empty()) return false;
+    const std::string provider = lower_case(fields.text(Column::provider));
+    return provider == "network" || provider == "wifi" || provider == "cell";
+}
+
 FixType read_fix(const Fields& fields) {
     if (!fields.has(Column::fix)) return FixType::unknown;
     const Cell& cell = fields.cell(Column::fix);
-    FixType fix{};
-    if (from_text(lower_case(cell.text), fix)) return fix;
-    if (cell.text == "SPS") return FixType::single;  // standard positioning service, by Columbus
+    if (const auto fix = fix_by_word(cell.text)) return *fix;
     if (parse_double(cell.text)) return read_rtklib_quality(cell);
     cell.fail(fmt::format("the fix \"{}\" is not known", escape_for_message(cell.text)),
               "Words that are read: fixed, float, ppp, dgps, sbas, single, dead_reckoning, none, "
@@ -290,6 +283,19 @@ FixType read_fix(const Fields& fields) {
 }
 
 }  // namespace
+
+bool is_mock(std::span<const Cell> cells, const Layout& layout) {
+    if (!layout[Column::mock] || *layout[Column::mock] >= cells.size()) return false;
+    const std::string said = lower_case(cells[*layout[Column::mock]].text);
+    return said == "true" || said == "1" || said == "yes";
+}
+
+bool is_other_sensors(std::span<const Cell> cells, const Layout& layout) {
+    const auto is_empty = [&](Column column) {
+        return !layout[column] || is_missing(cells[*layout[column]].text);
+    };
+    return layout.between_sensors && (is_empty(Column::latitude) || is_empty(Column::longitude));
+}
 
 bool is_new_fix(std::span<const Cell> cells, const Layout& layout) {
     if (!layout[Column::new_fix]) return true;
@@ -303,7 +309,9 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     TimedRow row;
     Observation& observation = row.observation;
     row.instant = read_instant(fields, description, receiver);
-    row.written.time = written_time(fields.cell(Column::time).text, description);
+    row.written.time = fields.has(Column::milliseconds)
+                           ? std::string_view("0.000")
+                           : written_time(fields.cell(Column::time).text, description);
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
         observation.satellites =
@@ -316,7 +324,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
                   course_of(fields.optional_real(Column::course)));
     if (const auto sigma = fields.deviation(Column::sigma_speed))
         set_component_accuracy(observation, *sigma);
-    if (!has_position(fields, description)) {
+    if (!has_position(fields, description) || is_of_network(fields)) {
         observation.fix = FixType::none;
         return row;
     }
@@ -325,7 +333,10 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
         observation.plane_north_m = fields.real(Column::north);
         observation.plane_up_m = fields.optional_real(Column::up);
     } else {
-        set_position(observation, read_place(fields, description, receiver));
+        set_position(observation, read_place(fields, description, receiver, row.written));
+        const Column height = position_columns(description.frame)[2];
+        if (description.has_up && description.frame != CoordinateFrame::ecef && !fields.has(height))
+            observation.height_m.reset();
     }
     set_written_coordinates(row.written, fields, description.frame);
     static_cast<StatedAccuracy&>(observation) = read_accuracy(fields, description, receiver);

@@ -16,8 +16,6 @@ namespace {
 /// Extensions are not looked for deeper than this.
 constexpr int deepest = 8;
 
-constexpr std::size_t date_size = 10;
-
 std::string_view local_name(pugi::xml_node node) {
     const std::string_view name = node.name();
     const std::size_t colon = name.find(':');
@@ -51,18 +49,6 @@ FixType read_fix(const Cell& cell) {
     if (cell.text == "2d" || cell.text == "3d" || cell.text == "pps") return FixType::single;
     if (cell.text == "dgps") return FixType::dgps;
     return FixType::unknown;
-}
-
-/// Minutes by which a zone is ahead of UTC: "+0200" or "+02:00".
-int read_zone(const Cell& zone) {
-    const bool colon = zone.text.size() > 3 && zone.text[3] == ':';
-    const auto hours = digits_at(zone.text, 1, 2);
-    const auto minutes = digits_at(zone.text, colon ? 4 : 3, 2);
-    if (zone.text.size() != (colon ? 6 : 5) || !hours || !minutes || *hours > 14 || *minutes > 59)
-        zone.fail(
-            fmt::format("\"{}\" is not an offset from UTC", escape_for_message(zone.text)),
-            "Offsets are read as +02:00, +0200 or Z, at most 14 hours: hand in another export");
-    return (zone.text[0] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
 }
 
 /// Nothing for an empty cell.
@@ -129,22 +115,10 @@ void PointReader::read_time(const Piece& piece, const char* text, TimedRow& row)
         throw Failure(place_in(recording_, *piece.place.line, piece.column),
                       "the track point has no time", "Export the track with times");
     }
-    Cell time = cell(piece, text);
+    const Cell time = cell(piece, text);
     row.written.time = time.text;
-    const std::size_t zone_at = time.text.find_first_of("+-", date_size);
-    if (zone_at == std::string_view::npos) {
-        if (!time.text.ends_with('Z')) ++counts_.without_zone;
-        row.instant = read_iso(time, Clock::utc);
-        return;
-    }
-    Cell zone = time;
-    zone.text.remove_prefix(zone_at);
-    zone.column += zone_at;
-    time.text = row.written.time = time.text.substr(0, zone_at);
-    const GpsTime shown = read_iso(time, Clock::gps);  // its calendar, without leap seconds
-    constexpr std::int64_t minute_ns = 60 * GpsTime::nanoseconds_per_second;
-    row.instant = instant_of_utc(shown.plus_nanoseconds(-read_zone(zone) * minute_ns).calendar(),
-                                 recording_, piece.place);
+    if (!zone_of(time.text)) ++counts_.without_zone;
+    row.instant = read_iso(time, Clock::utc);
 }
 
 /// Above the ellipsoid, where the geoid's height above it is recorded too.
@@ -153,7 +127,6 @@ double PointReader::read_height(const Piece& piece, const Texts& texts) {
     std::optional<double> geoid_m;
     if (texts.geoid_height)
         geoid_m = real_unless_empty(cell(piece, texts.geoid_height), "geoid height");
-    ++(geoid_m ? counts_.with_geoid_height : counts_.without_geoid_height);
     return height_m + geoid_m.value_or(0.0);
 }
 

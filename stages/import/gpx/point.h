@@ -20,9 +20,7 @@ struct Piece {
 /// What was seen over all points, for the notes.
 struct PointCounts {
     std::size_t without_time = 0;
-    std::size_t without_zone = 0;       ///< times that do not say in which zone
-    std::size_t with_geoid_height = 0;  ///< heights that were turned into ellipsoidal ones
-    std::size_t without_geoid_height = 0;
+    std::size_t without_zone = 0;  ///< times that do not say in which zone
 };
 
 /// Reads track points one after the other.

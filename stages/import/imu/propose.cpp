@@ -29,7 +29,7 @@ ImuAxes axes_of(const Eigen::Vector3d& force) {
 /// Whether a column is named as a latitude: then the readings stand beside positions.
 bool has_positions(const csv::SeenTable& table) {
     return table.has_names && std::ranges::any_of(table.head.names, [](const Cell& cell) {
-               return csv::letters_of(cell.text).find("lat") != std::string::npos;
+               return letters_of(cell.text).find("lat") != std::string::npos;
            });
 }
 

@@ -9,8 +9,8 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/clock.h"
-#include "stages/import/csv/date_time.h"
 #include "stages/import/csv/head.h"
+#include "stages/import/fields/date_time.h"
 #include "stages/import/imu/raw.h"
 #include "stages/import/row_collector.h"
 

@@ -175,6 +175,7 @@ void read_position_and_height(const Sentence& sentence, std::size_t first, std::
                                                     -largest_height_m, largest_height_m);
     solution.has_height = above_geoid_m.value.has_value();
     solution.above_sea_level = solution.has_height && !separation_m.value;
+    solution.separation_m = separation_m.value;
     read_position(sentence, first,
                   above_geoid_m.value.value_or(0.0) + separation_m.value.value_or(0.0), cell,
                   solution);

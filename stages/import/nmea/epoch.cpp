@@ -197,8 +197,27 @@ RecordPlace place_of(const Epoch& epoch) {
     return *solution_of(epoch).place;
 }
 
+std::optional<double> RowMaker::known_separation_m() {
+    if (separation_m_ || std::exchange(looked_for_, true)) return separation_m_;
+    EpochReader epochs(recording_, nullptr);
+    while (const auto epoch = epochs.next())
+        for (const Solution* solution : {&epoch->gga, &epoch->gns})
+            if (solution->has_height && solution->separation_m.value_or(0.0) != 0.0)
+                return separation_m_ = *solution->separation_m;
+    return std::nullopt;
+}
+
 void RowMaker::set_solution(TimedRow& row, const Solution& solution) {
     set_position(row.observation, *solution.position);
+    if (solution.has_height && solution.separation_m.value_or(0.0) != 0.0) {
+        separation_m_ = *solution.separation_m;
+    } else if (const auto separation_m = solution.has_height ? known_separation_m() : std::nullopt;
+               separation_m && (solution.above_sea_level || std::abs(*separation_m) > 1.0)) {
+        row.observation.height_m = *row.observation.height_m + *separation_m;
+        ++tally_.separation_of_another;
+        --tally_.above_sea_level;
+        if (!solution.above_sea_level) ++tally_.above_sea_level;
+    }
     if (!solution.has_height) {
         row.observation.height_m.reset();
         ++tally_.without_height;

@@ -45,6 +45,7 @@ struct Solution {
     std::optional<Geodetic> position;  ///< height 0 where there is none
     bool has_height = false;
     bool above_sea_level = false;  ///< no geoid separation: the height is one above it
+    OptionalReal separation_m;     ///< of the geoid, in the height where it is not zero
     std::array<std::string_view, 2> coordinates;  ///< as written
     decltype(Observation::satellites) satellites;
     OptionalReal age_s;
@@ -155,6 +156,7 @@ RecordPlace place_of(const Epoch& epoch);
 /// Counts of what the rows of a recording were made of.
 struct RowTally {
     std::int64_t above_sea_level = 0;
+    std::int64_t separation_of_another = 0;
     std::int64_t without_height = 0;
     std::int64_t in_plane = 0;
     std::int64_t velocities_disagree = 0;
@@ -164,15 +166,22 @@ struct RowTally {
 /// Makes rows of epochs, and counts what the notes say of them.
 class RowMaker {
   public:
-    /// The row of an epoch that says_position.
+    explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
+
+    /// The row of an epoch that says_position. A height without a geoid separation, or with one of
+    /// zero where others have one, gets that of the epoch before it, or else of the first.
     TimedRow row(const Epoch& epoch, GpsTime instant);
     const RowTally& tally() const { return tally_; }
 
   private:
+    std::optional<double> known_separation_m();
     void set_solution(TimedRow& row, const Solution& solution);
     void set_ground_velocity(Observation& row, const Epoch& epoch);
     void set_errors(Observation& row, const ErrorStatistics& errors);
 
+    const RecordingBytes& recording_;
+    std::optional<double> separation_m_;  ///< the last that is not zero, or the first to come
+    bool looked_for_ = false;             ///< whether the first to come was
     RowTally tally_;
 };
 

@@ -97,6 +97,10 @@ void note_rows(Observations& observations, const RowTally& tally) {
          "Heights written without a geoid separation, which are above mean sea level and not above "
          "the ellipsoid",
          tally.above_sea_level);
+    note(observations,
+         "Heights whose geoid separation is missing, or zero where others have one: that of the "
+         "epochs beside them was added",
+         tally.separation_of_another);
     if (tally.without_height < static_cast<std::int64_t>(observations.rows.size()))
         note(observations, "Positions from RMC, which have no height", tally.without_height);
     note(observations,
@@ -175,7 +179,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     DayClock clock(first ? std::optional(first->day) : std::nullopt);
     RowCollector timed(recording);
     EpochReader epochs(recording, &timed);
-    RowMaker maker;
+    RowMaker maker(recording);
     std::int64_t without_position = 0;
     while (const auto epoch = epochs.next()) {
         if (!says_position(*epoch)) {
@@ -206,6 +210,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note(observations, "Times that have no GGA, GNS or RMC sentence, and are no epochs",
          without_position);
     note_rows(observations, maker.tally());
+    fill_heights(observations);
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;

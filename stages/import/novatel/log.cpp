@@ -26,6 +26,8 @@ constexpr std::array<std::uint32_t, 256> table = make_table();
 /// Places in the header, counted in fields.
 constexpr std::size_t long_time_status = 4, long_week = 5, long_fields = 10;
 constexpr std::size_t short_week = 1, short_fields = 3;
+/// Unicore's header has as many fields, no port, and milliseconds: "BESTPOSA,97,GPS,FINE,2409,...".
+constexpr std::size_t unicore_scale = 2, unicore_time_status = 3, unicore_week = 4;
 
 /// Splits at commas, but for those in quotation marks.
 std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording, std::size_t from,
@@ -90,11 +92,18 @@ Log read_log(const SourceLine& line, const RecordingBytes& recording) {
         start.fail(fmt::format("the log's header has {} fields, not {}", header.size(),
                                is_short ? short_fields : long_fields),
                    "Take the recording as the receiver wrote it");
-    const std::size_t week = is_short ? short_week : long_week;
+    const bool unicore =
+        !is_short && (header[unicore_scale].text == "GPS" || header[unicore_scale].text == "BDS");
+    if (unicore && header[unicore_scale].text != "GPS")
+        header[unicore_scale].fail("the log counts BeiDou's time, which is read of no recording",
+                                   "Let the receiver count GPS time, and record again");
+    const std::size_t week = is_short ? short_week : unicore ? unicore_week : long_week;
     return {.name = header[0].text,
-            .time_status = is_short ? std::string_view() : header[long_time_status].text,
+            .time_status = is_short ? std::string_view()
+                                    : header[unicore ? unicore_time_status : long_time_status].text,
             .week = header[week],
             .seconds = header[week + 1],
+            .in_milliseconds = unicore,
             .fields = split(line, recording, semicolon + 1, star)};
 }
 

@@ -14,6 +14,7 @@ struct Log {
     std::string_view name;         ///< "BESTPOSA"
     std::string_view time_status;  ///< "FINESTEERING"; empty in a short header
     Cell week, seconds;            ///< of its header
+    bool in_milliseconds = false;  ///< the seconds, as Unicore's receivers write them
     std::vector<Cell> fields;      ///< after the semicolon
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 
 #include "core/text.h"
 #include "stages/import/cell.h"
@@ -20,8 +21,9 @@ namespace {
 
 /// The logs whose positions are read, the one that is preferred first: those of the satellites
 /// before those that an inertial unit takes part in.
-constexpr std::string_view position_logs[] = {"BESTGNSSPOSA", "BESTPOSA", "RTKPOSA", "PPPPOSA",
-                                              "PSRPOSA",      "INSPVAXA", "INSPVAA", "INSPVASA"};
+constexpr std::string_view position_logs[] = {"BESTGNSSPOSA", "BESTPOSA", "BESTNAVA",
+                                              "RTKPOSA",      "PPPPOSA",  "PSRPOSA",
+                                              "INSPVAXA",     "INSPVAA",  "INSPVASA"};
 
 /// The words of the table "Position or Velocity Type" (NovAtel, OEM7 Commands and Logs Reference
 /// Manual) by what they count as.
@@ -115,8 +117,17 @@ void set_velocity(Observation& row, const Log& log, std::size_t first) {
     row.recorded_velocity_up_m_s = read_real(log.fields[first + 2], "velocity");
 }
 
+/// Fields of Unicore's BESTNAV, BESTPOS with BESTVEL and the deviations of speeds behind it.
+namespace bestnav {
+constexpr std::size_t velocity = bestpos::count, sigma_vertical = velocity + 7,
+                      sigma_speed = velocity + 8, count = velocity + 9;
+}
+
+double read_velocity(std::span<const Cell> fields, Observation& row);
+
 void read_bestpos(const Log& log, TimedRow& row) {
-    require_fields(log, bestpos::count);
+    const bool with_velocity = log.name == "BESTNAVA";
+    require_fields(log, with_velocity ? bestnav::count : bestpos::count);
     Observation& seen = row.observation;
     seen.fix = read_type(log.fields[bestpos::type]);
     if (log.fields[bestpos::status].text != "SOL_COMPUTED") seen.fix = FixType::none;
@@ -130,6 +141,12 @@ void read_bestpos(const Log& log, TimedRow& row) {
     set_deviations(seen, log, bestpos::sigma_latitude);
     seen.satellites = read_satellites(log.fields[bestpos::satellites_used]);
     seen.age_s = read_real(log.fields[bestpos::age], "age of corrections");
+    if (!with_velocity) return;
+    (void)read_velocity(std::span(log.fields).subspan(bestnav::velocity), seen);
+    if (const auto sigma = deviation(log.fields[bestnav::sigma_speed])) {
+        seen.sigma_recorded_velocity_up_m_s = deviation(log.fields[bestnav::sigma_vertical]);
+        set_component_accuracy(seen, *sigma);
+    }
 }
 
 void read_inspvax(const Log& log, TimedRow& row) {
@@ -162,7 +179,7 @@ bool is_inertial(std::string_view log) {
 
 /// The log of velocities that goes with one of positions; empty where that has its own.
 std::string_view velocity_log(std::string_view position_log) {
-    if (is_inertial(position_log)) return {};
+    if (is_inertial(position_log) || position_log == "BESTNAVA") return {};
     if (position_log == "BESTGNSSPOSA") return "BESTGNSSVELA";
     if (position_log == "RTKPOSA") return "RTKVELA";
     if (position_log == "PSRPOSA") return "PSRVELA";
@@ -170,7 +187,7 @@ std::string_view velocity_log(std::string_view position_log) {
 }
 
 GpsTime instant_of(const Log& log) {
-    return read_week_time(log.week, log.seconds, Clock::gps);
+    return read_week_time(log.week, log.seconds, Clock::gps, log.in_milliseconds ? 3 : 0);
 }
 
 /// A log of positions as a row. A log without a solution is a row without position. Failure for a
@@ -178,7 +195,7 @@ GpsTime instant_of(const Log& log) {
 TimedRow read_position(const Log& log) {
     TimedRow row;
     row.instant = instant_of(log);
-    row.written.time = log.seconds.text;
+    row.written.time = log.in_milliseconds ? std::string_view("0.000") : log.seconds.text;
     if (log.name == "INSPVAXA")
         read_inspvax(log, row);
     else if (is_inertial(log.name))
@@ -190,15 +207,13 @@ TimedRow read_position(const Log& log) {
 
 /// Puts the velocity of a log of velocities into a row of the same time. Returns its latency (s),
 /// by which the receiver says that it is older than its time.
-double read_velocity(const Log& log, Observation& row) {
-    require_fields(log, bestvel::count);
-    if (log.fields[bestvel::status].text != "SOL_COMPUTED" ||
-        log.fields[bestvel::type].text == "NONE")
+double read_velocity(std::span<const Cell> fields, Observation& row) {
+    if (fields[bestvel::status].text != "SOL_COMPUTED" || fields[bestvel::type].text == "NONE")
         return 0.0;
-    set_speed(row, read_real(log.fields[bestvel::speed], "speed"),
-              Angle::from_degrees(read_real(log.fields[bestvel::course], "course")));
-    row.recorded_velocity_up_m_s = read_real(log.fields[bestvel::vertical], "vertical speed");
-    return read_real(log.fields[bestvel::latency], "latency");
+    set_speed(row, read_real(fields[bestvel::speed], "speed"),
+              Angle::from_degrees(read_real(fields[bestvel::course], "course")));
+    row.recorded_velocity_up_m_s = read_real(fields[bestvel::vertical], "vertical speed");
+    return read_real(fields[bestvel::latency], "latency");
 }
 
 /// What VERSION says of the receiver's own card, the first of its components that is one: model,
@@ -288,7 +303,8 @@ class Reader {
         const Log log = read_log(line, recording_);
         TimedRow velocity;
         velocity.instant = instant_of(log);
-        const double latency_s = read_velocity(log, velocity.observation);
+        require_fields(log, bestvel::count);
+        const double latency_s = read_velocity(log.fields, velocity.observation);
         timed_.count_good();
         latency_s_ = std::max(latency_s_, latency_s);
         if (row_ && row_->instant == velocity.instant) {

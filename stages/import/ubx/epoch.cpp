@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/geodesy.h"
 #include "stages/import/byte_order.h"
@@ -100,7 +101,14 @@ FixType fix_at(std::string_view payload, std::size_t at) {
 FixType fix_of(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return fix_of_pvt(epoch[Part::pvt]);
     if (epoch.has(Part::sol)) return fix_at(epoch[Part::sol], 10);
-    return epoch.has(Part::status) ? fix_at(epoch[Part::status], 4) : FixType::unknown;
+    if (!epoch.has(Part::status)) return FixType::unknown;
+    const std::string_view status = epoch[Part::status];
+    const FixType fix = fix_at(status, 4);
+    // carrSoln, which receivers that resolve no ambiguities leave zero.
+    const int carrier = static_cast<unsigned char>(status[7]) >> 6;
+    const bool of_satellites = fix == FixType::single || fix == FixType::dgps;
+    if (of_satellites && carrier == 1) return FixType::float_ambiguities;
+    return of_satellites && carrier == 2 ? FixType::fixed : fix;
 }
 
 /// How far GPS time is ahead of UTC (s); nothing where that is not announced.
@@ -128,15 +136,19 @@ std::optional<GpsTime> after_rollovers(GpsTime shown, std::int64_t counted) {
 
 /// GPS week, time of week and the rest to it, as TIMEGPS and SOL have them; nothing where the
 /// receiver did not know them.
-std::optional<GpsTime> gps_time_of(const Epoch& epoch) {
-    const bool timegps = epoch.has(Part::timegps);
-    const std::string_view payload = epoch[timegps ? Part::timegps : Part::sol];
+std::optional<GpsTime> gps_time_in(std::string_view payload, bool timegps,
+                                   std::uint32_t time_of_week_ms) {
     const unsigned first_valid = timegps ? 0 : 2;
     if (!bit(payload, 11, first_valid) || !bit(payload, 11, first_valid + 1)) return std::nullopt;
     return GpsTime()
         .plus_nanoseconds(number<std::int16_t>(payload, 8) * GpsTime::nanoseconds_per_week)
-        .plus_nanoseconds(std::int64_t{epoch.time_of_week_ms} * 1'000'000 +
+        .plus_nanoseconds(std::int64_t{time_of_week_ms} * 1'000'000 +
                           number<std::int32_t>(payload, 4));
+}
+
+std::optional<GpsTime> gps_time_of(const Epoch& epoch) {
+    const bool timegps = epoch.has(Part::timegps);
+    return gps_time_in(epoch[timegps ? Part::timegps : Part::sol], timegps, epoch.time_of_week_ms);
 }
 
 /// SOL's Earth-centred position or velocity, m or m/s.
@@ -238,10 +250,43 @@ std::uint32_t time_of_week_ms(Part part, std::string_view payload) {
     return number<std::uint32_t>(payload, part == Part::hpposllh ? 4 : 0);
 }
 
+std::optional<GpsTime> RowMaker::by_another_epoch(std::uint32_t time_of_week_ms) {
+    if (!dated_ && !std::exchange(looked_for_, true)) {
+        FrameReader frames(recording_.bytes);
+        for (auto frame = frames.next(); frame && !dated_; frame = frames.next())
+            if (frame->good && part_of(*frame) == Part::timegps)
+                dated_ = gps_time_in(frame->payload, true,
+                                     ubx::time_of_week_ms(Part::timegps, frame->payload));
+    }
+    if (!dated_) return std::nullopt;
+    constexpr std::int64_t week = GpsTime::nanoseconds_per_week;
+    std::int64_t off = std::int64_t{time_of_week_ms} * 1'000'000 - dated_->nanoseconds_of_week();
+    if (off > week / 2) off -= week;
+    if (off < -week / 2) off += week;
+    ++tally_.by_week;
+    return dated_->plus_nanoseconds(off);
+}
+
+FixType RowMaker::fix_by_status(const Epoch& epoch) {
+    if (!status_) return FixType::unknown;
+    const std::uint32_t then = time_of_week_ms(Part::status, status_->payload);
+    if (epoch.time_of_week_ms < then || epoch.time_of_week_ms - then >= 1000)
+        return FixType::unknown;
+    Epoch with_status = epoch;
+    with_status.parts[static_cast<std::size_t>(Part::status)] = status_;
+    return fix_of(with_status);
+}
+
 std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
+    if (!epoch.has_time()) {
+        const std::optional<GpsTime> time = by_another_epoch(epoch.time_of_week_ms);
+        if (!time) ++tally_.without_time;
+        return time;
+    }
     if (!epoch.has_utc()) {
         const std::optional<GpsTime> time = gps_time_of(epoch);
         if (!time) ++tally_.without_time;
+        if (time && epoch.has(Part::timegps)) dated_ = time;
         if (!time || !epoch.has(Part::timegps) || !bit(epoch[Part::timegps], 11, 2)) return time;
         return in_true_week(*time, number<std::int8_t>(epoch[Part::timegps], 10)).value_or(*time);
     }
@@ -285,6 +330,9 @@ void RowMaker::set_place(Observation& row, const Epoch& epoch) {
         return;
     }
     const Part source = epoch.position();
+    if (source == Part::hpposllh)
+        throw Failure(place_in(recording_, place),
+                      "the receiver says that its NAV-HPPOSLLH is invalid", "Record NAV-PVT, too");
     const std::string_view payload = epoch[source];
     if (source == Part::sol) {
         set_position(row, checked_ecef(centimetres_at(payload, 12), recording_, place));
@@ -308,7 +356,9 @@ std::optional<TimedRow> RowMaker::row(const Epoch& epoch) {
     TimedRow timed;
     timed.instant = *when;
     Observation& row = timed.observation;
+    if (epoch.has(Part::status)) status_ = epoch.parts[static_cast<std::size_t>(Part::status)];
     row.fix = fix_of(epoch);
+    if (row.fix == FixType::unknown) row.fix = fix_by_status(epoch);
     if (epoch.has(Part::pvt))
         row.satellites = number<std::uint8_t>(epoch[Part::pvt], 23);
     else if (epoch.has(Part::sol))

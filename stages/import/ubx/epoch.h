@@ -60,12 +60,17 @@ struct Epoch {
     }
     /// Whether it has enough for a row.
     bool is_whole() const { return has(Part::pvt) || (has_position() && has_time()); }
-    bool has_position() const { return has(Part::pvt) || has(Part::posllh) || has(Part::sol); }
+    bool has_position() const {
+        return has(Part::pvt) || has(Part::posllh) || has(Part::sol) || has(Part::hpposllh);
+    }
     bool has_time() const { return has_utc() || has(Part::timegps) || has(Part::sol); }
     bool has_utc() const { return has(Part::pvt) || has(Part::timeutc); }
     /// The message that the position is taken from, of an epoch that has one.
     Part position() const {
-        return has(Part::pvt) ? Part::pvt : has(Part::posllh) ? Part::posllh : Part::sol;
+        return has(Part::pvt)      ? Part::pvt
+               : has(Part::posllh) ? Part::posllh
+               : has(Part::sol)    ? Part::sol
+                                   : Part::hpposllh;
     }
     RecordPlace place() const {
         return RecordPlace(parts[static_cast<std::size_t>(position())]->offset);
@@ -83,6 +88,7 @@ struct RowTally {
     std::int64_t standard_precision = 0;
     std::int64_t in_plane = 0;  ///< two-dimensional solutions
     std::int64_t with_dead_reckoning = 0;
+    std::int64_t by_week = 0;  ///< epochs whose week is that of another epoch
 };
 
 /// Makes rows of epochs, and counts what the notes say of them.
@@ -90,18 +96,25 @@ class RowMaker {
   public:
     explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
 
-    /// The row of an epoch that is_whole; nothing where the receiver did not know the time.
-    /// Failure where its time or position is impossible.
+    /// The row of an epoch that is_whole, or has a position and no date; nothing where the receiver
+    /// did not know the time. Of those without date the week is that of the nearest TIMEGPS, and
+    /// the fix type that of the STATUS of the last second. Failure where its time or position is
+    /// impossible.
     std::optional<TimedRow> row(const Epoch& epoch);
     const RowTally& tally() const { return tally_; }
 
   private:
     std::optional<GpsTime> instant(const Epoch& epoch);
+    std::optional<GpsTime> by_another_epoch(std::uint32_t time_of_week_ms);
+    FixType fix_by_status(const Epoch& epoch);
     std::optional<GpsTime> in_true_week(GpsTime shown, std::int64_t leap_seconds);
     void set_place(Observation& row, const Epoch& epoch);
 
     const RecordingBytes& recording_;
     RowTally tally_;
+    std::optional<GpsTime> dated_;  ///< by a TIMEGPS, the last or the first to come
+    bool looked_for_ = false;       ///< whether the first to come was
+    std::optional<Frame> status_;   ///< the last
 };
 
 }  // namespace runcert::ubx

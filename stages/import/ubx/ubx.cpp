@@ -128,7 +128,8 @@ class Reader {
 
     void finish_epoch() {
         const std::optional<Epoch> epoch = std::exchange(epoch_, std::nullopt);
-        if (!epoch || !epoch->is_whole()) return;
+        if (!epoch || !(epoch->is_whole() || (epoch->has_position() && of_older_receivers())))
+            return;
         try {
             if (const auto row = maker_.row(*epoch)) timed_.add(*row, epoch->place());
         } catch (const Failure& failure) {
@@ -136,6 +137,11 @@ class Reader {
             timed_.count_bad(epoch->place(), failure);
             if (!first_impossible_) first_impossible_ = failure;
         }
+    }
+
+    /// Whether dates come in messages of their own, which may be rarer than positions.
+    bool of_older_receivers() const {
+        return (parts_ & bit_of(Part::pvt)) == 0 && (parts_ & bit_of(Part::hpposllh)) != 0;
     }
 
     void require_rows() const {
@@ -150,7 +156,7 @@ class Reader {
                                       "navigation epochs",
                                       maker_.tally().without_time),
                           "Record again under open sky, until the receiver has a fix");
-        if (parts_ & bit_of(Part::posllh))
+        if (parts_ & (bit_of(Part::posllh) | bit_of(Part::hpposllh)))
             throw Failure(where,
                           "the recording holds positions (NAV-POSLLH), and nothing that says their "
                           "date",
@@ -223,6 +229,8 @@ class Reader {
             "Positions of NAV-SOL, in whole centimetres; with NAV-POSLLH recorded, too, they are "
             "finer",
             tally.of_solution);
+        note("Epochs without a date, whose week is that of the NAV-TIMEGPS nearest to them",
+             tally.by_week);
         if (parts_ & bit_of(Part::pvt)) return;
         observations_.notes.push_back(
             "The recording has no NAV-PVT messages; those of older receivers are used instead.");
@@ -248,7 +256,9 @@ bool recognises(std::string_view bytes) {
         if (!frame->good) continue;
         any = true;
         const auto part = part_of(*frame);
-        if (part == Part::pvt || part == Part::posllh || part == Part::sol) return true;
+        if (part == Part::pvt || part == Part::posllh || part == Part::sol ||
+            part == Part::hpposllh)
+            return true;
     }
     // Receivers can mix both, and then the positions may be in NMEA sentences alone.
     return any && !find_format("nmea")->recognises(bytes);

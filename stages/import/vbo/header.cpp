@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <span>
 
 #include "core/failure.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
+#include "stages/import/fields/unit.h"
 #include "stages/import/vbo/vbo.h"
 
 namespace runcert::vbo {
@@ -16,23 +16,6 @@ namespace {
 constexpr std::size_t most_channels = 10'000;
 constexpr std::size_t comments_kept = 100;
 constexpr std::string_view created_on = "file created on";
-
-/// A unit by the letters of its name.
-struct Unit {
-    std::string_view name;
-    double factor;
-};
-
-constexpr Unit speed_units[] = {
-    // In metres a second.
-    {"kmh", km_h_in_m_s},  {"kph", km_h_in_m_s}, {"kmph", km_h_in_m_s}, {"knots", knot_in_m_s},
-    {"knot", knot_in_m_s}, {"kts", knot_in_m_s}, {"kn", knot_in_m_s},   {"mph", mph_in_m_s},
-    {"ms", 1.0},           {"mps", 1.0}};
-/// Units of other columns, which no figure depends on, except degrees.
-constexpr Unit other_units[] = {
-    // Only degrees matter.
-    {"deg", 1.0}, {"degrees", 1.0}, {"min", 1.0}, {"mins", 1.0}, {"minutes", 1.0},
-    {"m", 1.0},   {"metres", 1.0},  {"s", 1.0},   {"utc", 1.0}};
 
 /// The names of each column, in the order of Column: Racelogic's, then those of other writers. Of
 /// several columns for one meaning, the one whose name comes first here counts.
@@ -61,13 +44,6 @@ std::string letters(std::string_view name) {
     return text;
 }
 
-std::optional<double> factor_of(std::string_view unit, std::span<const Unit> units) {
-    const auto found =
-        std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
-    if (found == units.end()) return std::nullopt;
-    return found->factor;
-}
-
 bool is_speed(Column column) {
     return column == Column::velocity || column == Column::vertical_velocity;
 }
@@ -80,8 +56,8 @@ std::optional<Channel> channel_of(std::string_view text) {
             if (known.empty() || !name.starts_with(known)) continue;
             const auto column = static_cast<Column>(i);
             const std::string unit = name.substr(known.size());
-            if (unit.empty() ||
-                (is_speed(column) ? factor_of(unit, speed_units) : factor_of(unit, other_units)))
+            if (unit.empty() || unit == "utc" ||
+                (is_speed(column) ? find_unit(unit, Quantity::speed) : find_unit(unit)))
                 return Channel{known, column, unit};
         }
     return std::nullopt;
@@ -100,9 +76,9 @@ std::string unit_of(const Header& header, const Channel& channel, std::size_t fi
 }
 
 void set_unit(Layout& layout, Column column, const std::string& unit) {
-    const std::optional<double> speed = factor_of(unit, speed_units);
-    if (column == Column::velocity) layout.velocity_m_s = speed ? *speed : km_h_in_m_s;
-    if (column == Column::vertical_velocity) layout.vertical_velocity_m_s = speed;
+    const auto speed = find_unit(unit, Quantity::speed);
+    if (column == Column::velocity) layout.velocity_m_s = speed ? speed->factor : km_h_in_m_s;
+    if (column == Column::vertical_velocity && speed) layout.vertical_velocity_m_s = speed->factor;
     if (column == Column::longitude && unit.starts_with("deg"))
         layout.coordinates = Coordinates::degrees;
 }

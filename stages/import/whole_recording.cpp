@@ -44,7 +44,8 @@ void fill_heights(Observations& observations) {
         while (next < known.size() && known[next] < i)
             ++next;
         if (!needs(rows[i])) continue;
-        const bool after = next<known.size(), before = next> 0;
+        const bool after = next < known.size();
+        const bool before = next > 0;
         if (after && before) {
             const std::size_t a = known[next - 1], b = known[next];
             const double span_s = seconds(a, b);

@@ -15,31 +15,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// A name as an id: every other character becomes -. With the recording's date and minute, so that
-/// two recordings of one name have two ids.
-std::string id_of(const std::string& path, const std::optional<GpsTime>& first) {
-    constexpr std::size_t longest = 60;
-    std::string id = std::filesystem::path(path).stem().string().substr(0, longest);
-    std::ranges::replace_if(
-        id,
-        [](char c) {
-            return !is_digit(c) && !(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && c != '_';
-        },
-        '-');
-    while (id.starts_with('-'))
-        id.erase(0, 1);
-    if (id.empty()) id = "attempt";
-    if (!first) return id;
-    std::string date;
-    std::ranges::copy_if(to_utc_iso(*first, 0), std::back_inserter(date), is_digit);
-    constexpr std::size_t date_length = 8, time_end = 12;
-    std::string digits;
-    std::ranges::copy_if(id, std::back_inserter(digits), is_digit);
-    if (digits.find(date.substr(0, date_length)) == std::string::npos)
-        id += "-" + date.substr(0, date_length);
-    return id + "-" + date.substr(date_length, time_end - date_length);
-}
-
 /// What a table's proposal says of a receiver.
 void add_proposed(const Recognition& is, Json& receiver) {
     if (is.proposed.empty()) return;
@@ -93,6 +68,29 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
 }
 
 }  // namespace
+
+std::string id_of(const std::string& path, const std::optional<GpsTime>& first) {
+    constexpr std::size_t longest = 60;
+    std::string id = std::filesystem::path(path).stem().string().substr(0, longest);
+    std::ranges::replace_if(
+        id,
+        [](char c) {
+            return !is_digit(c) && !(c >= 'a' && c <= 'z') && !(c >= 'A' && c <= 'Z') && c != '_';
+        },
+        '-');
+    while (id.starts_with('-'))
+        id.erase(0, 1);
+    if (id.empty()) id = "attempt";
+    if (!first) return id;
+    std::string date;
+    std::ranges::copy_if(to_utc_iso(*first, 0), std::back_inserter(date), is_digit);
+    constexpr std::size_t date_length = 8, time_end = 12;
+    std::string digits;
+    std::ranges::copy_if(id, std::back_inserter(digits), is_digit);
+    if (digits.find(date.substr(0, date_length)) == std::string::npos)
+        id += "-" + date.substr(0, date_length);
+    return id + "-" + date.substr(date_length, time_end - date_length);
+}
 
 Draft::Draft(std::vector<HandedIn> files, Arrangement arrangement)
     : files_(std::move(files)), arrangement_(std::move(arrangement)) {

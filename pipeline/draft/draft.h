@@ -22,6 +22,10 @@ struct Gap {
     bool at_prompt = true;      ///< whether it can be answered in a line
 };
 
+/// A file's name as an id: every other character becomes -. With its date and minute, where they
+/// are given, so that two recordings of one name have two ids.
+std::string id_of(const std::string& path, const std::optional<GpsTime>& first);
+
 /// An attempt while it is written: what the recordings say, and what somebody answers.
 class Draft {
   public:

@@ -58,7 +58,7 @@ class DraftText {
             const Draft one({file},
                             {.receivers = {{.id = "primary", .recordings = {0}}}, .said = {}});
             Json entry = one.keys()["receivers"][0];
-            entry["id"] = one.keys()["id"];
+            entry["id"] = id_of(file.path, std::nullopt);
             const std::string stem = entry["id"];
             for (int again = 2; !ids.insert(entry["id"]).second; ++again)
                 entry["id"] = fmt::format("{}-{}", stem, again);

@@ -365,8 +365,8 @@ TEST(Draft, ADayHasWhatIsAnsweredInCommon) {
     EXPECT_EQ(common["solution"].text(), "fixed");
     EXPECT_FALSE(common["recording"].exists());
     ASSERT_EQ(read["attempts"].list().size(), 3U);
-    EXPECT_EQ(read["attempts"].list()[0]["id"].text(), "rover-20260314-1000");
-    EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-20260314-1000-2");
+    EXPECT_EQ(read["attempts"].list()[0]["id"].text(), "rover");
+    EXPECT_EQ(read["attempts"].list()[1]["id"].text(), "rover-2");
     const YamlValue third = read["attempts"].list()[2];
     EXPECT_EQ(third["recording"].text(), "log.csv");
     EXPECT_EQ(third["columns"]["time"].integer(), 1);

@@ -59,6 +59,20 @@ void find_hemispheres(Layout& layout, const Rows& rows) {
     }
 }
 
+/// Whether rows of one time of day stand together, in the order of this column: what else it may
+/// hold does not part them so.
+bool parts_seconds(const Rows& rows, std::size_t time, std::size_t column) {
+    std::size_t rising = 0, falling = 0;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        if (text_at(rows[i], time) != text_at(rows[i - 1], time)) continue;
+        const auto before = parse_integer(text_at(rows[i - 1], column));
+        const auto here = parse_integer(text_at(rows[i], column));
+        if (!before || !here || *here == *before) return false;
+        ++(*here > *before ? rising : falling);
+    }
+    return std::min(rising, falling) == 0 && 3 * std::max(rising, falling) >= rows.size();
+}
+
 /// Milliseconds in a column of their own, where times of day are whole seconds.
 void find_milliseconds(Layout& layout, const Description& description, const Rows& rows) {
     if (description.time_format != TimeFormat::iso &&
@@ -70,44 +84,39 @@ void find_milliseconds(Layout& layout, const Description& description, const Row
         return;
     for (std::size_t i = 0; i < layout.fields && !layout[Column::milliseconds]; ++i)
         if (!is_taken(layout, i) && is_named(layout.head.names[i].text, Column::milliseconds) &&
-            all_are(rows, i, [](std::string_view text) {
-                const auto value = parse_integer(text);
-                return value && *value >= 0 && *value <= 999;
-            }))
+            all_are(rows, i,
+                    [](std::string_view text) {
+                        const auto value = parse_integer(text);
+                        return value && *value >= 0 && *value <= 999;
+                    }) &&
+            parts_seconds(rows, *layout[Column::time], i))
             layout[Column::milliseconds] = i;
 }
 
-/// Whether a number can be degrees and minutes, dddmm.mmmm.
-bool can_have_minutes(std::string_view text) {
-    const auto value = parse_double(text);
-    return value && std::fmod(std::abs(*value), 100.0) < 60.0;
-}
-
-void find_angle_form(Layout& layout, const Rows& rows) {
-    if (layout.both_in_one || !layout[Column::latitude] || !layout[Column::longitude]) return;
-    const auto without_letter = [](std::string_view text) {
+/// Whether every number of a column, zeros apart, is too large for degrees and can be degrees and
+/// minutes, dddmm.mmmm.
+bool shows_minutes(const Rows& rows, const std::optional<std::size_t>& column, double most_deg) {
+    bool any = false;
+    for (const std::vector<Cell>& row : rows) {
+        std::string_view text = text_at(row, column);
         while (!text.empty() &&
                std::string_view("NSEWnsew ").find(text.back()) != std::string_view::npos)
             text.remove_suffix(1);
-        return text;
-    };
-    const auto beyond = [&](const std::optional<std::size_t>& column, double most) {
-        return std::ranges::any_of(rows, [&](const std::vector<Cell>& row) {
-            const auto value = parse_double(without_letter(text_at(row, column)));
-            return value && std::abs(*value) > most;
-        });
-    };
-    const auto all_minutes = [&](const std::optional<std::size_t>& column) {
-        return all_are(rows, *column, [&](std::string_view text) {
-            return can_have_minutes(without_letter(text));
-        });
-    };
-    // Decimals, as every receiver writes minutes; swapped columns have some, too.
-    const bool impossible =
-        beyond(layout[Column::latitude], 180.0) || beyond(layout[Column::longitude], 360.0);
-    if (impossible && !beyond(layout[Column::latitude], 9000.0) &&
-        !beyond(layout[Column::longitude], 18000.0) && all_minutes(layout[Column::latitude]) &&
-        all_minutes(layout[Column::longitude]))
+        const auto value = parse_double(text);
+        if (!value || *value == 0.0) continue;
+        const double size = std::abs(*value);
+        if (size <= most_deg || size > 100.0 * most_deg || std::fmod(size, 100.0) >= 60.0)
+            return false;
+        any = true;
+    }
+    return any;
+}
+
+/// Both coordinates must show it, at all rows: one that would do as degrees, too, says nothing.
+void find_angle_form(Layout& layout, const Rows& rows) {
+    if (layout.both_in_one || !layout[Column::latitude] || !layout[Column::longitude]) return;
+    if (shows_minutes(rows, layout[Column::latitude], 90.0) &&
+        shows_minutes(rows, layout[Column::longitude], 180.0))
         layout.angles = AngleForm::degrees_and_minutes;
 }
 

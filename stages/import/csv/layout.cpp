@@ -51,6 +51,15 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
             continue;
         const Cell& name = layout.head.names[*layout.place[i]];
         std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i], *quantity);
+        for (const std::vector<Cell>& line : layout.head.under)
+            if (const auto below = *layout.place[i] < line.size()
+                                       ? find_unit(line[*layout.place[i]].text, *quantity)
+                                       : std::nullopt;
+                unit && below && below->factor != unit->factor)
+                line[*layout.place[i]].fail(
+                    fmt::format("the unit of \"{}\" is {} by its name, and {} by the line below",
+                                escape_for_message(name.text), unit->name, below->name),
+                    "Hand in another export, or correct the line that is wrong and say so");
         const std::string_view unknown = unknown_speed_unit(name.text);
         if (*quantity == Quantity::speed && !unit && !description.speed_unit && !unknown.empty())
             name.fail(fmt::format("the unit \"{}\" of the column \"{}\" is not known",

@@ -34,6 +34,11 @@ constexpr Spelled spelled[] = {
     {{"mm", Quantity::length, 0.001}, {"mm"}},
     {{"km", Quantity::length, 1000.0}, {"km"}},
     {{"ft", Quantity::length, 0.3048}, {"ft", "feet", "foot"}},
+    {{"US survey ft", Quantity::length, 1200.0 / 3937.0},
+     {"usft", "ftus", "usfeet", "usfoot", "ussurveyfeet", "ussurveyfoot", "ussurveyft",
+      "surveyfeet", "surveyft"}},
+    {{"yd", Quantity::length, 0.9144}, {"yd", "yds", "yard", "yards"}},
+    {{"mi", Quantity::length, metres_per_statute_mile}, {"mi", "mile", "miles"}},
     {{"deg", Quantity::angle, 1.0}, {"deg", "degs", "degree", "degrees", "\xc2\xb0"}},
     {{"rad", Quantity::angle, Angle::from_radians(1.0).degrees()},
      {"rad", "rads", "radian", "radians"}},
@@ -132,6 +137,11 @@ std::optional<Unit> unit_in_name(std::string_view name, Quantity quantity) {
         if (as_spelled(last).size() < 2 && !apart) continue;
         if (const auto unit = find_unit(last, quantity)) return unit;
     }
+    if (quantity == Quantity::angle)
+        for (const std::string_view ending : {"rad", "radian", "radians"})
+            if (const std::string letters = as_spelled(name);
+                letters.ends_with(ending) && !letters.ends_with("grad"))
+                return find_unit(ending, quantity);  // "latrad"
     if (quantity != Quantity::speed) return std::nullopt;
     // "speedkmh": of several endings the longest.
     const std::string letters = as_spelled(name);

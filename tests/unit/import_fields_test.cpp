@@ -60,6 +60,10 @@ TEST(FieldUnits, AreReadFromNames) {
     EXPECT_EQ(unit_in_name("HEIGHT_M", Quantity::length)->name, "m");
     EXPECT_FALSE(unit_in_name("hAccM", Quantity::length));
     EXPECT_FALSE(unit_in_name("grad", Quantity::angle));
+    EXPECT_EQ(unit_in_name("latrad", Quantity::angle)->name, "rad");
+    EXPECT_EQ(unit_in_name("e_usft", Quantity::length)->name, "US survey ft");
+    EXPECT_EQ(unit_in_name("e (US survey feet)", Quantity::length)->factor, 1200.0 / 3937.0);
+    EXPECT_EQ(unit_in_name("e_yd", Quantity::length)->factor, 0.9144);
     EXPECT_EQ(unit_in_name("time_ms", Quantity::time)->name, "ms");
 }
 
@@ -160,6 +164,45 @@ TEST(FieldAngles, AreReadHoweverTheyAreWritten) {
     }));
     expect_run(read);
     EXPECT_TRUE(has_note(read, "dddmm.mmmm")) << noted(read);
+}
+
+// One coordinate alone, or one row, shows nothing of the other: at 60 N it would make a run twice
+// as fast as it was.
+TEST(FieldAngles, InMinutesAloneBesideDegreesAreRefused) {
+    const Receiver receiver = csv_receiver();
+    for (const char* row : {"59.5,2430.000004", "5930.0,24.5"}) {
+        std::string text = "time,lat,lon,h\n";
+        for (int i = 0; i < 20; ++i)
+            text += fmt::format("{},{},1\n", i, row);
+        EXPECT_TRUE(has(failure_of(receiver, text), "is impossible")) << row;
+    }
+    std::string text = "time,lat,lon,h\n";
+    for (int i = 0; i < 20; ++i)
+        text += fmt::format("{},-31.6{:03},{},1\n", i, i, i == 7 ? "2430.1" : "136.0");
+    const Observations read = import_text(receiver, text);
+    ASSERT_EQ(read.rows.size(), 19U);
+    EXPECT_NEAR(*read.rows[0].longitude_deg, 136.0, 1e-12);
+}
+
+// A counter or a latency beside one row a second parts nothing.
+TEST(FieldTimes, AColumnCalledMsCountsOnlyWhereItPartsSeconds) {
+    Receiver receiver = csv_receiver();
+    receiver.time_format = "iso";
+    receiver.time_scale = "utc";
+    std::string text = "time,ms,lat,lon,h\n";
+    for (int i = 0; i < 30; ++i)
+        text += fmt::format("2026-03-14T10:00:{:02}Z,{},45.{:04},9,1\n", i, 980 - 16 * i, i);
+    const Observations read = import_text(receiver, text);
+    ASSERT_EQ(read.rows.size(), 30U);
+    EXPECT_EQ(read.rows.back().time.seconds(), 29.0);
+    EXPECT_FALSE(has_note(read, "milliseconds"));
+}
+
+TEST(FieldUnits, ALineOfUnitsMayNotContradictAName) {
+    Receiver receiver = csv_receiver();
+    receiver.columns["height"] = "h_m";
+    EXPECT_TRUE(has(failure_of(receiver, "time,lat,lon,h_m\n(s),(deg),(deg),(ft)\n0,45,9,1\n"),
+                    "m by its name, and ft by the line below"));
 }
 
 TEST(FieldAngles, InThreeFieldsUnderOneName) {

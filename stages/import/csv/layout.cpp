@@ -59,7 +59,7 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
                 line[*layout.place[i]].fail(
                     fmt::format("the unit of \"{}\" is {} by its name, and {} by the line below",
                                 escape_for_message(name.text), unit->name, below->name),
-                    "Hand in another export, or correct the line that is wrong and say so");
+                    "Hand in an export whose names and units agree");
         const std::string_view unknown = unknown_speed_unit(name.text);
         if (*quantity == Quantity::speed && !unit && !description.speed_unit && !unknown.empty())
             name.fail(fmt::format("the unit \"{}\" of the column \"{}\" is not known",

@@ -164,7 +164,9 @@ void take_names(const SeenTable& table, std::span<const KnownNames> names, bool 
 /// The columns that somebody names, by name or number.
 void take_given(const SeenTable& table, const CsvColumns& given, Layout& layout) {
     const std::vector<Cell>& names = table.head.names;
-    for (const auto& [meaning, source] : given) {
+    for (const auto& column : given) {
+        const std::string& meaning = column.first;
+        const std::string& source = column.second;
         const auto kind = std::ranges::find(column_kinds, meaning, &ColumnKind::name);
         if (kind == column_kinds.end()) continue;  // who reads the columns says it
         const auto name = std::ranges::find_if(

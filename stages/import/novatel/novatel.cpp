@@ -54,9 +54,10 @@ FixType read_type(const Cell& cell) {
 
 /// Fields of BESTPOS and its like, counted from 0.
 namespace bestpos {
-constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3, height = 4, undulation = 5,
-                      datum = 6, sigma_latitude = 7, sigma_longitude = 8, sigma_height = 9,
-                      age = 11, satellites_used = 14, count = 21;
+[[maybe_unused]] constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3,
+                                       height = 4, undulation = 5, datum = 6, sigma_latitude = 7,
+                                       sigma_longitude = 8, sigma_height = 9, age = 11,
+                                       satellites_used = 14, count = 21;
 }
 
 /// Fields of BESTVEL and its like.
@@ -67,15 +68,16 @@ constexpr std::size_t status = 0, type = 1, latency = 2, speed = 4, course = 5, 
 
 /// Fields of INSPVAX.
 namespace inspvax {
-constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3, height = 4, undulation = 5,
-                      north = 6, sigma_latitude = 12, sigma_longitude = 13, sigma_height = 14,
-                      sigma_north = 15, count = 23;
+[[maybe_unused]] constexpr std::size_t status = 0, type = 1, latitude = 2, longitude = 3,
+                                       height = 4, undulation = 5, north = 6, sigma_latitude = 12,
+                                       sigma_longitude = 13, sigma_height = 14, sigma_north = 15,
+                                       count = 23;
 }
 
 /// Fields of INSPVA, whose heights are ellipsoidal.
 namespace inspva {
-constexpr std::size_t week = 0, latitude = 2, longitude = 3, height = 4, north = 5, status = 11,
-                      count = 12;
+[[maybe_unused]] constexpr std::size_t week = 0, latitude = 2, longitude = 3, height = 4, north = 5,
+                                       status = 11, count = 12;
 }
 
 void require_fields(const Log& log, std::size_t count) {

@@ -5,11 +5,10 @@
 #include <array>
 #include <iterator>
 #include <optional>
-#include <utility>
 
 #include "core/failure.h"
-#include "core/speed_unit.h"
 #include "core/text.h"
+#include "core/written_unit.h"
 #include "draft/draft.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
@@ -48,34 +47,26 @@ std::string spelled(std::string_view text) {
     return name;
 }
 
-/// Units of speeds as people write them, beside how an attempt does.
-constexpr std::pair<std::string_view, std::string_view> written_units[] = {
-    {"kn", "kn"},     {"kt", "kn"},     {"kts", "kn"},   {"knot", "kn"},
-    {"knots", "kn"},  {"km/h", "km/h"}, {"kmh", "km/h"}, {"kph", "km/h"},
-    {"kmph", "km/h"}, {"mph", "mph"},   {"m/s", "m/s"},  {"mps", "m/s"}};
-
 /// "202.9 km/h", "110 knots".
 Json record_of(std::string_view text) {
     text = trim(text);
     const std::size_t end = std::min(text.find_first_not_of("0123456789.,+-"), text.size());
     const std::string_view number = trim(text.substr(0, end));
-    const std::string unit = lower_case(trim(text.substr(end)));
-    const auto* const known = std::ranges::find(
-        written_units, unit, &std::pair<std::string_view, std::string_view>::first);
-    if (known == std::end(written_units))
+    const auto unit = find_unit(text.substr(end), Quantity::speed);
+    const std::vector<std::string>& units = attempt_schema().find("record.unit")->values;
+    if (!unit || std::ranges::find(units, unit->name) == units.end())
         refuse(fmt::format("\"{}\" names no unit of speeds behind its number",
                            escape_for_message(text)),
-               fmt::format("Write it as 202.9 km/h; units are {}",
-                           fmt::join(attempt_schema().find("record.unit")->values, ", ")));
+               fmt::format("Write it as 202.9 km/h; units are {}", fmt::join(units, ", ")));
     // As every number of an attempt, with the words for what is wrong with it.
     const double speed = YamlValue(parse_yaml(number, answer), answer).real();
     // A craft on the ground has run at 1,228 km/h, a skydiver has fallen at 1,358.
     constexpr double slowest_m_s = 0.3, fastest_m_s = 400.0;
-    const double m_s = speed * metres_per_second(known->second);
+    const double m_s = speed * unit->factor;
     if (!(m_s >= slowest_m_s && m_s <= fastest_m_s))
         refuse(fmt::format("{} is no speed that a craft has a record of", escape_for_message(text)),
                "Check the number and its unit");
-    return {{"speed", speed}, {"unit", std::string(known->second)}};
+    return {{"speed", speed}, {"unit", std::string(unit->name)}};
 }
 
 /// Three numbers with these names: "0 0 -5".

@@ -8,7 +8,7 @@
 #include "import_inspect_support.h"
 #include "import_test_support.h"
 #include "stages/import/csv/propose.h"
-#include "stages/import/fields/unit.h"
+#include "core/written_unit.h"
 #include "stages/import/novatel/log.h"
 
 // What is known of fields in one place, as pairs of input and table: each way of writing gives the

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "schemas/observations/observations.h"
-#include "stages/import/fields/unit.h"
+#include "core/written_unit.h"
 
 namespace runcert::csv {
 

@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
-#include "stages/import/fields/unit.h"
+#include "core/written_unit.h"
 #include "stages/import/vbo/vbo.h"
 
 namespace runcert::vbo {

@@ -1,4 +1,4 @@
-#include "stages/import/fields/unit.h"
+#include "core/written_unit.h"
 
 #include <algorithm>
 #include <array>

@@ -159,10 +159,11 @@ TEST(Flysight, BadLinesAreCountedAndListed) {
         std::string from, to, what;
     } cases[] = {
         {"37.5000125", "37,5000125", "15 fields"},
-        {"37.5000125", "0x10", "lat \"0x10\" is not a number"},
+        {"37.5000125", "0x10", "latitude \"0x10\" is not a number"},
         {"37.5000125", "97.8", "latitude of 97.8 degrees"},
         {"7.309", "nan", "no number"},
         {"12.50", "", "velD is missing"},
+        {"0.30,", "0.30 m/s,", "sAcc \"0.30 m/s\" is not a number"},
         {"2.000,", "-2.000,", "hAcc -2.000 cannot be one"},
         {"18:09:07.40Z", "18:09:61.40Z", "does not exist"},
         {"T18:09:07.40Z", "", "not a date and time"},

@@ -56,6 +56,11 @@ bool is_other_sensors(std::span<const Cell> fields, const Layout& layout);
 TimedRow read_row(std::span<const Cell> fields, const Layout& layout,
                   const Description& description, const Receiver& receiver);
 
+/// Reads the velocity, position and accuracy of a row into one whose time, fix type and satellites
+/// are known. A row with an empty coordinate has no position.
+void read_solution(std::span<const Cell> fields, const Layout& layout,
+                   const Description& description, const Receiver& receiver, TimedRow& row);
+
 /// A row of a table, and where it stands.
 struct PlacedRow {
     TimedRow row;

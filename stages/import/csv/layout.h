@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -52,6 +53,8 @@ struct Layout : ColumnPlaces<Column> {
     Head head;
     /// Of each column's numbers, in metres or metres a second.
     std::array<double, static_cast<std::size_t>(Column::count)> factor{};
+    /// Standard deviations so large, as they are written, say that a receiver has no idea.
+    double unknown_from = std::numeric_limits<double>::infinity();
     bool both_in_one = false;  ///< one column holds latitude, then longitude
     AngleForm angles = AngleForm::degrees;
     /// Most rows hold other sensors' values and no position: they are no epochs.

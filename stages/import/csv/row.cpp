@@ -56,14 +56,14 @@ class Fields : public RowCells<Column> {
                             layout_.angles,
                             RowCells::has(hemisphere) ? &cell(hemisphere) : nullptr);
     }
-    /// Empty, and zero, are unknown.
+    /// Empty, zero, and what is too large are unknown.
     std::optional<double> deviation(Column column) const {
         if (!has(column)) return std::nullopt;
         Cell number = cell(column);
         const auto unit = take_unit(number.text, *column_kinds[index(column)].quantity);
-        const double value = read_deviation(number, name_of(column)) *
-                             (unit ? unit->factor : layout_.factor[index(column)]);
-        return value > 0.0 ? std::optional(value) : std::nullopt;
+        const double value = read_deviation(number, name_of(column));
+        if (value <= 0.0 || value >= layout_.unknown_from) return std::nullopt;
+        return value * (unit ? unit->factor : layout_.factor[index(column)]);
     }
 
   private:
@@ -303,19 +303,10 @@ bool is_new_fix(std::span<const Cell> cells, const Layout& layout) {
     return read_whole(cell, "mark of a new fix", 0, 1) == 1;
 }
 
-TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
-                  const Receiver& receiver) {
+void read_solution(std::span<const Cell> cells, const Layout& layout,
+                   const Description& description, const Receiver& receiver, TimedRow& row) {
     const Fields fields(cells, layout);
-    TimedRow row;
     Observation& observation = row.observation;
-    row.instant = read_instant(fields, description, receiver);
-    row.written.time = fields.has(Column::milliseconds)
-                           ? std::string_view("0.000")
-                           : written_time(fields.cell(Column::time).text, description);
-    observation.fix = read_fix(fields);
-    if (fields.has(Column::satellites))
-        observation.satellites =
-            read_count(fields.cell(Column::satellites), description.between_fixes);
     observation.recorded_velocity_east_m_s = fields.optional_real(Column::velocity_east);
     observation.recorded_velocity_north_m_s = fields.optional_real(Column::velocity_north);
     observation.recorded_velocity_up_m_s = fields.optional_real(Column::velocity_up);
@@ -326,7 +317,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
         set_component_accuracy(observation, *sigma);
     if (!has_position(fields, description) || is_of_network(fields)) {
         observation.fix = FixType::none;
-        return row;
+        return;
     }
     if (description.frame == CoordinateFrame::local_plane) {
         observation.plane_east_m = fields.real(Column::east);
@@ -340,6 +331,22 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     }
     set_written_coordinates(row.written, fields, description.frame);
     static_cast<StatedAccuracy&>(observation) = read_accuracy(fields, description, receiver);
+}
+
+TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
+                  const Receiver& receiver) {
+    const Fields fields(cells, layout);
+    TimedRow row;
+    Observation& observation = row.observation;
+    row.instant = read_instant(fields, description, receiver);
+    row.written.time = fields.has(Column::milliseconds)
+                           ? std::string_view("0.000")
+                           : written_time(fields.cell(Column::time).text, description);
+    observation.fix = read_fix(fields);
+    if (fields.has(Column::satellites))
+        observation.satellites =
+            read_count(fields.cell(Column::satellites), description.between_fixes);
+    read_solution(cells, layout, description, receiver, row);
     return row;
 }
 

@@ -1,10 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "core/text.h"
-#include "stages/import/cell.h"
 #include "stages/import/clock.h"
+#include "stages/import/csv/csv.h"
 #include "stages/import/earth.h"
 #include "stages/import/format.h"
 
@@ -13,43 +14,34 @@
 namespace runcert::flysight {
 namespace {
 
-/// The columns that are read. All but gpsFix are in every file.
-enum class Column {
-    time,
-    latitude,
-    longitude,
-    height,
-    velocity_north,
-    velocity_east,
-    velocity_down,
-    horizontal_accuracy,
-    vertical_accuracy,
-    speed_accuracy,
-    satellites,
-    fix,
-    count
+using enum csv::Column;
+
+/// A column that is read. All but gpsFix are in every file.
+struct Field {
+    csv::Column meaning;
+    std::string_view name, unit;
 };
+constexpr Field fields[] = {
+    {time, "time", ""},           {latitude, "lat", "deg"},        {longitude, "lon", "deg"},
+    {height, "hMSL", "m"},        {velocity_north, "velN", "m/s"}, {velocity_east, "velE", "m/s"},
+    {velocity_up, "velD", "m/s"}, {quality_2d, "hAcc", "m"},       {quality_height, "vAcc", "m"},
+    {sigma_speed, "sAcc", "m/s"}, {satellites, "numSV", ""},       {fix, "gpsFix", ""}};
 
-using Layout = ColumnPlaces<Column>;
+/// Geodetic coordinates with heights; of an attempt nothing is needed to read them.
+csv::Description with_heights() {
+    csv::Description description;
+    description.has_up = true;
+    return description;
+}
+const csv::Description description = with_heights();
+const Receiver no_receiver;
 
-constexpr auto column_count = static_cast<std::size_t>(Column::count);
-
-/// In the order of Column; so the units.
-constexpr std::array<std::string_view, column_count> column_names{
-    "time", "lat",  "lon",  "hMSL", "velN",  "velE",
-    "velD", "hAcc", "vAcc", "sAcc", "numSV", "gpsFix"};
-constexpr std::array<std::string_view, column_count> column_units{
-    "", "deg", "deg", "m", "m/s", "m/s", "m/s", "m", "m", "m/s", "", ""};
-
-/// What a receiver writes where it has no idea: the largest count of millimetres.
-constexpr double saturated = 4'294'967.0;
 constexpr const char* as_written = "Take the recording as the FlySight wrote it";
 
 /// Whether a column is in that unit. Loggers that write FlySight's columns (Deep and Steep Insight)
 /// label a speed's accuracy "m".
-bool is_in(std::size_t column, std::string_view unit) {
-    return unit == column_units[column] ||
-           (static_cast<Column>(column) == Column::speed_accuracy && unit == "m");
+bool is_in(const Field& field, std::string_view unit) {
+    return unit == field.unit || (field.meaning == sigma_speed && unit == "m");
 }
 
 /// The instant of a FlySight 2's time "2026-03-06T00:49:20.-002Z": so many milliseconds before the
@@ -65,64 +57,31 @@ std::optional<GpsTime> read_signed_time(const Cell& time) {
     return read_iso(second, Clock::utc).plus_nanoseconds(std::int64_t{-1'000'000} * *count);
 }
 
-std::string_view name_of(Column column) {
-    return column_names[static_cast<std::size_t>(column)];
-}
-
-/// The fields of one row, by column.
-class Row : public RowCells<Column> {
-  public:
-    using RowCells::RowCells;
-
-    double real(Column column) const { return RowCells::real(column, name_of(column)); }
-    /// A standard deviation; 0 where it is unknown.
-    double deviation(Column column) const {
-        const double value = read_deviation(cell(column), name_of(column));
-        return value >= saturated ? 0.0 : value;
-    }
-};
-
-void read_solution(const Row& cells, TimedRow& row) {
-    Observation& observation = row.observation;
-    const Geodetic position{.latitude = Angle::from_degrees(cells.real(Column::latitude)),
-                            .longitude = Angle::from_degrees(cells.real(Column::longitude)),
-                            .height_m = cells.real(Column::height)};
-    set_position(observation,
-                 checked_geodetic(position, cells.cell(Column::latitude),
-                                  cells.cell(Column::longitude), cells.cell(Column::height)));
-    row.written.unit = CoordinateUnit::degree;
-    row.written.coordinates = {cells.cell(Column::latitude).text,
-                               cells.cell(Column::longitude).text};
-    set_velocity(observation, cells.real(Column::velocity_east),
-                 cells.real(Column::velocity_north));
-    observation.recorded_velocity_up_m_s = -cells.real(Column::velocity_down);
-    set_radial_accuracy(observation, cells.deviation(Column::horizontal_accuracy));
-    if (const double sigma_m = cells.deviation(Column::vertical_accuracy); sigma_m > 0.0)
-        observation.sigma_up_m = sigma_m;
-    set_velocity_accuracy(observation, cells.deviation(Column::speed_accuracy), 3);
-}
-
 /// The layout that a header line names, whose first `skipped` fields are no columns ("$COL,GNSS").
 /// `skipped_in_rows` fields stand before the columns in a row. Columns of other names are passed
 /// over. Failure where one that must be there is missing or stands twice.
-Layout read_columns(const SourceLine& line, const RecordingBytes& recording, std::size_t skipped,
-                    std::size_t skipped_in_rows) {
-    Layout layout;
+csv::Layout read_columns(const SourceLine& line, const RecordingBytes& recording,
+                         std::size_t skipped, std::size_t skipped_in_rows) {
+    csv::Layout layout;
+    // The largest count of millimetres.
+    layout.unknown_from = 4'294'967.0;
+    layout.factor[static_cast<std::size_t>(velocity_up)] = -1.0;
+    // The accuracy of a speed in three dimensions, of which each component is given its share.
+    layout.factor[static_cast<std::size_t>(sigma_speed)] = 1.0 / std::numbers::sqrt3;
     const std::vector<Cell> cells = split_at(line, recording, ',');
     for (std::size_t i = skipped; i < cells.size(); ++i) {
         const Cell& cell = cells[i];
-        const auto column = static_cast<std::size_t>(std::ranges::find(column_names, cell.text) -
-                                                     column_names.begin());
         layout.fields = i - skipped + skipped_in_rows + 1;
-        if (column == column_count) continue;
-        if (layout.place[column])
+        const Field* field = std::ranges::find(fields, cell.text, &Field::name);
+        if (field == std::end(fields)) continue;
+        if (layout[field->meaning])
             cell.fail(fmt::format("the column \"{}\" stands twice", cell.text), as_written);
-        layout.place[column] = layout.fields - 1;
+        layout[field->meaning] = layout.fields - 1;
     }
-    for (std::size_t i = 0; i < column_count; ++i)
-        if (!layout.place[i] && static_cast<Column>(i) != Column::fix)
+    for (const Field& field : fields)
+        if (!layout[field.meaning] && field.meaning != fix)
             Cell{line.text, &recording, line.number, 1}.fail(
-                fmt::format("the header names no column \"{}\": \"{}\"", column_names[i],
+                fmt::format("the header names no column \"{}\": \"{}\"", field.name,
                             escape_for_message(line.text, 80)),
                 "A FlySight writes time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,...,numSV; take "
                 "the recording as it wrote it");
@@ -131,41 +90,49 @@ Layout read_columns(const SourceLine& line, const RecordingBytes& recording, std
 
 /// Failure where the line of units, its first `skipped` fields left out, gives a column another
 /// unit than FlySight does.
-void require_units(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
-                   std::size_t skipped, std::size_t skipped_in_rows) {
+void require_units(const SourceLine& line, const RecordingBytes& recording,
+                   const csv::Layout& layout, std::size_t skipped, std::size_t skipped_in_rows) {
     const std::vector<Cell> cells = split_at(line, recording, ',');
     for (std::size_t i = skipped; i < cells.size(); ++i) {
         const Cell& cell = cells[i];
         std::string_view unit = cell.text;
         if (unit.starts_with('(') && unit.ends_with(')')) unit = unit.substr(1, unit.size() - 2);
-        for (std::size_t column = 0; column < column_count; ++column)
-            if (layout.place[column] == i - skipped + skipped_in_rows && !is_in(column, unit))
+        for (const Field& field : fields)
+            if (layout[field.meaning] == i - skipped + skipped_in_rows && !is_in(field, unit))
                 cell.fail(fmt::format("the column \"{}\" is in \"{}\"; FlySight has it in \"{}\"",
-                                      column_names[column], escape_for_message(unit),
-                                      column_units[column]),
+                                      field.name, escape_for_message(unit), field.unit),
                           as_written);
     }
 }
 
 /// The row of a line. Failure at the field that cannot be read. `last`: no line follows.
-TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
-                  bool last) {
-    const std::vector<Cell> fields = split_at(line, recording, ',');
-    require_count(fields.size(), layout.fields, line, recording, last, "its header names",
+TimedRow read_row(const SourceLine& line, const RecordingBytes& recording,
+                  const csv::Layout& layout, bool last) {
+    const std::vector<Cell> cells = split_at(line, recording, ',');
+    require_count(cells.size(), layout.fields, line, recording, last, "its header names",
                   as_written);
-    const Row cells(fields, layout);
+    const RowCells row_cells(std::span<const Cell>(cells), layout);
     TimedRow row;
-    const Cell& time = cells.cell(Column::time);
-    const auto signed_time = read_signed_time(time);
-    row.written.time = signed_time ? "0.000" : time.text;
-    row.instant = signed_time ? *signed_time : read_iso(time, Clock::utc);
-    row.observation.satellites = read_satellites(cells.cell(Column::satellites));
-    if (cells.has(Column::fix))
-        row.observation.fix = fix_of_ublox(
-            static_cast<unsigned>(read_whole(cells.cell(Column::fix), "gpsFix", 0, 5)));
+    const Cell& written = row_cells.cell(time);
+    const auto signed_time = read_signed_time(written);
+    row.written.time = signed_time ? "0.000" : written.text;
+    row.instant = signed_time ? *signed_time : read_iso(written, Clock::utc);
+    row.observation.satellites = read_satellites(row_cells.cell(satellites));
+    if (row_cells.has(fix))
+        row.observation.fix =
+            fix_of_ublox(static_cast<unsigned>(read_whole(row_cells.cell(fix), "gpsFix", 0, 5)));
     else if (*row.observation.satellites == 0)
         row.observation.fix = FixType::none;
-    if (row.observation.fix != FixType::none) read_solution(cells, row);
+    if (row.observation.fix == FixType::none) return row;
+    // A FlySight leaves no field empty, and writes no unit behind a number.
+    for (const Field& field : fields) {
+        const std::string_view text = row_cells.text(field.meaning);
+        if (field.unit.empty()) continue;
+        if (text.empty() || !is_digit(text.back())) (void)row_cells.real(field.meaning, field.name);
+        if (text.starts_with('-') && field.name.ends_with("Acc"))
+            (void)read_deviation(row_cells.cell(field.meaning), field.name);
+    }
+    csv::read_solution(cells, layout, description, no_receiver, row);
     return row;
 }
 
@@ -313,7 +280,7 @@ class Reader {
 
     const RecordingBytes& recording_;
     LineReader lines_;
-    std::optional<Layout> layout_;
+    std::optional<csv::Layout> layout_;
     bool second_ = false;   ///< a FlySight 2
     bool in_data_ = false;  ///< past the line $DATA
     std::vector<std::string_view> sensors_;

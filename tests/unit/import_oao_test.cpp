@@ -168,7 +168,7 @@ TEST(Oao, DamageIsCountedByItsLength) {
     const Observations read = import_text(pos_receiver(), log);
     EXPECT_EQ(read.rows.size(), 16u);
     EXPECT_EQ(read.records.bad, 4);
-    EXPECT_TRUE(has(read.records.bad_records[0].what, "208 bytes hold no record"))
+    EXPECT_TRUE(has(read.records.bad_records[0].what, "belong to no record"))
         << read.records.bad_records[0].what;
     EXPECT_EQ(read.records.bad_records[3].byte, 512 + 6 * 52);
 }
@@ -196,7 +196,7 @@ TEST(Oao, CutOffAnywhere) {
     }
     const Observations read = import_text(pos_receiver(), log.substr(0, log.size() - 12));
     EXPECT_TRUE(read.records.bad_records[0].what.starts_with(
-        "the file ends within a record: 40 bytes of 52 are there"));
+        "the record ends behind the end of the recording"));
 }
 
 TEST(Oao, RecordsOfOtherKindsAreLeftOut) {
@@ -243,7 +243,7 @@ TEST(OaoRefused, SaysWhere) {
         std::string log, where, what;
     } cases[] = {
         {header(), "f:1:1", "no epochs"},
-        {std::string(5000, '\xd0'), "f:byte 0", "5000 bytes hold no record"},
+        {std::string(5000, '\xd0'), "f:byte 0", "belong to no record"},
         {header() + epoch({.fix = 6}) + epoch({.fix = 6}), "f:byte 512", "kind of fix is 6"},
         {epoch({.latitude = 910'000'000}), "f:byte 0", "latitude of 91 degrees"},
         {epoch({.longitude = -1'900'000'000}), "f:byte 0", "longitude of -190 degrees"},

@@ -8,6 +8,7 @@
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
 #include "stages/import/format.h"
+#include "stages/import/frame_reader.h"
 
 /// Motion OAO logs: frames of u-blox solutions, one to an epoch, little-endian, each with a
 /// checksum. Layout: "OAO file format" of Motion GPS, as the loggers' public writers have it and
@@ -75,40 +76,28 @@ void read_solution(std::string_view frame, const RecordingBytes& recording,
         set_velocity_accuracy(row, *sigma_m_s, 2);
 }
 
-/// The length that the two bytes at `at` announce; 0 where no frame begins with them.
-std::size_t announced_length(std::string_view bytes, std::size_t at) {
-    if (bytes.size() - at < 2 || bytes[at + 1] != second_byte) return 0;
-    const unsigned kind = static_cast<unsigned char>(bytes[at]) - unsigned{header_kind};
+std::size_t announced_size(std::string_view ahead) {
+    if (ahead.size() < 2 || ahead[1] != second_byte) return 0;
+    const unsigned kind = static_cast<unsigned char>(ahead[0]) - unsigned{header_kind};
     return kind < lengths.size() ? lengths[kind] : 0;
 }
 
-/// The whole frame with a good checksum that begins at `at`; empty where there is none.
-///
 /// The checksum is Fletcher's with 8 bits, as in u-blox UBX, over the frame without the checksum's
 /// own bytes 2 and 3.
-std::string_view frame_at(std::string_view bytes, std::size_t at) {
-    const std::size_t length = announced_length(bytes, at);
-    if (length == 0 || bytes.size() - at < length) return {};
-    const std::string_view frame = bytes.substr(at, length);
-    std::uint32_t first = 0, second = 0;
-    const auto take = [&](char byte) { second += first += static_cast<unsigned char>(byte); };
-    take(frame[0]);
-    take(frame[1]);
-    for (std::size_t i = 4; i < length; ++i)
-        take(frame[i]);
-    const bool good = (first & 0xFF) == static_cast<unsigned char>(frame[2]) &&
-                      (second & 0xFF) == static_cast<unsigned char>(frame[3]);
-    return good ? frame : std::string_view();
+bool is_good(std::string_view frame, std::size_t offset, RunningChecksum& sums) {
+    const auto byte = [&](std::size_t at) {
+        return unsigned{little_endian<std::uint8_t>(frame, at)};
+    };
+    const unsigned behind = sums.of(offset + 4, frame.size() - 4);
+    const unsigned before = byte(0) + byte(1);
+    const unsigned first = before + (behind & 0xff);
+    const unsigned second =
+        byte(0) + before + static_cast<unsigned>(frame.size() - 4) * before + (behind >> 8);
+    return (first & 0xff) == byte(2) && (second & 0xff) == byte(3);
 }
 
-/// Where the next whole frame with a good checksum begins, at `from` or after; the end of `bytes`
-/// where there is none.
-std::size_t find_frame(std::string_view bytes, std::size_t from) {
-    for (std::size_t second = bytes.find(second_byte, from + 1); second != std::string_view::npos;
-         second = bytes.find(second_byte, second + 1))
-        if (!frame_at(bytes, second - 1).empty()) return second - 1;
-    return bytes.size();
-}
+constexpr FrameKind frame_kind{
+    .size = announced_size, .is_good = is_good, .record_size = epoch_length};
 
 /// The row of an epoch's frame. Failure at `place` for a fix, course, position or time that cannot
 /// be.
@@ -155,21 +144,15 @@ bool is_signed(std::string_view header) {
 class Reader {
   public:
     explicit Reader(const RecordingBytes& recording)
-        : recording_(recording),
-          bytes_(recording.bytes),
-          timed_(recording, {CoordinateUnit::degree, 1e-7, 1e-3}) {}
+        : recording_(recording), timed_(recording, {CoordinateUnit::degree, 1e-7, 1e-3}) {}
 
     Observations read() {
-        std::size_t at = 0;
-        while (at < bytes_.size()) {
-            const std::string_view frame = frame_at(bytes_, at);
-            if (frame.empty()) {
-                at = pass_damage(at);
-                continue;
-            }
-            read_frame(frame, at);
-            at += frame.size();
-        }
+        FrameReader frames(recording_, frame_kind);
+        while (const auto frame = frames.next())
+            if (frame->good())
+                read_frame(frame->bytes, frame->offset);
+            else
+                timed_.count_bad(RecordPlace(frame->offset), frames.failure_of(*frame));
         if (other_frames_ > 0)
             observations_.notes.push_back(fmt::format(
                 "{} records are of other kinds than epochs (marked places, tracks, emergencies, "
@@ -204,46 +187,19 @@ class Reader {
                 "The logger's own signature in the header was not checked.");
     }
 
-    /// So much is looked through before what was found is counted: where a file holds nothing but
-    /// beginnings of frames, looking for one takes long.
-    static constexpr std::size_t longest_search = std::size_t{4} * 1024 * 1024;
-
-    /// Counts what stands before the next frame as so many records as would fit there. Returns
-    /// where that frame begins, or where to go on looking.
-    std::size_t pass_damage(std::size_t from) {
-        const std::size_t next = find_frame(bytes_.substr(0, from + longest_search), from + 1);
-        const Failure why(place_in(recording_, RecordPlace(from)), what_is_wrong(from, next),
-                          "Take the recording as the logger wrote it");
-        timed_.count_bad(RecordPlace(from), why);
-        const std::size_t length = announced_length(bytes_, from);
-        for (std::size_t at = from + (length > 0 ? length : epoch_length); at < next;
-             at += epoch_length)
-            timed_.count_bad(RecordPlace(at), why);
-        return next;
-    }
-
-    std::string what_is_wrong(std::size_t from, std::size_t next) const {
-        const std::size_t length = announced_length(bytes_, from);
-        if (length > 0 && next - from == length)
-            return "the checksum of the record does not match its bytes";
-        if (length > 0 && bytes_.size() - from < length)
-            return fmt::format("the file ends within a record: {} bytes of {} are there",
-                               bytes_.size() - from, length);
-        return fmt::format("{} bytes hold no record with a good checksum", next - from);
-    }
-
     const RecordingBytes& recording_;
-    std::string_view bytes_;
     std::int64_t other_frames_ = 0;
     Observations observations_ = empty_observations("oao", "geodetic", "utc");
     RowCollector timed_;
 };
 
 bool recognises(std::string_view bytes) {
-    if (!frame_at(bytes, 0).empty()) return true;
-    // A damaged header before sound epochs.
-    const std::size_t length = announced_length(bytes, 0);
-    return length > 0 && bytes.size() > length && !frame_at(bytes, length).empty();
+    // Or a damaged header before sound epochs.
+    FrameReader frames({{}, bytes}, frame_kind);
+    auto frame = frames.next();
+    const std::size_t behind = frame ? frame->bytes.size() : 0;
+    if (frame && !frame->good()) frame = frames.next();
+    return frame && frame->good() && (frame->offset == 0 || frame->offset == behind);
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {

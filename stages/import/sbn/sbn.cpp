@@ -4,6 +4,7 @@
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
 #include "stages/import/format.h"
+#include "stages/import/frame_reader.h"
 #include "stages/import/sbp/device.h"
 
 /// Locosys SBN logs, and any other log of SiRF binary messages: frames of 0xA0A2, length, payload,
@@ -13,13 +14,6 @@
 /// "SBN - SiRF Binary".
 namespace runcert::sbn {
 namespace {
-
-/// A piece of a log: a message, or bytes that are none.
-struct Frame {
-    std::size_t offset = 0;          ///< of its first byte in the log
-    std::string_view payload;        ///< message number first; empty for other bytes
-    std::optional<Failure> failure;  ///< why they are no message
-};
 
 /// An epoch out of message 41.
 struct GeodeticRow {
@@ -35,76 +29,27 @@ constexpr std::size_t before_payload = 4, after_payload = 4;
 /// A SiRF payload is shorter than 1 KiB; with the limit a damaged length costs little.
 constexpr std::size_t longest_payload = 1023;
 
-unsigned checksum(std::string_view payload) {
+std::string_view payload_of(std::string_view frame) {
+    return frame.substr(before_payload, frame.size() - before_payload - after_payload);
+}
+
+std::size_t announced_size(std::string_view ahead) {
+    if (!ahead.starts_with(frame_start)) return 0;
+    const std::size_t length =
+        ahead.size() < before_payload ? 0 : big_endian<std::uint16_t>(ahead, 2);
+    return before_payload + (length > longest_payload ? 0 : length) + after_payload;
+}
+
+bool is_good(std::string_view frame, std::size_t, RunningChecksum&) {
+    const std::string_view payload = payload_of(frame);
+    if (payload.empty() || !frame.ends_with(frame_end)) return false;
     unsigned sum = 0;
     for (const char c : payload)
         sum += static_cast<unsigned char>(c);
-    return sum & 0x7fff;
+    return (sum & 0x7fff) == big_endian<std::uint16_t>(frame, frame.size() - after_payload);
 }
 
-bool never_written(std::string_view bytes) {
-    return bytes.find_first_not_of('\xff') == std::string_view::npos ||
-           bytes.find_first_not_of('\0') == std::string_view::npos;
-}
-
-/// Goes through a log frame by frame, and finds the next one after bytes that are none. Each such
-/// stretch is given as one frame with a failure; bytes 0x00 or 0xFF at the end, room that was
-/// never written, are passed over.
-class FrameReader {
-  public:
-    explicit FrameReader(const RecordingBytes& recording) : recording_(recording) {}
-
-    /// The next frame; nothing at the end.
-    std::optional<Frame> next() {
-        const std::string_view bytes = recording_.bytes;
-        if (at_ >= bytes.size()) return std::nullopt;
-        const std::size_t found = bytes.find(frame_start, at_);
-        const std::size_t start = found == std::string_view::npos ? bytes.size() : found;
-        if (start == at_) return read_frame(start);
-        const std::size_t before = at_;
-        const bool known =
-            in_bad_stretch_ || (start == bytes.size() && never_written(bytes.substr(before)));
-        at_ = start;
-        in_bad_stretch_ = true;
-        if (!known) return bad(before, "bytes that belong to no message");
-        if (start < bytes.size()) return read_frame(start);
-        return std::nullopt;
-    }
-
-  private:
-    Frame read_frame(std::size_t start) {
-        const std::string_view rest = recording_.bytes.substr(start);
-        at_ = start + frame_start.size();  // where to look on, unless this is a frame
-        in_bad_stretch_ = true;
-        if (rest.size() < before_payload + after_payload)
-            return bad(start, "the message is cut off by the end of the file");
-        const std::size_t length = big_endian<std::uint16_t>(rest, 2);
-        if (length == 0 || length > longest_payload)
-            return bad(start, "the message has an impossible length");
-        if (before_payload + length + after_payload > rest.size())
-            return bad(start,
-                       "the message is cut off by the end of the file, or its length is wrong");
-        if (rest.substr(before_payload + length + 2, 2) != frame_end)
-            return bad(start, "the message does not end in 0xB0B3 where its length says");
-        const std::string_view payload = rest.substr(before_payload, length);
-        if (checksum(payload) != big_endian<std::uint16_t>(rest, before_payload + length))
-            return bad(start, "the message has a wrong checksum");
-        at_ = start + before_payload + length + after_payload;
-        in_bad_stretch_ = false;
-        return {.offset = start, .payload = payload, .failure = {}};
-    }
-
-    Frame bad(std::size_t start, std::string_view what) const {
-        return {.offset = start,
-                .payload = {},
-                .failure = Failure(place_in(recording_, RecordPlace(start)), std::string(what),
-                                   "Take the recording as the receiver wrote it")};
-    }
-
-    const RecordingBytes& recording_;
-    std::size_t at_ = 0;
-    bool in_bad_stretch_ = false;
-};
+constexpr FrameKind frame_kind{.size = announced_size, .is_good = is_good};
 
 /// The fields of message 41, its number being byte 0; lengths in m, speeds in m/s, angles in
 /// degrees.
@@ -261,13 +206,13 @@ class Reader {
           timed_(recording, WrittenResolution{CoordinateUnit::degree, 1e-7, 1e-3}) {}
 
     Observations read() {
-        FrameReader frames(recording_);
+        FrameReader frames(recording_, frame_kind);
         while (const auto frame = frames.next()) {
             const RecordPlace place(frame->offset);
-            if (frame->failure)
-                timed_.count_bad(place, *frame->failure);
+            if (frame->good())
+                read_message(payload_of(frame->bytes), frame->offset, place);
             else
-                read_message(frame->payload, frame->offset, place);
+                timed_.count_bad(place, frames.failure_of(*frame));
         }
         set_rows(observations_, std::move(timed_));
         note_times();
@@ -331,10 +276,8 @@ class Reader {
 };
 
 bool recognises(std::string_view bytes) {
-    if (!bytes.starts_with(frame_start)) return false;
-    const RecordingBytes nameless{{}, bytes};
-    const auto first = FrameReader(nameless).next();
-    return first && !first->failure;
+    const auto first = FrameReader({{}, bytes}, frame_kind).next();
+    return first && first->good() && first->offset == 0;
 }
 
 /// Times are the message's GPS week and time of week; its UTC, which depends on the leap seconds

@@ -238,10 +238,10 @@ void set_covariances(Observation& row, std::string_view cov) {
 }  // namespace
 
 std::optional<Part> part_of(const Frame& frame) {
-    const auto message = std::ranges::find(part_messages, frame.id, &PartMessage::id);
+    const auto message = std::ranges::find(part_messages, id_of(frame.bytes), &PartMessage::id);
     if (message == part_messages.end()) return std::nullopt;
     const auto part = static_cast<Part>(message - part_messages.begin());
-    const std::size_t bytes = frame.payload.size();
+    const std::size_t bytes = payload_of(frame).size();
     const bool fits = part == Part::pvt ? bytes >= message->bytes : bytes == message->bytes;
     return fits ? std::optional(part) : std::nullopt;
 }
@@ -252,11 +252,11 @@ std::uint32_t time_of_week_ms(Part part, std::string_view payload) {
 
 std::optional<GpsTime> RowMaker::by_another_epoch(std::uint32_t time_of_week_ms) {
     if (!dated_ && !std::exchange(looked_for_, true)) {
-        FrameReader frames(recording_.bytes);
+        FrameReader frames(recording_, frame_kind);
         for (auto frame = frames.next(); frame && !dated_; frame = frames.next())
-            if (frame->good && part_of(*frame) == Part::timegps)
-                dated_ = gps_time_in(frame->payload, true,
-                                     ubx::time_of_week_ms(Part::timegps, frame->payload));
+            if (frame->good() && part_of(*frame) == Part::timegps)
+                dated_ = gps_time_in(payload_of(*frame), true,
+                                     ubx::time_of_week_ms(Part::timegps, payload_of(*frame)));
     }
     if (!dated_) return std::nullopt;
     constexpr std::int64_t week = GpsTime::nanoseconds_per_week;
@@ -269,7 +269,7 @@ std::optional<GpsTime> RowMaker::by_another_epoch(std::uint32_t time_of_week_ms)
 
 FixType RowMaker::fix_by_status(const Epoch& epoch) {
     if (!status_) return FixType::unknown;
-    const std::uint32_t then = time_of_week_ms(Part::status, status_->payload);
+    const std::uint32_t then = time_of_week_ms(Part::status, payload_of(*status_));
     if (epoch.time_of_week_ms < then || epoch.time_of_week_ms - then >= 1000)
         return FixType::unknown;
     Epoch with_status = epoch;

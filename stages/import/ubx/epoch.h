@@ -56,7 +56,7 @@ struct Epoch {
     bool has(Part part) const { return parts[static_cast<std::size_t>(part)].has_value(); }
     /// The payload of a part that is there.
     std::string_view operator[](Part part) const {
-        return parts[static_cast<std::size_t>(part)]->payload;
+        return payload_of(*parts[static_cast<std::size_t>(part)]);
     }
     /// Whether it has enough for a row.
     bool is_whole() const { return has(Part::pvt) || (has_position() && has_time()); }

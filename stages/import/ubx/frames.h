@@ -1,82 +1,58 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string_view>
-#include <vector>
+#include <fmt/format.h>
 
-#include "core/failure.h"
-#include "stages/import/recording.h"
+#include <algorithm>
+#include <array>
+#include <string>
 
+#include "stages/import/byte_order.h"
+#include "stages/import/frame_reader.h"
+
+/// Frames of u-blox receivers. Layout: u-blox "F9 HPG interface description" (UBX-22008968),
+/// section 3.2: B5 62, class, number, length of the payload, payload, checksum.
 namespace runcert::ubx {
 
 /// Class and number of a message, NAV-PVT for one: 0x0107.
 using MessageId = std::uint16_t;
 
-/// A frame of a recording, or what began as one.
-struct Frame {
-    std::size_t offset = 0;  ///< of its first byte in the file
-    MessageId id = 0;
-    std::string_view payload;  ///< of a good frame
-    bool good = false;
-    bool cut_off = false;  ///< of a bad one: the recording ends before it does
-};
+inline constexpr std::size_t header_size = 6, checksum_size = 2;
 
-/// The 24-bit cyclic redundancy check of RTCM 10403.3, section 4.2, and [GAL-ICD] 5.1.9.4.
-std::uint32_t crc24q(std::string_view bytes);
+inline MessageId id_of(std::string_view frame) {
+    return frame.size() < header_size ? MessageId{0} : big_endian<MessageId>(frame, 2);
+}
 
-/// Why a frame that is not good cannot be read.
-Failure failure_of(const Frame& frame, const RecordingBytes& recording);
+/// The payload of a good frame.
+inline std::string_view payload_of(const Frame& frame) {
+    return frame.bytes.substr(header_size, frame.bytes.size() - header_size - checksum_size);
+}
 
-/// The checksum of UBX frames (the 8-bit Fletcher algorithm of RFC 1145) over any stretch of a
-/// recording, by running sums of a window that is moved along, so that any number of stretches
-/// that each begin behind the one before cost no more than a few passes over the recording.
-class RunningChecksum {
-  public:
-    /// No stretch is longer: a frame's class to the end of its payload.
-    static constexpr std::size_t longest = 4 + 0xffff;
-
-    explicit RunningChecksum(std::string_view bytes) : bytes_(bytes) {}
-
-    /// Both bytes, the first one in the lower half. The stretch is in the recording.
-    std::uint16_t of(std::size_t begin, std::size_t size);
-
-  private:
-    void move_to(std::size_t begin);
-
-    std::string_view bytes_;
-    std::size_t begin_ = 0;  ///< of the window
-    /// Modulo 256: at i the sum of the window's first i bytes, and the sum of these sums.
-    std::vector<std::uint8_t> sums_, sums_of_sums_;
-};
-
-/// Goes through a recording frame by frame, over whatever stands between them: NMEA sentences,
-/// RTCM 3 messages, junk. Layout: u-blox "F9 HPG interface description" (UBX-22008968), section
-/// 3.2: B5 62, class, number, length of the payload, payload, checksum.
-///
-/// After a bad frame it goes on at the byte behind its sync characters. Two such bytes by chance
-/// among others are not taken for a frame that is bad, if what follows is no class of messages.
-class FrameReader {
-  public:
-    explicit FrameReader(std::string_view bytes)
-        : bytes_(bytes), checksum_(bytes), rtcm_budget_(bytes.size()) {}
-
-    /// The next frame, good or bad; nothing at the end.
-    std::optional<Frame> next();
-
-    /// Bytes that were of no frame, no RTCM message and no text.
-    std::int64_t junk_bytes() const { return junk_bytes_; }
-
-  private:
-    std::optional<Frame> frame_at(std::size_t offset);
-    std::size_t rtcm_message_at(std::size_t offset);
-
-    std::string_view bytes_;
-    RunningChecksum checksum_;
-    std::size_t at_ = 0;
-    bool after_message_ = true;  ///< at the beginning, or right behind a whole message
-    std::size_t rtcm_budget_;
-    std::int64_t junk_bytes_ = 0;
+inline constexpr FrameKind frame_kind{
+    .size =
+        [](std::string_view ahead) {
+            if (ahead[0] != '\xb5' || (ahead.size() > 1 && ahead[1] != '\x62'))
+                return std::size_t{0};
+            return header_size + checksum_size +
+                   (ahead.size() < header_size ? 0U : little_endian<std::uint16_t>(ahead, 4));
+        },
+    .is_good =
+        [](std::string_view frame, std::size_t offset, RunningChecksum& sums) {
+            const std::size_t checked = frame.size() - 2 - checksum_size;
+            return sums.of(offset + 2, checked) == little_endian<std::uint16_t>(frame, 2 + checked);
+        },
+    .name =
+        [](std::string_view frame) {
+            return fmt::format("the UBX frame of class {:02X}, number {:02X}", id_of(frame) >> 8,
+                               id_of(frame) & 0xff);
+        },
+    .is_likely =
+        [](std::string_view frame) {
+            // NAV, RXM, INF, ACK, CFG, UPD, MON, AID, TIM, ESF, MGA, LOG, SEC, HNR, NAV2, RTCM.
+            constexpr std::array classes{0x01, 0x02, 0x04, 0x05, 0x06, 0x09, 0x0a, 0x0b,
+                                         0x0d, 0x10, 0x13, 0x21, 0x27, 0x28, 0x29, 0xf5};
+            return std::ranges::find(classes, id_of(frame) >> 8) != classes.end();
+        },
+    .among_others = true,
 };
 
 }  // namespace runcert::ubx

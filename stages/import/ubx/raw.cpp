@@ -63,13 +63,13 @@ class RawReader {
         : recording_(recording), take_(take) {}
 
     RawFile read() {
-        FrameReader frames(recording_.bytes);
+        FrameReader frames(recording_, frame_kind);
         while (const auto frame = frames.next()) {
-            if (!frame->good)
-                log_.count_bad(RecordPlace(frame->offset), failure_of(*frame, recording_), epochs_);
-            else if (frame->id == raw_message)
+            if (!frame->good())
+                log_.count_bad(RecordPlace(frame->offset), frames.failure_of(*frame), epochs_);
+            else if (id_of(frame->bytes) == raw_message)
                 take_raw(*frame);
-            else if (frame->id == navigation_message)
+            else if (id_of(frame->bytes) == navigation_message)
                 take_navigation(*frame);
         }
         file_.facts.records = std::move(log_).finish(file_.facts.notes);
@@ -78,7 +78,7 @@ class RawReader {
                           "Switch UBX-RXM-RAWX and UBX-RXM-SFRBX on, and record again");
         // What came before the first epoch was dated by none.
         for (const Frame& frame : early_)
-            (void)collector_.take(frame.payload, static_cast<std::int64_t>(frame.offset),
+            (void)collector_.take(payload_of(frame), static_cast<std::int64_t>(frame.offset),
                                   *first_time_);
         file_.ephemerides = collector_.ephemerides();
         file_.facts.format = "UBX RXM-RAWX";
@@ -97,7 +97,8 @@ class RawReader {
             early_.push_back(frame);
             return;
         }
-        (void)collector_.take(frame.payload, static_cast<std::int64_t>(frame.offset), *last_time_);
+        (void)collector_.take(payload_of(frame), static_cast<std::int64_t>(frame.offset),
+                              *last_time_);
     }
 
     void take_raw(const Frame& frame) {
@@ -114,7 +115,7 @@ class RawReader {
     }
 
     void read_epoch(const Frame& frame) {
-        const std::string_view payload = frame.payload;
+        const std::string_view payload = payload_of(frame);
         if (payload.size() < raw_header_size ||
             payload.size() != raw_header_size + raw_measurement_size * byte_at(payload, 11))
             fail(frame, fmt::format("an RXM-RAWX message of {} bytes is not of the size that its "
@@ -208,9 +209,9 @@ class RawReader {
 }  // namespace
 
 bool has_raw(std::string_view bytes) {
-    FrameReader frames(bytes);
+    FrameReader frames({{}, bytes}, frame_kind);
     while (const auto frame = frames.next())
-        if (frame->good && frame->id == raw_message) return true;
+        if (frame->good() && id_of(frame->bytes) == raw_message) return true;
     return false;
 }
 

@@ -63,16 +63,17 @@ class Reader {
   public:
     explicit Reader(const RecordingBytes& recording)
         : recording_(recording),
-          frames_(recording.bytes),
+          frames_(recording, frame_kind),
           maker_(recording),
           timed_(recording, WrittenResolution(CoordinateUnit::degree, 1e-7, 1e-9)) {}
 
     Observations read() {
         while (const auto frame = frames_.next()) {
-            if (frame->good)
+            if (frame->good())
                 take_in(*frame);
             else
-                count_bad(*frame);
+                timed_.count_bad(RecordPlace(frame->offset), frames_.failure_of(*frame),
+                                 epoch_ && epoch_->is_whole());
         }
         finish_epoch();
         require_rows();
@@ -90,20 +91,22 @@ class Reader {
 
     void take_in(const Frame& frame) {
         timed_.count_good();
-        if (frame.id == raw_measurements) ++raw_;
-        if (frame.id == receiver_version) {
+        const MessageId id = id_of(frame.bytes);
+        const std::string_view payload = payload_of(frame);
+        if (id == raw_measurements) ++raw_;
+        if (id == receiver_version) {
             const std::string serial = std::move(instrument_.serial);
-            instrument_ = instrument_of(frame.payload);
+            instrument_ = instrument_of(payload);
             instrument_.serial = serial;
-            observations_.device = device_of(frame.payload, instrument_);
+            observations_.device = device_of(payload, instrument_);
         }
-        if (frame.id == chip_identity) {
+        if (id == chip_identity) {
             instrument_.make = "u-blox";
-            instrument_.serial = identity_of(frame.payload);
+            instrument_.serial = identity_of(payload);
         }
         const auto part = part_of(frame);
         if (!part) return;
-        const std::uint32_t time_ms = time_of_week_ms(*part, frame.payload);
+        const std::uint32_t time_ms = time_of_week_ms(*part, payload);
         if (epoch_ && epoch_->time_of_week_ms != time_ms) finish_epoch();
         if (!epoch_) {
             epoch_.emplace();
@@ -115,15 +118,6 @@ class Reader {
         else
             place = frame;
         parts_ |= bit_of(*part);
-    }
-
-    void count_bad(const Frame& frame) {
-        // Of a file of nothing but these, only those that are listed are worth a message each.
-        static const Failure unlisted("", "", "");
-        const bool listed = timed_.records().bad_records.size() < bad_records_listed_at_most;
-        timed_.count_bad(RecordPlace(frame.offset),
-                         listed ? failure_of(frame, recording_) : unlisted,
-                         epoch_ && epoch_->is_whole());
     }
 
     void finish_epoch() {
@@ -250,10 +244,10 @@ class Reader {
 };
 
 bool recognises(std::string_view bytes) {
-    FrameReader frames(bytes);
+    FrameReader frames({{}, bytes}, frame_kind);
     bool any = false;
     while (const auto frame = frames.next()) {
-        if (!frame->good) continue;
+        if (!frame->good()) continue;
         any = true;
         const auto part = part_of(*frame);
         if (part == Part::pvt || part == Part::posllh || part == Part::sol ||

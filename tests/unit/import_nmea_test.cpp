@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <cstdio>
@@ -247,6 +248,59 @@ TEST(Nmea, HeightWithoutSeparationIsNoted) {
                   rmc("101112.00", "050321"));
     EXPECT_EQ(*read.rows[0].height_m, 120.5);
     EXPECT_TRUE(has_note(read, "above mean sea level"));
+}
+
+/// Ten epochs of RMC and GGA, `talker(i)` that of the epoch's, so many minutes of latitude north.
+template <class Talker>
+std::string of_talker(Talker talker, double minutes) {
+    std::string text;
+    for (int i = 0; i < 10; ++i)
+        text += sentence(fmt::format("{}GGA,10111{}.00,52{:07.4f},N,00507.2000,E,4,12,0.5,40.0,M,"
+                                     "45.0,M,1.0,0000",
+                                     talker(i), i, minutes)) +
+                sentence(fmt::format("{}RMC,10111{}.00,A,52{:07.4f},N,00507.2000,E,10.0,0.0,050321,"
+                                     ",,R",
+                                     talker(i), i, minutes));
+    return text;
+}
+
+/// Every line of one text before that of the other.
+std::string interleaved(const std::string& one, const std::string& other) {
+    std::string text;
+    for (std::size_t a = 0, b = 0; a < one.size() && b < other.size();) {
+        const std::size_t end_a = one.find('\n', a) + 1, end_b = other.find('\n', b) + 1;
+        text += one.substr(a, end_a - a) + other.substr(b, end_b - b);
+        a = end_a;
+        b = end_b;
+    }
+    return text;
+}
+
+TEST(Nmea, OfSeveralTalkersWhosePositionsAlternateOneIsRead) {
+    const auto always = [](const char* word) { return [word](int) { return word; }; };
+    const std::string both =
+        interleaved(of_talker(always("GP"), 30.0), of_talker(always("GN"), 30.5));
+    const Observations read = read_nmea(both);
+    ASSERT_EQ(read.rows.size(), 10U);
+    for (const Observation& row : read.rows)
+        EXPECT_NEAR(*row.latitude_deg, 52.0 + 30.5 / 60.0, 1e-9);
+    EXPECT_TRUE(has(fmt::format("{}", fmt::join(read.notes, " ")),
+                    "those of GN are used, and 20 sentences of others are not"))
+        << read.notes.back();
+    // One receiver that uses more satellites from an epoch on.
+    const Observations one = read_nmea(of_talker([](int i) { return i < 5 ? "GP" : "GN"; }, 30.0));
+    EXPECT_EQ(one.rows.size(), 10U);
+    EXPECT_FALSE(has(fmt::format("{}", fmt::join(one.notes, " ")), "talkers"));
+    // One receiver whose types have talkers of their own.
+    std::string mixed = of_talker(always("GP"), 30.0);
+    for (std::size_t at = mixed.find("$GPRMC"); at != std::string::npos;
+         at = mixed.find("$GPRMC", at + 1)) {
+        const std::size_t star = mixed.find('*', at);
+        mixed = mixed.substr(0, at) + sentence("GN" + mixed.substr(at + 3, star - at - 3)) +
+                mixed.substr(mixed.find('\n', at) + 1);
+    }
+    EXPECT_EQ(read_nmea(mixed).rows.size(), 10U);
+    EXPECT_FALSE(has(fmt::format("{}", fmt::join(read_nmea(mixed).notes, " ")), "talkers"));
 }
 
 }  // namespace

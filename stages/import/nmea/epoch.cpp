@@ -82,12 +82,52 @@ OptionalReal correlation_of_ellipse(const ErrorStatistics& errors) {
 
 }  // namespace
 
+void Talkers::see(const Sentence& sentence) {
+    constexpr std::size_t size = 2;
+    const std::string_view talker = sentence[0].substr(0, size);
+    OfType& type = types_[static_cast<std::size_t>(sentence.type)];
+    ++type.count[talker];
+    if (!type.last.empty() && type.last != talker) ++type.changes;
+    type.last = talker;
+}
+
+std::optional<ChosenTalker> Talkers::chosen() const {
+    constexpr std::int64_t least_changes = 5;
+    for (const SentenceType positions : {SentenceType::gga, SentenceType::gns, SentenceType::rmc}) {
+        const OfType& type = types_[static_cast<std::size_t>(positions)];
+        std::int64_t all = 0;
+        std::string_view most;
+        for (const auto& [talker, count] : type.count) {
+            all += count;
+            // Of as many the one of all systems.
+            const std::int64_t best = most.empty() ? 0 : type.count.at(most);
+            if (count > best || (count == best && talker == "GN")) most = talker;
+        }
+        if (type.changes < least_changes || 4 * type.changes <= all) continue;
+        ChosenTalker chosen{.talker = most};
+        for (std::size_t i = 0; i < types_.size(); ++i)
+            if (types_[i].count.contains(most)) chosen.types |= 1U << i;
+        return chosen;
+    }
+    return std::nullopt;
+}
+
+bool EpochReader::is_of_other_talker(const Sentence& sentence) const {
+    return chosen_ && (chosen_->types & bit(sentence.type)) != 0 &&
+           !sentence[0].starts_with(chosen_->talker);
+}
+
 std::optional<Epoch> EpochReader::next() {
     for (;;) {
         const Sentence* sentence = held_ ? std::exchange(held_, nullptr) : sentences_.next();
         if (!sentence) return std::exchange(epoch_, std::nullopt);
         if (sentence->damage != Damage::none) {
             count_damaged(*sentence);
+            continue;
+        }
+        if (is_of_other_talker(*sentence)) {
+            ++tally_.of_other_talkers;
+            if (counts_) counts_->count_good();
             continue;
         }
         try {
@@ -133,6 +173,7 @@ void EpochReader::take_in(const Sentence& sentence) {
     if (sentence.type == SentenceType::txt) return name_device(sentence, tally_);
     require_whole(sentence);
     tally_.sentences |= bit(sentence.type);
+    tally_.talkers.see(sentence);
     if (is_of_simulator(sentence)) ++tally_.of_simulator;
     if (has_time_field(sentence.type)) {
         if (sentence[1].empty())

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 
@@ -81,9 +82,37 @@ struct Epoch {
     bool has(SentenceType type) const { return (sentences >> static_cast<unsigned>(type)) & 1U; }
 };
 
+/// The talker ("GN") whose sentences are of the receiver that is read, and which types it writes:
+/// of these, others' are left out.
+struct ChosenTalker {
+    std::string_view talker;
+    unsigned types = 0;  ///< bit set of SentenceTypes
+};
+
+/// Which talkers write the sentences of a recording.
+class Talkers {
+  public:
+    void see(const Sentence& sentence);
+
+    /// The one with most positions, where those of several alternate: they are of several
+    /// receivers, or of several solutions. A receiver that calls itself otherwise when it uses
+    /// other satellites does so now and then. Nothing where it is one.
+    std::optional<ChosenTalker> chosen() const;
+
+  private:
+    struct OfType {
+        std::map<std::string_view, std::int64_t> count;
+        std::string_view last;
+        std::int64_t changes = 0;
+    };
+    std::array<OfType, sentence_kinds.size()> types_;
+};
+
 /// What was counted while sentences were joined.
 struct Tally {
     unsigned sentences = 0;  ///< bit set of the SentenceTypes that were read
+    Talkers talkers;
+    std::int64_t of_other_talkers = 0;  ///< left out
     std::int64_t without_checksum = 0;
     std::int64_t without_time = 0;
     std::int64_t repeated = 0;       ///< of a type that its epoch had already
@@ -99,8 +128,9 @@ struct Tally {
 class EpochReader {
   public:
     /// `counts` is told of every sentence, unless it is null. Both must outlive this.
-    EpochReader(const RecordingBytes& recording, RowCollector* counts)
-        : sentences_(recording), counts_(counts) {}
+    EpochReader(const RecordingBytes& recording, RowCollector* counts,
+                const std::optional<ChosenTalker>& chosen = std::nullopt)
+        : sentences_(recording), counts_(counts), chosen_(chosen) {}
 
     /// The next epoch; nothing at the end.
     std::optional<Epoch> next();
@@ -109,6 +139,7 @@ class EpochReader {
     const PassedOver& passed_over() const { return sentences_.passed_over(); }
 
   private:
+    bool is_of_other_talker(const Sentence& sentence) const;
     bool begins_next_epoch(const Sentence& sentence);
     void take_in(const Sentence& sentence);
     void take_in_timed(const Sentence& sentence);
@@ -118,6 +149,7 @@ class EpochReader {
 
     SentenceReader sentences_;
     RowCollector* counts_;
+    std::optional<ChosenTalker> chosen_;
     const Sentence* held_ = nullptr;   ///< the first of the next epoch
     std::int64_t time_of_day_ns_ = 0;  ///< of the sentence at hand, where it has a time
     std::optional<Epoch> epoch_;

@@ -173,12 +173,14 @@ bool recognises(std::string_view bytes) {
     return false;
 }
 
-Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+/// The sentences of one talker, or of all.
+Observations read_talker(const Receiver& receiver, const RecordingBytes& recording,
+                         const std::optional<ChosenTalker>& chosen) {
     Observations observations = empty_observations("nmea", "geodetic", {});
     const std::optional<FirstDay> first = first_day_of(receiver, recording, observations);
     DayClock clock(first ? std::optional(first->day) : std::nullopt);
     RowCollector timed(recording);
-    EpochReader epochs(recording, &timed);
+    EpochReader epochs(recording, &timed, chosen);
     RowMaker maker(recording);
     std::int64_t without_position = 0;
     while (const auto epoch = epochs.next()) {
@@ -196,6 +198,9 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
             timed.count_bad(place, failure);
         }
     }
+    if (!chosen)
+        if (const auto one_of_several = epochs.tally().talkers.chosen())
+            return read_talker(receiver, recording, one_of_several);
     require_position_sentences(recording, timed, epochs.tally());
     observations.variant = variant_of(epochs.tally().sentences);
     observations.device = epochs.tally().device;
@@ -207,6 +212,11 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
                         epochs.tally().of_simulator));
     set_rows(observations, std::move(timed));
     note_sentences(observations, epochs.tally(), epochs.passed_over());
+    if (chosen)
+        observations.notes.push_back(fmt::format(
+            "Positions of several talkers alternate, as of several receivers or solutions: those "
+            "of {} are used, and {} sentences of others are not.",
+            chosen->talker, epochs.tally().of_other_talkers));
     note(observations, "Times that have no GGA, GNS or RMC sentence, and are no epochs",
          without_position);
     note_rows(observations, maker.tally());
@@ -214,6 +224,10 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    return read_talker(receiver, recording, std::nullopt);
 }
 
 }  // namespace

@@ -211,9 +211,12 @@ std::pair<Attempt, std::string> attempt_in(const std::string& file) {
         const std::string suffix = lower_case(fs::path(file).extension().string());
         if (suffix == ".yaml" || suffix == ".yml" || !fs::is_regular_file(file)) throw;
         const Recognised recognised = recognise(file);
-        const std::string& format = recognised.is.format;
-        if (recognised.said.exit_status != 0 || format.empty()) throw;
-        throw Failure(file, fmt::format("this is a recording ({}), and no attempt", format),
+        const Recognition& is = recognised.is;
+        // Any text of a few words a line may be a table.
+        if (recognised.said.exit_status != 0 || is.kind == RecordingKind::table) throw;
+        throw Failure(file,
+                      fmt::format("this is a recording ({}), and no attempt",
+                                  is.format.empty() ? "a series" : is.format),
                       fmt::format("Write an attempt from it first: runcert new {}",
                                   shell_word(plain_text(file))));
     }

@@ -10,7 +10,9 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"
+#include "recognised.h"
 #include "reports/document/document_text.h"
+#include "reports/inspection/described.h"
 #include "reports/inspection/inspection_page.h"
 #include "schemas/document/document.h"
 #include "store/atomic_file.h"
@@ -35,14 +37,6 @@ fs::path kept_input(const TemporaryFolder& folder) {
     text << std::cin.rdbuf();
     write_file_unsynced(file, text.str());
     return file;
-}
-
-/// The stage reads the recording, and says what it is as a document.
-ProcessResult inspected(const std::string& recording, const std::string& navigation) {
-    std::vector<std::string> command{(program_folder() / "runcert-import").string(), "--inspect",
-                                     recording};
-    if (!navigation.empty()) command.push_back(navigation);
-    return run_process(command);
 }
 
 /// Writes the page on which a recording is drawn. Failure if it cannot be read or drawn.
@@ -80,16 +74,15 @@ int inspect(const InspectOptions& options) {
     const TemporaryFolder folder;
     for (const std::string& recording : options.recordings) {
         const std::string file = recording == "-" ? kept_input(folder).string() : recording;
-        const ProcessResult said = inspected(file, options.navigation);
-        fmt::print(stderr, "{}", said.errors);
-        status = std::max(status, said.exit_status);
-        if (said.output.empty()) continue;
-        auto document = read_members<Document>(
-            YamlValue(parse_yaml(said.output, "runcert-import"), "runcert-import"));
-        if (recording == "-") document.title = "standard input";
+        const Recognised described = recognise(file, "{}", options.navigation);
+        fmt::print(stderr, "{}", described.said.errors);
+        status = std::max(status, described.said.exit_status);
+        if (described.said.output.empty()) continue;
+        const Document document =
+            description_of(described.is, recording == "-" ? "standard input" : recording);
         if (!options.plot.empty()) write_plot(file, document, options.plot);
         if (options.json) {
-            all.push_back(nlohmann::ordered_json::parse(said.output));
+            all.push_back(nlohmann::ordered_json::parse(described.said.output));
             continue;
         }
         fmt::print("{}{}", &recording == &options.recordings.front() ? "" : "\n",

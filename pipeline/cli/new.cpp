@@ -200,9 +200,7 @@ void require_read(const HandedIn& file, const std::string& path) {
                         "gates or of the wind has columns such as time_s,speed_m_s, and is named "
                         "beside a recording",
                         fmt::join(columns, " ")));
-    Section section{.anchor = "table", .title = "Recordings"};
-    add_table(file, section);
-    fmt::print("{}\n", section_text(section, terminal_columns()));
+    show_description(file);
     throw Failure(path, "this is a table that cannot be read as it is", file.is.problem);
 }
 

@@ -6,6 +6,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/document/document_text.h"
+#include "reports/inspection/described.h"
 
 namespace runcert {
 namespace {
@@ -47,34 +48,21 @@ std::string file_text(const Recognition& is) {
     return text;
 }
 
-void add_table(const HandedIn& file, Section& section) {
-    if (file.is.proposed.empty()) return;
-    add(section, paragraph(fmt::format("{} {}. It is read so:", file.path,
-                                       file.is.kind == RecordingKind::imu
-                                           ? "holds the samples of an IMU"
-                                           : "is a table that no format recognises")));
-    Block keys = facts({});
-    for (const ProposedKey& one : file.is.proposed)
-        add_fact(keys, one.key,
-                 one.reason.empty() ? one.value : fmt::format("{} ({})", one.value, one.reason));
-    add(section, std::move(keys));
-    if (file.is.problem.empty() && file.is.rows.empty()) return;
-    if (file.is.problem.empty())
-        add(section, paragraph("Its first rows, as they are read:"));
-    else
-        add(section, paragraph("So it cannot be read yet. " + file.is.problem));
-    add(section, list_of(file.is.rows));
-}
-
 void show_recordings(const Draft& draft) {
     Section section{.anchor = "recordings", .title = "Recordings"};
     Block all = facts({});
     for (const HandedIn& file : draft.files())
         add_fact(all, file.path, file_text(file.is));
     add(section, std::move(all));
-    for (const HandedIn& file : draft.files())
-        add_table(file, section);
     if (!draft.arrangement().said.empty()) add(section, list_of(draft.arrangement().said));
+    fmt::print("{}\n", section_text(section, terminal_columns()));
+    for (const HandedIn& file : draft.files())
+        if (!file.is.proposed.empty()) show_description(file);
+}
+
+void show_description(const HandedIn& file) {
+    Section section = description_section(file.is, file.path);
+    section.title = file.path;
     fmt::print("{}\n", section_text(section, terminal_columns()));
 }
 

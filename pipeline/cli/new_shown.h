@@ -3,15 +3,14 @@
 #include <string>
 
 #include "draft/draft.h"
-#include "schemas/document/document.h"
 
 namespace runcert {
 
 /// What a file is, in a line.
 std::string file_text(const Recognition& is);
 
-/// How a table is read, and its first rows so.
-void add_table(const HandedIn& file, Section& section);
+/// Prints how a table is read, why, and its first rows so.
+void show_description(const HandedIn& file);
 
 /// Prints what the recordings are, and what they are to each other.
 void show_recordings(const Draft& draft);

@@ -4,11 +4,14 @@
 
 namespace runcert {
 
-Recognised recognise(const std::string& file, const std::string& keys) {
+Recognised recognise(const std::string& file, const std::string& keys,
+                     const std::optional<std::string>& navigation) {
     Recognised result;
-    result.said =
-        run_process({(program_folder() / "runcert-import").string(), "--recognise", file, keys});
-    if (result.said.exit_status == 0)
+    std::vector<std::string> command{(program_folder() / "runcert-import").string(), "--describe",
+                                     file, keys};
+    if (navigation) command.push_back(*navigation);
+    result.said = run_process(command);
+    if (!result.said.output.empty())
         result.is = read_members<Recognition>(
             YamlValue(parse_yaml(result.said.output, "runcert-import"), "runcert-import"));
     return result;

@@ -145,6 +145,10 @@ class Arranging {
                           "the triangles of a surface are named without its vertices",
                           "Name the table of the vertices, too: vertex,x,y,z");
         const HandedIn& file = files_[surfaces_.front()];
+        if (!file.is.problem.empty())
+            throw Failure(file.path, "the surface has points, and no triangles",
+                          "Export it with its faces; points alone do not say what lies between "
+                          "them");
         ArrangedReceiver& receiver = result_.receivers.front();
         receiver.surface = surfaces_.front();
         say(

@@ -8,41 +8,13 @@
 
 #include "core/text.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/recognition/proposed.h"
 
 namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-/// What a table's proposal says of a receiver.
-void add_proposed(const Recognition& is, Json& receiver) {
-    if (is.proposed.empty()) return;
-    receiver["format"] = is.format;
-    for (const ProposedKey& one : is.proposed) {
-        const auto number = parse_integer(one.value);
-        const Json value = number ? Json(*number) : Json(one.value);
-        if (one.key.starts_with("columns."))
-            receiver["columns"][one.key.substr(one.key.find('.') + 1)] = value;
-        else
-            receiver[one.key] = value;
-    }
-}
-
-/// What the IMU's file says of itself: "imu.columns.time" and its value.
-Json imu_of(const HandedIn& file) {
-    Json imu{{"file", file.path}};
-    for (const ProposedKey& one : file.is.proposed) {
-        std::string path = one.key.substr(one.key.find('.'));
-        std::ranges::replace(path, '.', '/');
-        const auto whole = parse_integer(one.value);
-        const auto number = parse_double(one.value);
-        imu[Json::json_pointer(path)] = whole    ? Json(*whole)
-                                        : number ? Json(*number)
-                                                 : Json(one.value);
-    }
-    return imu;
-}
 
 Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& files) {
     const auto path = [&](std::size_t i) { return files[i].path; };
@@ -53,7 +25,7 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
         for (const std::size_t i : arranged.recordings)
             receiver["recording"].push_back(path(i));
     }
-    add_proposed(files[arranged.recordings.front()].is, receiver);
+    receiver.update(proposed_keys(files[arranged.recordings.front()].is));
     if (arranged.base) receiver["base"] = path(*arranged.base);
     if (arranged.phase) receiver["phase"] = path(*arranged.phase);
     if (arranged.navigation.size() == 1)
@@ -61,7 +33,10 @@ Json receiver_of(const ArrangedReceiver& arranged, const std::vector<HandedIn>& 
     else
         for (const std::size_t i : arranged.navigation)
             receiver["navigation"].push_back(path(i));
-    if (arranged.imu) receiver["imu"] = imu_of(files[*arranged.imu]);
+    if (arranged.imu) {
+        receiver["imu"]["file"] = path(*arranged.imu);
+        receiver.update(proposed_keys(files[*arranged.imu].is), true);
+    }
     if (arranged.surface) receiver["surface"]["file"] = path(*arranged.surface);
     if (arranged.triangles) receiver["surface"]["triangles"] = path(*arranged.triangles);
     return receiver;

@@ -12,6 +12,7 @@
 #include "draft/draft.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
+#include "schemas/recognition/proposed.h"
 #include "store/yaml_output.h"
 
 // What a person answers, put into an attempt.
@@ -221,16 +222,6 @@ std::string whole_key(const std::string& key) {
                               nearest(key, known)));
 }
 
-/// Puts a value where its path leads.
-void put(Json& map, std::string_view path, Json value) {
-    const std::size_t point = path.find('.');
-    const std::string name(path.substr(0, point));
-    if (point == std::string_view::npos)
-        map[name] = std::move(value);
-    else
-        put(map[name], path.substr(point + 1), std::move(value));
-}
-
 }  // namespace
 
 void Draft::set_date_of_superseded() {
@@ -290,14 +281,14 @@ void Draft::set(const std::string& given, const std::string& text) {
                     escape_for_message(given), "no receiver of the attempt has such a key",
                     "Write receivers.primary.KEY; `runcert certify --help` lists the keys");
             const bool is_frame = path == "frame" || path == "surface.frame";
-            put(*receiver, path, is_frame ? utm_of(text) : value_of(*rule, text));
+            put_at(*receiver, path, is_frame ? utm_of(text) : value_of(*rule, text));
             if (path.starts_with("columns.")) (*receiver)["format"] = "csv";
         } else {
             const FieldRule* rule = attempt_schema().find(key);
             if (!rule)
                 throw Failure(escape_for_message(given), "an attempt has no such key",
                               "`runcert certify --help` lists all");
-            put(keys_, key, value_of(*rule, text));
+            put_at(keys_, key, value_of(*rule, text));
         }
         (void)read_attempt(completed_text(keys_), answer);
     };

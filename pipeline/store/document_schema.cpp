@@ -42,6 +42,9 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.maximum = entry["max"].optional_real();
     rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));
     rule.description = entry["description"].text();
+    rule.question = entry["question"].text_or("");
+    rule.why = entry["why"].text_or("");
+    rule.example = entry["example"].text_or("...");
     rule.origin = read_origin(entry);
     rule.before_rule = entry["before_rule"].exists() && entry["before_rule"].boolean();
     for (const YamlValue& quantity : entry["series"].list())

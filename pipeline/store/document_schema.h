@@ -31,6 +31,9 @@ struct FieldRule {
     int decimals = 6;  ///< of a real, as written by the program
     YamlValue default_value;
     std::string description{};
+    /// How somebody who writes an input is asked for it, a sentence why, and what a line of it
+    /// looks like that cannot stand as it is; empty where it is not asked for.
+    std::string question{}, why{}, example{};
     std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
     /// Of a map with the key `file`: what the series there gives (`SeriesQuantities`).
     std::vector<std::string> series{};

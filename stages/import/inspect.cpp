@@ -234,27 +234,15 @@ void measure_span(const Observations& observations, Inspection& inspection) {
 
 }  // namespace
 
+bool Inspection::is_vertical() const {
+    return best_vertical_by_velocity && best_by_velocity &&
+           best_vertical_by_velocity->speed_m_s > best_by_velocity->speed_m_s;
+}
+
 Inspection inspect(const Observations& observations) {
     Inspection inspection;
-    inspection.format = observations.format;
-    inspection.variant = observations.variant;
-    inspection.device = observations.device;
-    inspection.written_by = observations.written_by;
-    inspection.simulated = observations.simulated;
-    inspection.processing = observations.processing;
-    inspection.records = observations.records;
-    inspection.frame = observations.frame;
-    inspection.time_scale = observations.time_scale;
-    inspection.time_origin = observations.time_origin;
-    inspection.time_source = observations.facts.time_source;
     inspection.epochs = observations.rows.size();
     inspection.nominal_interval_s = observations.facts.nominal_interval_s;
-    inspection.position_resolution_m = observations.facts.position_resolution_m;
-    inspection.time_resolution_s = observations.facts.time_resolution_s;
-    inspection.georeferenced = observations.facts.georeferenced;
-    inspection.vertical_measured = observations.facts.vertical_measured;
-    inspection.accuracy_source = observations.accuracy_source;
-    inspection.notes = observations.notes;
     inspection.zone_h = zone_of(observations.rows);
     measure_span(observations, inspection);
     count_rows(observations, inspection);

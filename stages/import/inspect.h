@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "schemas/document/document.h"
 #include "schemas/observations/observations.h"
+#include "schemas/recognition/declared.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/recording.h"
 #include "witness/copies.h"
@@ -55,21 +55,14 @@ struct RawBest {
 
 /// What a recording holds, before anything is judged.
 struct Inspection {
-    std::string format, variant, device, frame, time_scale;
-    std::vector<std::string> written_by;  ///< as in Observations; so the next two
-    bool simulated = false;
-    std::optional<Processing> processing;
-    std::string time_origin, time_source;  ///< as in Observations and RecordingFacts
-    std::optional<GpsTime> first, last;    ///< earliest and latest epoch; empty on relative time
+    std::optional<GpsTime> first, last;  ///< earliest and latest epoch; empty on relative time
     double span_s = 0.0;
     /// Local time less UTC of the nautical zone of the first position, h.
     std::optional<int> zone_h;
     std::size_t epochs = 0;
-    RecordCount records;
     std::size_t without_position = 0;
     double nominal_interval_s = 0.0;
-    std::optional<double> position_resolution_m, time_resolution_s;  ///< as in RecordingFacts
-    std::vector<std::pair<FixType, std::size_t>> fixes;              ///< most frequent first
+    std::vector<std::pair<FixType, std::size_t>> fixes;  ///< most frequent first
     std::size_t fix_changes = 0;
     std::size_t gaps = 0;  ///< steps longer than 1.5 nominal intervals
     double longest_gap_s = 0.0;
@@ -85,9 +78,6 @@ struct Inspection {
     std::vector<RawDelay> velocity_delays;   ///< by the lengths of the speeds
     /// Stated, as median_horizontal_m.
     std::optional<double> median_velocity_m_s, worst_velocity_m_s;
-    bool georeferenced = true;
-    bool vertical_measured = true;
-    std::string accuracy_source;
     std::size_t with_accuracy = 0;           ///< epochs that state a horizontal one
     std::size_t with_vertical_accuracy = 0;  ///< epochs that state one of heights
     /// sqrt(sigma_east^2 + sigma_north^2)
@@ -95,11 +85,11 @@ struct Inspection {
     std::optional<RawBest> best_by_position, best_by_velocity;
     /// Of heights alone, upwards or downwards.
     std::optional<RawBest> best_vertical_by_position, best_vertical_by_velocity;
-    std::vector<std::string> notes;
-};
 
-inline constexpr const char* says_simulated =
-    "The recording says that it was simulated: no craft was measured.";
+    /// Whether it is of something that falls or climbs; heights alone, which err more than
+    /// horizontal positions, do not show it.
+    bool is_vertical() const;
+};
 
 /// Counts and measures a recording.
 ///
@@ -110,20 +100,26 @@ inline constexpr const char* says_simulated =
 /// by the mean of the vertical velocity. Of several epochs with one time, the first counts.
 Inspection inspect(const Observations& observations);
 
-/// The same for a person, in a section: what the positions are, and what an official should look
-/// at. `now`: later dates cannot be; empty where that is not asked.
-Section positions_section(const Inspection& inspection,
-                          const std::optional<GpsTime>& now = std::nullopt);
+/// What the positions are, in words.
+std::vector<FactGroup> positions_said(const Observations& observations,
+                                      const Inspection& inspection);
 
-/// Of a table that no format recognises: the lines of an attempt that would describe it, what they
-/// leave unsure, and what `inspect` says of the recording so described. Nothing for a text that is
-/// no table.
-std::vector<Section> table_sections(const RecordingBytes& recording);
+/// What an official should look at, but for what an attempt is asked for, the most important first.
+/// `now`: later dates cannot be; empty where that is not asked.
+std::vector<Concern> positions_concerns(const Observations& observations,
+                                        const Inspection& inspection,
+                                        const std::optional<GpsTime>& now = std::nullopt);
 
-/// What raw measurements hold: satellites, signals, gaps, slips, whether the receiver moved, and
-/// its fastest 3 s by carrier phase alone. The navigation file is named where there is one, and who
-/// wrote the measurements where the files say so.
-Section phases_section(const StreamedPhases& phases, const std::string& navigation,
-                       const Observations& said);
+/// Adds what raw measurements hold: satellites, signals, gaps, slips, whether the receiver moved,
+/// and its fastest 3 s by carrier phase alone. The navigation file is named where there is one, and
+/// who wrote the measurements where the files say so.
+void add_phases(const StreamedPhases& phases, const std::string& navigation,
+                const Observations& said, Recognition& is);
+
+/// Appends a name and what it is, unless that is empty.
+void add_fact(FactGroup& group, std::string name, std::string value);
+
+/// That a recording says so itself.
+Concern simulated_concern();
 
 }  // namespace runcert

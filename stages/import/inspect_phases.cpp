@@ -127,7 +127,7 @@ PhaseMotion motion_of(const PhaseRecord& record, const PhaseScreening& screening
     return motion;
 }
 
-void add_motion(Block& facts, const PhaseTable& head, const PhaseRecord& record,
+void add_motion(FactGroup& facts, const PhaseTable& head, const PhaseRecord& record,
                 const PhaseScreening& screening) {
     const PhaseMotion motion = motion_of(record, screening);
     if (motion.displacements_m.empty()) {
@@ -151,15 +151,15 @@ void add_motion(Block& facts, const PhaseTable& head, const PhaseRecord& record,
 
 }  // namespace
 
-Section phases_section(const StreamedPhases& phases, const std::string& navigation,
-                       const Observations& said) {
+void add_phases(const StreamedPhases& phases, const std::string& navigation,
+                const Observations& said, Recognition& is) {
     PhaseRecordBuilder builder(phases.head);
     phases.give([&](const PhaseRow& row) { builder.add(row); });
     PhaseRecord record = std::move(builder).take();
     locate_by_pseudoranges(record);
     const PhaseScreening screening = screen_phases(record, {});
     const PhaseTable& head = phases.head;
-    Block all = facts({});
+    FactGroup all{.title = "Raw measurements"};
     add_fact(all, "Format", head.format);
     add_fact(all, "Made by", head.device);
     for (const std::string& line : said.written_by)
@@ -178,17 +178,15 @@ Section phases_section(const StreamedPhases& phases, const std::string& navigati
         add_motion(all, head, record, screening);
     }
     add_fact(all, "Orbits", navigation);
-    std::vector<std::string> notes;
-    if (said.simulated) notes.emplace_back(says_simulated);
+    is.said.push_back(std::move(all));
+    if (said.simulated) is.concerns.push_back(simulated_concern());
+    const auto note = [&](std::string says) {
+        is.concerns.push_back({.code = ConcernCode::reading, .says = std::move(says)});
+    };
     const std::size_t shown = std::min(head.notes.size(), most_phase_notes);
-    notes.insert(notes.end(), head.notes.begin(),
-                 head.notes.begin() + static_cast<std::ptrdiff_t>(shown));
-    if (head.notes.size() > shown)
-        notes.push_back(fmt::format("and {} more", head.notes.size() - shown));
-    Section section{
-        .anchor = "raw-measurements", .title = "Raw measurements", .blocks = {std::move(all)}};
-    if (!notes.empty()) add(section, list_of(std::move(notes)));
-    return section;
+    for (std::size_t i = 0; i < shown; ++i)
+        note(head.notes[i]);
+    if (head.notes.size() > shown) note(fmt::format("and {} more", head.notes.size() - shown));
 }
 
 }  // namespace runcert

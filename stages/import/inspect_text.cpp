@@ -57,7 +57,7 @@ std::string local_text(GpsTime time, int zone_h) {
 }
 
 /// When the recording was made, on each time scale.
-void add_times(const Inspection& it, Block& facts) {
+void add_times(const Inspection& it, FactGroup& facts) {
     const std::string length = duration_text(it.span_s);
     if (!it.first || !it.last) return add_fact(facts, "Time", length + ", from an unknown start");
     add_fact(facts, "Duration", length);
@@ -68,6 +68,19 @@ void add_times(const Inspection& it, Block& facts) {
                  fmt::format("{} to {}, if UTC{:+} as the longitude suggests",
                              local_text(*it.first, *it.zone_h), local_text(*it.last, *it.zone_h),
                              *it.zone_h));
+}
+
+/// "31.60° S, 136.00° E", of the first position.
+std::string place_text(const std::vector<Observation>& rows) {
+    const auto first = std::ranges::find_if(
+        rows, [](const Observation& row) { return row.latitude_deg && row.longitude_deg; });
+    if (first == rows.end()) return {};
+    const auto side = [](double degrees, const char* positive, const char* negative) {
+        return fmt::format("{}\u00b0 {}", fixed(std::abs(degrees), 2),
+                           degrees < 0.0 ? negative : positive);
+    };
+    return fmt::format("{}, {}", side(*first->latitude_deg, "N", "S"),
+                       side(*first->longitude_deg, "E", "W"));
 }
 
 std::string epochs_text(const Inspection& it) {
@@ -109,11 +122,11 @@ std::string step_text(const std::optional<double>& step, std::string_view unit) 
     return fmt::format("steps of {} {}", text, unit);
 }
 
-std::string accuracy_text(const Inspection& it) {
+std::string accuracy_text(const Inspection& it, const std::string& source) {
     if (!it.median_horizontal_m) return "none stated";
-    std::string text = fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
-                                   size_text(*it.median_horizontal_m),
-                                   size_text(*it.worst_horizontal_m), it.accuracy_source);
+    std::string text =
+        fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
+                    size_text(*it.median_horizontal_m), size_text(*it.worst_horizontal_m), source);
     if (it.with_accuracy < it.epochs) text += fmt::format(" in {} epochs", it.with_accuracy);
     return text;
 }
@@ -162,13 +175,6 @@ std::string velocity_text(const Inspection& it) {
                               size_text(*it.worst_velocity_m_s));
 }
 
-/// Whether the recording is of something that falls or climbs; heights alone, which err more than
-/// horizontal positions, do not show it.
-bool is_vertical(const Inspection& it) {
-    return it.best_vertical_by_velocity && it.best_by_velocity &&
-           it.best_vertical_by_velocity->speed_m_s > it.best_by_velocity->speed_m_s;
-}
-
 std::string best_text(const std::optional<RawBest>& best) {
     if (!best) return "no stretch of 3 s";
     std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
@@ -188,101 +194,6 @@ std::string percent(std::size_t part, std::size_t whole) {
     return fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1) + " %";
 }
 
-void add_record_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    if (100 * it.records.bad > it.records.total)
-        concerns.push_back(
-            "More than 1 % of its records cannot be read: nothing in it can be certified.");
-}
-
-/// The accuracy that the attempt must state.
-std::string_view accuracy_key(bool heights) {
-    return heights ? "accuracy: {horizontal_m: ..., vertical_m: ...}"
-                   : "accuracy: {horizontal_m: ...}";
-}
-
-void add_quality_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    const std::size_t unknown = count_of(it, FixType::unknown);
-    const std::size_t lesser = it.epochs - count_of(it, FixType::fixed) - unknown;
-    if (unknown == it.epochs)
-        concerns.push_back(
-            "The recording does not say which positions are fixed solutions: they count as those "
-            "of one receiver alone (single), which most classes may not use. If they are fixed, "
-            "write solution: fixed in the receiver and keep the proof; else name them in "
-            "parameters: {screen: {allowed_fixes: [single]}}.");
-    else if (lesser > 0)
-        concerns.push_back(
-            fmt::format("{} of the epochs are not fixed solutions.", percent(lesser, it.epochs)));
-    if (it.without_position > 0)
-        concerns.push_back(fmt::format("{} epochs have no position.", it.without_position));
-    if (it.with_accuracy == 0)
-        concerns.push_back(fmt::format("No accuracy is stated: the attempt must give one ({}).",
-                                       accuracy_key(it.vertical_measured)));
-    else if (it.vertical_measured && it.with_vertical_accuracy == 0)
-        concerns.push_back(
-            "No accuracy of heights is stated: the attempt must give one (accuracy: {vertical_m: "
-            "...}).");
-    if (it.with_accuracy > 0 && (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001))
-        concerns.push_back("Some stated standard deviations are implausible.");
-    if (it.with_velocity == 0)
-        concerns.push_back(fmt::format(
-            "The recording has no speeds, its positions {}: a rule that measures "
-            "recorded speeds cannot be met.",
-            it.nominal_interval_s > 0.0
-                ? fmt::format("come {} times a second", fixed(1.0 / it.nominal_interval_s, 2))
-                : "at unknown times"));
-    if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
-        concerns.push_back(
-            *it.velocity_delay_s > 0.0
-                ? "The recorded velocity is late: it shows the speed of a moment before."
-                : "The recorded velocity is early: its times are behind those of the positions.");
-    const auto beyond = std::ranges::find_if(it.velocity_delays, &RawDelay::beyond);
-    if (beyond != it.velocity_delays.end())
-        concerns.push_back(fmt::format(
-            "The recorded speeds are not those of the positions beside them: they are {}. A rule "
-            "of recorded speeds certifies none of them.",
-            raw_delay_text(*beyond)));
-    if (it.velocity_origin == VelocityOrigin::positions)
-        concerns.push_back(
-            "The recorded velocities were computed from the positions: they are no evidence "
-            "beside them.");
-    else if (it.with_velocity > it.velocities_stated)
-        concerns.push_back(
-            fmt::format("{} recorded velocities state no accuracy: the attempt may give one "
-                        "(accuracy: {{velocity_mps: ...}}).",
-                        it.with_velocity - it.velocities_stated));
-}
-
-void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    if (!it.bursts.empty())
-        concerns.push_back(
-            fmt::format("Time stamps come in bursts ({}): a computer stamped what it read from a "
-                        "buffer, and no "
-                        "receiver's time does so. Nothing can be certified by these times.",
-                        it.bursts));
-    else if (it.gaps > 0)
-        concerns.push_back(
-            fmt::format("Epochs are missing in {}; a speed is certified across a gap only "
-                        "where the rule and screen.gap_max_s allow it.",
-                        counted(static_cast<std::int64_t>(it.gaps), "place")));
-    const bool shared = 3 * it.repeated_times >= it.epochs;
-    if (shared)
-        concerns.push_back(
-            fmt::format("Up to {} positions share one time stamp: the recording does not say when "
-                        "each was taken.",
-                        it.most_at_one_time));
-    if ((it.repeated_times > 0 && !shared) || it.backward_times > 0)
-        concerns.push_back(
-            "Times repeat or run backwards. Stretches that were written out of order are put in "
-            "the order of time; what contradicts the rest is left out, and counted.");
-    if (!it.time_source.empty() && it.time_source != "satellites")
-        concerns.push_back(
-            "Nothing says that the time stamps are the satellites' time: somebody must attest it "
-            "(time_source: satellites in the attempt, if they are).");
-    if (!it.first)
-        concerns.push_back("The time is relative: the recording does not show when it was made.");
-    if (!it.georeferenced) concerns.push_back("The recording does not show where it was made.");
-}
-
 /// The first date in a text that names a firmware, as v2024.08.07 or 2024-08-07.
 std::optional<GpsTime> date_in(std::string_view text) {
     constexpr std::size_t length = 10;
@@ -299,38 +210,143 @@ std::optional<GpsTime> date_in(std::string_view text) {
     return std::nullopt;
 }
 
-/// Dates that cannot be: before the firmware that wrote them, or still to come.
-void add_date_concerns(const Inspection& it, const std::optional<GpsTime>& now,
-                       std::vector<std::string>& concerns) {
-    if (!it.first || !it.last) return;
-    constexpr std::int64_t rollover_ns = 1024 * 7 * GpsTime::nanoseconds_per_day;
-    const auto date = [](const GpsTime& time) { return to_iso(time).substr(0, 10); };
-    std::optional<GpsTime> firmware = date_in(it.device);
-    for (const std::string& said : it.written_by)
-        if (!firmware) firmware = date_in(said);
-    if (firmware && *it.first < *firmware)
-        concerns.push_back(fmt::format(
-            "The recording is dated {}, before the firmware that wrote it ({}): the date is wrong. "
-            "1024 weeks later, the rollover of the GPS week, it would be {}.",
-            date(*it.first), date(*firmware), date(it.first->plus_nanoseconds(rollover_ns))));
-    if (now && *it.last > *now)
-        concerns.push_back(
-            fmt::format("The recording is dated {}, which is still to come: the date is wrong.",
-                        date(*it.last)));
-}
+/// What an official should look at.
+class Concerns {
+  public:
+    Concerns(const Observations& observations, const Inspection& inspection)
+        : of_(observations), it_(inspection) {}
 
-void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    if (!it.best_by_position)
-        concerns.push_back("There is no stretch of 3 s to measure a speed over.");
-    else if (!it.best_by_position->all_fixed && count_of(it, FixType::unknown) != it.epochs)
-        concerns.push_back("The fastest stretch by position is not made of fixed solutions alone.");
-    if (!it.best_by_position || !it.best_by_velocity) return;
-    const double a = it.best_by_position->speed_m_s;
-    const double b = it.best_by_velocity->speed_m_s;
-    if (std::abs(a - b) > notable_difference * std::max(a, b))
-        concerns.push_back(
-            "The best by position and by recorded velocity differ: one of the two is wrong.");
-}
+    std::vector<Concern> found(const std::optional<GpsTime>& now) {
+        if (of_.simulated) said_.push_back(simulated_concern());
+        if (100 * of_.records.bad > of_.records.total)
+            add(ConcernCode::unreadable_records,
+                "More than 1 % of its records cannot be read: nothing in it can be certified.");
+        add_fixes();
+        add_accuracy();
+        add_speeds();
+        add_times();
+        add_dates(now);
+        add_fastest();
+        const std::size_t shown = std::min(of_.notes.size(), most_notes);
+        for (std::size_t i = 0; i < shown; ++i)
+            add(ConcernCode::reading, of_.notes[i]);
+        return std::move(said_);
+    }
+
+  private:
+    void add(ConcernCode code, std::string says) {
+        said_.push_back({.code = code, .says = std::move(says)});
+    }
+
+    void add_fixes() {
+        const std::size_t unknown = count_of(it_, FixType::unknown);
+        const std::size_t lesser = it_.epochs - count_of(it_, FixType::fixed) - unknown;
+        if (unknown < it_.epochs && lesser > 0)
+            add(ConcernCode::fix_types, fmt::format("{} of the epochs are not fixed solutions.",
+                                                    percent(lesser, it_.epochs)));
+        if (it_.without_position > 0)
+            add(ConcernCode::no_positions,
+                fmt::format("{} epochs have no position.", it_.without_position));
+    }
+
+    void add_accuracy() {
+        if (it_.with_accuracy > 0 &&
+            (*it_.worst_horizontal_m > 10.0 || *it_.median_horizontal_m < 0.001))
+            add(ConcernCode::accuracy, "Some stated standard deviations are implausible.");
+    }
+
+    void add_speeds() {
+        if (it_.with_velocity == 0)
+            add(ConcernCode::no_speeds,
+                fmt::format("The recording has no speeds, its positions {}: a rule that measures "
+                            "recorded speeds cannot be met.",
+                            it_.nominal_interval_s > 0.0
+                                ? fmt::format("come {} times a second",
+                                              fixed(1.0 / it_.nominal_interval_s, 2))
+                                : "at unknown times"));
+        if (it_.velocity_delay_s && std::abs(*it_.velocity_delay_s) > notable_delay_s)
+            add(ConcernCode::speeds,
+                *it_.velocity_delay_s > 0.0
+                    ? "The recorded velocity is late: it shows the speed of a moment before."
+                    : "The recorded velocity is early: its times are behind those of the "
+                      "positions.");
+        const auto beyond = std::ranges::find_if(it_.velocity_delays, &RawDelay::beyond);
+        if (beyond != it_.velocity_delays.end())
+            add(ConcernCode::speeds,
+                fmt::format("The recorded speeds are not those of the positions beside them: they "
+                            "are {}. A rule of recorded speeds certifies none of them.",
+                            raw_delay_text(*beyond)));
+        if (it_.velocity_origin == VelocityOrigin::positions)
+            add(ConcernCode::speeds,
+                "The recorded velocities were computed from the positions: they are no evidence "
+                "beside them.");
+    }
+
+    void add_times() {
+        if (!it_.bursts.empty())
+            add(ConcernCode::times,
+                fmt::format("Time stamps come in bursts ({}): a computer stamped what it read from "
+                            "a buffer, and no receiver's time does so. Nothing can be certified by "
+                            "these times.",
+                            it_.bursts));
+        else if (it_.gaps > 0)
+            add(ConcernCode::gaps,
+                fmt::format("Epochs are missing in {}; a speed is certified across a gap only "
+                            "where the rule and screen.gap_max_s allow it.",
+                            counted(static_cast<std::int64_t>(it_.gaps), "place")));
+        const bool shared = 3 * it_.repeated_times >= it_.epochs;
+        if (shared)
+            add(ConcernCode::times,
+                fmt::format("Up to {} positions share one time stamp: the recording does not say "
+                            "when each was taken.",
+                            it_.most_at_one_time));
+        if ((it_.repeated_times > 0 && !shared) || it_.backward_times > 0)
+            add(ConcernCode::times,
+                "Times repeat or run backwards. Stretches that were written out of order are put "
+                "in the order of time; what contradicts the rest is left out, and counted.");
+        if (!of_.facts.georeferenced)
+            add(ConcernCode::place, "The recording does not show where it was made.");
+    }
+
+    /// Dates that cannot be: before the firmware that wrote them, or still to come.
+    void add_dates(const std::optional<GpsTime>& now) {
+        if (!it_.first || !it_.last) return;
+        constexpr std::int64_t rollover_ns = 1024 * 7 * GpsTime::nanoseconds_per_day;
+        const auto date = [](const GpsTime& time) { return to_iso(time).substr(0, 10); };
+        std::optional<GpsTime> firmware = date_in(of_.device);
+        for (const std::string& said : of_.written_by)
+            if (!firmware) firmware = date_in(said);
+        if (firmware && *it_.first < *firmware)
+            add(ConcernCode::date,
+                fmt::format(
+                    "The recording is dated {}, before the firmware that wrote it ({}): the date "
+                    "is wrong. 1024 weeks later, the rollover of the GPS week, it would be {}.",
+                    date(*it_.first), date(*firmware),
+                    date(it_.first->plus_nanoseconds(rollover_ns))));
+        if (now && *it_.last > *now)
+            add(ConcernCode::date,
+                fmt::format("The recording is dated {}, which is still to come: the date is wrong.",
+                            date(*it_.last)));
+    }
+
+    void add_fastest() {
+        if (!it_.best_by_position)
+            add(ConcernCode::fastest, "There is no stretch of 3 s to measure a speed over.");
+        else if (!it_.best_by_position->all_fixed && count_of(it_, FixType::unknown) != it_.epochs)
+            add(ConcernCode::fastest,
+                "The fastest stretch by position is not made of fixed solutions alone.");
+        if (!it_.best_by_position || !it_.best_by_velocity) return;
+        const double a = it_.best_by_position->speed_m_s;
+        const double b = it_.best_by_velocity->speed_m_s;
+        if (std::abs(a - b) > notable_difference * std::max(a, b))
+            add(ConcernCode::fastest,
+                "The best by position and by recorded velocity differ: one of the two is wrong.");
+    }
+
+    const Observations& of_;
+    const Inspection& it_;
+    std::vector<Concern> said_;
+};
 
 /// How the positions were solved, as the header says: files, times, options.
 std::string solving_text(const Processing& processing) {
@@ -342,36 +358,38 @@ std::string solving_text(const Processing& processing) {
     return fmt::format("{}", fmt::join(parts, "; "));
 }
 
-Block recording_facts(const Inspection& it) {
-    Block all = facts({});
+FactGroup recording_facts(const Observations& of, const Inspection& it) {
+    FactGroup all{.title = "Positions"};
     add_fact(
         all, "Format",
         fmt::format("{}; {}, {}",
-                    it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, it.variant),
-                    frame_text(it.frame), time_scale_text(it.time_scale)));
-    add_fact(all, "Made by", it.device);
-    for (const std::string& said : it.written_by)
-        if (said != it.device) add_fact(all, "It says", said);
-    if (it.processing) add_fact(all, "Solved", solving_text(*it.processing));
+                    of.variant.empty() ? of.format : fmt::format("{} ({})", of.format, of.variant),
+                    frame_text(of.frame), time_scale_text(of.time_scale)));
+    add_fact(all, "Made by", of.device);
+    for (const std::string& said : of.written_by)
+        if (said != of.device) add_fact(all, "It says", said);
+    if (of.processing) add_fact(all, "Solved", solving_text(*of.processing));
     add_times(it, all);
-    add_fact(all, "Clock", it.time_origin);
+    add_fact(all, "Clock", of.time_origin);
+    add_fact(all, "Place", place_text(of.rows));
     add_fact(all, "Epochs", epochs_text(it));
     add_fact(all, "Gaps", gaps_text(it));
     add_fact(all, "Solutions", fixes_text(it));
-    add_fact(all, "Written",
-             fmt::format("positions in {}, times in {}", step_text(it.position_resolution_m, "m"),
-                         step_text(it.time_resolution_s, "s")));
-    add_fact(all, "Accuracy", accuracy_text(it));
+    add_fact(
+        all, "Written",
+        fmt::format("positions in {}, times in {}", step_text(of.facts.position_resolution_m, "m"),
+                    step_text(of.facts.time_resolution_s, "s")));
+    add_fact(all, "Accuracy", accuracy_text(it, of.accuracy_source));
     add_fact(all, "Velocity", velocity_text(it));
     return all;
 }
 
-Block best_facts(const Inspection& it) {
-    Block bests = facts({}, "Fastest 3 s, unscreened, not for a certificate");
+FactGroup best_facts(const Inspection& it) {
+    FactGroup bests{.title = "Fastest 3 s, unscreened, not for a certificate"};
     add_fact(bests, "By position", best_text(it.best_by_position));
     if (it.with_velocity > 0)
         add_fact(bests, "By recorded velocity", best_text(it.best_by_velocity));
-    if (!is_vertical(it)) return bests;
+    if (!it.is_vertical()) return bests;
     add_fact(bests, "Vertical, by height", best_text(it.best_vertical_by_position));
     add_fact(bests, "Vertical, by velocity", best_text(it.best_vertical_by_velocity));
     return bests;
@@ -379,22 +397,24 @@ Block best_facts(const Inspection& it) {
 
 }  // namespace
 
-Section positions_section(const Inspection& it, const std::optional<GpsTime>& now) {
-    std::vector<std::string> concerns;
-    if (it.simulated) concerns.emplace_back(says_simulated);
-    add_record_concerns(it, concerns);
-    add_quality_concerns(it, concerns);
-    add_time_concerns(it, concerns);
-    add_date_concerns(it, now, concerns);
-    add_speed_concerns(it, concerns);
-    concerns.insert(
-        concerns.end(), it.notes.begin(),
-        it.notes.begin() + static_cast<std::ptrdiff_t>(std::min(it.notes.size(), most_notes)));
-    return {.anchor = "positions",
-            .title = "Positions",
-            .blocks = {recording_facts(it), best_facts(it),
-                       concerns.empty() ? paragraph("No obvious problems found.")
-                                        : list_of(std::move(concerns))}};
+void add_fact(FactGroup& group, std::string name, std::string value) {
+    if (!value.empty()) group.facts.push_back({.name = std::move(name), .value = std::move(value)});
+}
+
+Concern simulated_concern() {
+    return {.code = ConcernCode::simulated,
+            .says = "The recording says that it was simulated: no craft was measured."};
+}
+
+std::vector<FactGroup> positions_said(const Observations& observations,
+                                      const Inspection& inspection) {
+    return {recording_facts(observations, inspection), best_facts(inspection)};
+}
+
+std::vector<Concern> positions_concerns(const Observations& observations,
+                                        const Inspection& inspection,
+                                        const std::optional<GpsTime>& now) {
+    return Concerns(observations, inspection).found(now);
 }
 
 }  // namespace runcert

@@ -37,66 +37,41 @@ std::string row_as_read(const Observation& row, const Observations& observations
     return text;
 }
 
-/// What the receiver leaves out.
-class Needs {
-  public:
-    Needs(const Receiver& receiver, Recognition& is) : receiver_(receiver), is_(is) {}
+/// Adds what the receiver leaves out, of what is not said yet to be needed.
+void add_needs(const Observations& observations, const Inspection& inspection,
+               const Receiver& receiver, Recognition& is) {
+    const auto add = [&](const char* key, bool required = false) {
+        if (std::ranges::find(is.needed, key, &NeededKey::key) == is.needed.end())
+            is.needed.push_back(needed_key(key, required));
+    };
+    const RecordingFacts& facts = observations.facts;
+    const AttemptAccuracy stated = receiver.accuracy.value_or(AttemptAccuracy{});
+    const bool by_recording = observations.accuracy_source == "recording";
+    if ((inspection.with_accuracy == 0 || !by_recording) && !stated.horizontal_m)
+        add("accuracy.horizontal_m", true);
+    if (facts.vertical_measured && inspection.with_vertical_accuracy == 0 && !stated.vertical_m)
+        add("accuracy.vertical_m", true);
+    if (inspection.with_velocity > 0 && inspection.velocities_stated == 0 &&
+        inspection.velocity_origin != VelocityOrigin::positions && !stated.velocity_m_s)
+        add("accuracy.velocity_mps");
+    if (facts.georeferenced && !facts.vertical_measured && !receiver.height_m)
+        add("height_m", true);
+    const bool unsaid =
+        inspection.fixes.size() == 1 && inspection.fixes.front().first == FixType::unknown;
+    if (unsaid && receiver.solution.empty()) add("solution");
+    if (facts.time_source != "satellites" && receiver.time_source.empty()) add("time_source");
+    const bool by_day = observations.format == "nmea" || observations.format == "vbo";
+    if (!inspection.first && by_day && receiver.start_date.empty())
+        add("start_date");
+    else if (!inspection.first && !by_day && !receiver.start_gps)
+        add("start_gps");
+}
 
-    void find(const Inspection& inspection) {
-        const auto& accuracy = receiver_.accuracy;
-        if (!is_.accuracy && !(accuracy && accuracy->horizontal_m))
-            add("accuracy.horizontal_m",
-                "The recording states no accuracy, and the uncertainty of the speed begins with "
-                "it.",
-                {}, true);
-        if (is_.heights && !is_.height_accuracy && !(accuracy && accuracy->vertical_m))
-            add("accuracy.vertical_m", "The recording states no accuracy of heights.", {}, true);
-        if (is_.velocities && !is_.velocity_accuracy && !(accuracy && accuracy->velocity_m_s))
-            add("accuracy.velocity_mps",
-                "The recorded speeds state no accuracy; without it they bear less witness.");
-        if (is_.georeferenced && !is_.heights && !receiver_.height_m)
-            add("height_m",
-                "The recording has no heights, and each kilometre of it changes the speed by "
-                "0.016 %.",
-                {}, true);
-        const bool unsaid = is_.fixes.size() == 1 && is_.fixes.front().fix == "unknown";
-        if (unsaid && receiver_.solution.empty())
-            add("solution",
-                "The recording does not say how its positions were solved; unsaid, they count as "
-                "those of one receiver alone (single).",
-                {"fixed", "float", "ppp", "dgps", "sbas", "single"});
-        if (!is_.satellites_time && receiver_.time_source.empty())
-            add("time_source",
-                "Nothing says that the time stamps are the satellites' time; unsaid, the clock's "
-                "rate counts as uncertain.",
-                {"satellites"});
-        const bool by_day = inspection.format == "nmea" || inspection.format == "vbo";
-        if (!is_.first && by_day && receiver_.start_date.empty())
-            add("start_date", "The recording has times of day and no date.");
-        else if (!is_.first && !by_day && !receiver_.start_gps)
-            add("start_gps",
-                "Times count from an unknown start, so that the report could not say when the run "
-                "was.");
-    }
-
-  private:
-    void add(const std::string& key, std::string reason, std::vector<std::string> values = {},
-             bool required = false) {
-        if (std::ranges::find(is_.needed, key, &NeededKey::key) == is_.needed.end())
-            is_.needed.push_back({.key = key,
-                                  .reason = std::move(reason),
-                                  .values = std::move(values),
-                                  .required = required});
-    }
-
-    const Receiver& receiver_;
-    Recognition& is_;
-};
-
+/// What an attempt is arranged by.
 void add_facts(const Observations& observations, const Inspection& inspection, Recognition& is) {
-    is.format = inspection.format;
-    is.device = inspection.device;
-    is.simulated = inspection.simulated;
+    is.format = observations.format;
+    is.device = observations.device;
+    is.simulated = observations.simulated;
     is.first = inspection.first;
     is.last = inspection.last;
     is.span_s = inspection.span_s;
@@ -105,26 +80,30 @@ void add_facts(const Observations& observations, const Inspection& inspection, R
     for (const auto& [fix, count] : inspection.fixes)
         is.fixes.push_back(
             {.fix = std::string(to_text(fix)), .epochs = static_cast<std::int64_t>(count)});
-    is.georeferenced = inspection.georeferenced;
-    for (const Observation& row : observations.rows) {
-        if (!row.latitude_deg || !row.longitude_deg) continue;
-        is.latitude_deg = *row.latitude_deg;
-        is.longitude_deg = *row.longitude_deg;
-        break;
+    const auto first = std::ranges::find_if(observations.rows, [](const Observation& row) {
+        return row.latitude_deg && row.longitude_deg;
+    });
+    if (first != observations.rows.end()) {
+        is.latitude_deg = *first->latitude_deg;
+        is.longitude_deg = *first->longitude_deg;
     }
     for (const Observation& row : observations.rows)
-        if (inspection.format == "csv" && is.rows.size() < rows_shown && has_position(row))
+        if (observations.format == "csv" && is.rows.size() < rows_shown && has_position(row))
             is.rows.push_back(row_as_read(row, observations));
-    is.heights = inspection.vertical_measured;
-    is.accuracy = inspection.with_accuracy > 0 && inspection.accuracy_source == "recording";
-    is.height_accuracy = inspection.with_vertical_accuracy > 0;
-    is.velocities = inspection.with_velocity > 0;
-    is.velocity_accuracy = inspection.velocities_stated > 0;
-    is.satellites_time = inspection.time_source == "satellites";
     if (inspection.best_by_position) is.speed_m_s = inspection.best_by_position->speed_m_s;
-    is.falls =
-        inspection.best_vertical_by_velocity && inspection.best_by_velocity &&
-        inspection.best_vertical_by_velocity->speed_m_s > inspection.best_by_velocity->speed_m_s;
+    is.falls = inspection.is_vertical();
+}
+
+/// Adds what was read: facts, needs and concerns.
+void add_positions(const Observations& observations, const Receiver& receiver,
+                   const std::optional<GpsTime>& now, Recognition& is) {
+    const Inspection inspection = inspect(observations);
+    add_facts(observations, inspection, is);
+    add_needs(observations, inspection, receiver, is);
+    for (FactGroup& group : positions_said(observations, inspection))
+        is.said.push_back(std::move(group));
+    for (Concern& concern : positions_concerns(observations, inspection, now))
+        is.concerns.push_back(std::move(concern));
 }
 
 }  // namespace
@@ -149,15 +128,20 @@ std::vector<std::string> series_in(const RecordingBytes& file) {
     return keys;
 }
 
-Recognition recognition_of(const Observations& observations, const Receiver& receiver) {
-    const Inspection inspection = inspect(observations);
+NeededKey needed_key(const std::string& key, bool required) {
+    const FieldRule* rule = attempt_schema().find("receivers[]." + key);
+    return {.key = key, .reason = rule->why, .values = rule->values, .required = required};
+}
+
+Recognition recognition_of(const Observations& observations, const Receiver& receiver,
+                           const std::optional<GpsTime>& now) {
     Recognition is;
-    add_facts(observations, inspection, is);
-    Needs(receiver, is).find(inspection);
+    add_positions(observations, receiver, now, is);
     return is;
 }
 
-Recognition recognition_of_table(const RecordingBytes& recording, const CsvColumns& given) {
+Recognition recognition_of_table(const RecordingBytes& recording, const CsvColumns& given,
+                                 const std::optional<GpsTime>& now) {
     auto proposal = csv::propose(recording, given);
     if (!proposal) {
         // Says what it is, and which formats are read.
@@ -166,21 +150,15 @@ Recognition recognition_of_table(const RecordingBytes& recording, const CsvColum
         throw Failure(recording.name, "the file is no recording that is read",
                       "Give the recording as the receiver or logger wrote it");
     }
-    Recognition is;
-    if (proposal->read) {
-        const Inspection inspection = inspect(*proposal->read);
-        add_facts(*proposal->read, inspection, is);
-        is.needed = proposal->needed;
-        Needs(proposal->receiver, is).find(inspection);
-    } else {
-        is.kind = RecordingKind::table;
-        is.needed = proposal->needed;
-        is.rows = {proposal->first_row};
-    }
+    Recognition& is = proposal->is;
     is.format = "csv";
-    is.proposed = std::move(proposal->keys);
-    is.problem = std::move(proposal->problem);
-    return is;
+    if (!proposal->read) {
+        is.kind = RecordingKind::table;
+        is.rows = {std::move(proposal->first_row)};
+        return std::move(is);
+    }
+    add_positions(*proposal->read, proposal->receiver, now, is);
+    return std::move(is);
 }
 
 }  // namespace runcert

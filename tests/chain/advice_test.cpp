@@ -258,7 +258,13 @@ class Advice : public testing::TestWithParam<Given> {
             if (!line.starts_with(indent) || colon == std::string::npos ||
                 line.find(' ', indent.size()) < colon)
                 continue;
-            keys_[line.substr(indent.size(), colon - indent.size())] = line.substr(colon + 2);
+            const std::string key = line.substr(indent.size(), colon - indent.size());
+            const std::string value = line.substr(colon + 2);
+            // What a person knows.
+            keys_[key] = value != "..."        ? value
+                         : key == "height_m"   ? "0"
+                         : key == "time_scale" ? "utc"
+                                               : value;
             any = true;
         }
         return any;

@@ -83,7 +83,9 @@ TEST_F(AttacksOnSignatures, Sign02ARosterAsksForSignaturesWhateverTheAttemptDoes
     must_sign("judge", "judge");
     EXPECT_EQ(signatures({"--roster", asking})["passed"], true);
     // Other comments are comments, and ssh-keygen takes this one for such.
-    EXPECT_EQ(signatures({"--roster", asking_roster("# the body keeps this for runcert")})["passed"], true);
+    EXPECT_EQ(
+        signatures({"--roster", asking_roster("# the body keeps this for runcert")})["passed"],
+        true);
     sign_by_ssh("ed25519", "256");
     const std::string listed =
         roster_of({"#runcert signatures measurer", "measurer " + read_file(path("ssh.pub"))});

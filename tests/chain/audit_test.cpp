@@ -281,8 +281,7 @@ TEST(Audit, AChangedDecisionIsRefused) {
     const ProcessResult result = runcert({"audit", run.string()});
     EXPECT_EQ(result.exit_status, 2);
     EXPECT_TRUE(result.output.empty()) << result.output;
-    EXPECT_NE(result.errors.find("not the one that report.json was made from"),
-              std::string::npos)
+    EXPECT_NE(result.errors.find("not the one that report.json was made from"), std::string::npos)
         << result.errors;
 }
 

@@ -260,7 +260,8 @@ TEST_F(Batches, ARunThatCannotBeMadeAgainIsMarkedUntilItCan) {
 TEST_F(Batches, ARunWhoseAttemptIsGoneIsNamed) {
     edit(day() / "day.yaml", "  - {attempt: two.yaml}\n", "");
     EXPECT_EQ(again().exit_status, 0);
-    EXPECT_NE(read_file(out() / "day.html").find("The folder two holds a run that no attempt of this day"),
+    EXPECT_NE(read_file(out() / "day.html")
+                  .find("The folder two holds a run that no attempt of this day"),
               std::string::npos);
     fs::create_directory(out() / "three");  // not a batch's
     EXPECT_EQ(again().exit_status, 0);

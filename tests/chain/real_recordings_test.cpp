@@ -99,23 +99,21 @@ TEST(RealRecordings, InspectGivesOneDocument) {
     const ProcessResult result = runcert({"inspect", recording, "--json"});
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     const auto document = nlohmann::json::parse(result.output);
-    EXPECT_EQ(document["title"], recording);
-    ASSERT_EQ(document["sections"].size(), 2U);
-    EXPECT_EQ(document["sections"][0]["anchor"], "positions");
-    EXPECT_EQ(document["sections"][1]["anchor"], "raw-measurements");
+    ASSERT_EQ(document["said"].size(), 3U);
+    EXPECT_EQ(document["said"][0]["title"], "Positions");
+    EXPECT_EQ(document["said"][2]["title"], "Raw measurements");
     // Every text of it stands on the terminal.
     const std::string said =
         std::regex_replace(runcert({"inspect", recording}).output, std::regex("\\s+"), " ");
-    for (const auto& section : document["sections"])
-        for (const auto& block : section["blocks"]) {
-            for (const auto& fact : block.value("facts", nlohmann::json::array()))
-                EXPECT_NE(said.find(fact["name"].get<std::string>() + " " +
-                                    fact["value"].get<std::string>()),
-                          std::string::npos)
-                    << fact << said;
-            for (const auto& item : block.value("items", nlohmann::json::array()))
-                EXPECT_NE(said.find("- " + item.get<std::string>()), std::string::npos) << item;
-        }
+    for (const auto& group : document["said"])
+        for (const auto& fact : group["facts"])
+            EXPECT_NE(
+                said.find(fact["name"].get<std::string>() + " " + fact["value"].get<std::string>()),
+                std::string::npos)
+                << fact << said;
+    for (const auto& concern : document["concerns"])
+        EXPECT_NE(said.find("- " + concern["says"].get<std::string>()), std::string::npos)
+            << concern;
 }
 
 // What the positions are is said though the raw measurements cannot be read.

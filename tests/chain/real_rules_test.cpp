@@ -151,8 +151,8 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, RequirementStatus::not_met);
     for (const char* part :
-         {"the recording's velocities show 309",
-          "absurd stated standard deviation", "what the score would be is not known"})
+         {"the recording's velocities show 309", "absurd stated standard deviation",
+          "what the score would be is not known"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
 

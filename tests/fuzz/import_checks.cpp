@@ -5,7 +5,7 @@
 #include "fuzz_target.h"
 #include "schemas/observations/observations.h"
 #include "stages/import/import.h"
-#include "stages/import/inspect.h"
+#include "stages/import/recognise.h"
 
 namespace runcert::fuzz {
 namespace {
@@ -81,7 +81,7 @@ void import_and_check(const Receiver& receiver, std::string_view bytes) {
     check(observations, bytes.size());
     // These take longer than the reading.
     const std::size_t chosen = bytes.size() % 32;
-    if (chosen == 0) (void)positions_section(inspect(observations));
+    if (chosen == 0) (void)recognition_of(observations, receiver);
     if (chosen != 1 && chosen != 2) return;
     try {
         check_written(observations);

@@ -52,10 +52,7 @@ void check_rows(const imu::StreamedImu& samples) {
 
 void read_input(std::string_view bytes) {
     const RecordingBytes file{.name = "imu", .bytes = bytes};
-    if (const auto proposal = imu::propose(file)) {
-        (void)imu::section_of(*proposal);
-        (void)imu::recognition_of(*proposal);
-    }
+    if (const auto proposal = imu::propose(file)) (void)imu::recognition_of(*proposal);
     const imu::RecordingSpan span{
         .first_epoch = GpsTime::from_week(2400, 100'000'000'000'000),
         .span_s = 3600.0,

@@ -57,7 +57,6 @@ void read_input(std::string_view bytes) {
         files.triangles = RecordingBytes{.name = "triangles", .bytes = bytes.substr(between + 2)};
     }
     try {
-        (void)surface::describe(files.file);
         (void)surface::recognise(files.file);
     } catch (const Failure&) {
         // Import may still read it as the attempt says.

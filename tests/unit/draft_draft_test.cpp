@@ -22,7 +22,6 @@ HandedIn solution() {
     is.last = parse_gps_iso("2026-03-14T10:01:18");
     is.span_s = 60.0;
     is.fixes = {{.fix = "fixed", .epochs = 600}};
-    is.accuracy = is.height_accuracy = is.satellites_time = true;
     return file;
 }
 
@@ -66,6 +65,9 @@ HandedIn imu_table(double first_s) {
     file.is.kind = RecordingKind::imu;
     file.is.format = "csv";
     file.is.count_s = first_s;
+    file.is.needed = {{.key = "imu.start_gps", .reason = "why"},
+                      {.key = "imu.antenna_m", .reason = "why", .required = true},
+                      {.key = "imu.grade", .reason = "why"}};
     file.is.span_s = 60.0;
     const std::pair<const char*, const char*> proposed[] = {{"imu.columns.time", "t"},
                                                             {"imu.columns.gyro_x", "2"},

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/text.h"
+#include "core/written_unit.h"
 #include "import_inspect_support.h"
 #include "import_test_support.h"
 #include "stages/import/csv/propose.h"
-#include "core/written_unit.h"
 #include "stages/import/novatel/log.h"
 
 // What is known of fields in one place, as pairs of input and table: each way of writing gives the
@@ -119,7 +119,8 @@ std::string table(const std::string& header, Row row) {
 Observations proposed(const std::string& text) {
     auto proposal = csv::propose({.name = "log.csv", .bytes = text});
     if (!proposal || !proposal->read) {
-        ADD_FAILURE() << (proposal ? proposal->problem : "no table") << "\n" << text.substr(0, 200);
+        ADD_FAILURE() << (proposal ? proposal->is.problem : "no table") << "\n"
+                      << text.substr(0, 200);
         return {};
     }
     return std::move(*proposal->read);
@@ -367,7 +368,7 @@ TEST(FieldRows, StampsInBurstsAreSaid) {
         text += fmt::format("{:.3f},45.{:05},9,1\n", 0.3 * (i / 3) + 0.001 * (i % 3), i);
     const Observations read = import_text(csv_receiver(), text);
     EXPECT_EQ(bursts_in(read.rows), "3 within 0.002 s, then 0.298 s");
-    EXPECT_TRUE(has(inspection_text(inspect(read)), "Time stamps come in bursts"));
+    EXPECT_TRUE(has(inspection_text(read), "Time stamps come in bursts"));
     // A recording with gaps, or at two rates, has none.
     text = "time,lat,lon,h\n";
     for (int i = 0; i < 120; ++i)

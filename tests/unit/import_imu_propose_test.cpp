@@ -18,8 +18,8 @@ std::optional<imu::Proposal> proposed(std::string_view text) {
 }
 
 std::string value_of(const imu::Proposal& proposal, const std::string& key) {
-    for (const ProposedKey& one : proposal.keys)
-        if (one.key == key) return one.value;
+    for (const ProposedKey& one : proposal.is.proposed)
+        if (one.key == "imu." + key) return one.value;
     return "none";
 }
 
@@ -58,7 +58,7 @@ TEST(ImuProposal, NamesSayColumnsAndUnits) {
         SCOPED_TRACE(one.header);
         const auto proposal = proposed(with_header(one.header, one.change));
         ASSERT_TRUE(proposal);
-        EXPECT_EQ(proposal->problem, "");
+        EXPECT_EQ(proposal->is.problem, "");
         EXPECT_EQ(value_of(*proposal, "gyro_unit"), one.gyro_unit);
         EXPECT_EQ(value_of(*proposal, "accelerometer_unit"), one.accelerometer_unit);
         EXPECT_EQ(value_of(*proposal, "time_unit"), one.time_unit);
@@ -137,14 +137,10 @@ TEST(ImuProposal, SaysWhatTheFileIs) {
         if (i >= 200) sample[0] += 0.5;
     }));
     ASSERT_TRUE(proposal);
-    const Section section = imu::section_of(*proposal);
-    std::string said;
-    for (const Block& block : section.blocks) {
-        for (const Fact& fact : block.facts)
-            said += fmt::format("{}: {}\n", fact.name, fact.value);
-        for (const std::string& item : block.items)
-            said += item + "\n";
-    }
+    const Recognition is = imu::recognition_of(*proposal);
+    std::string said = receiver_lines(is, "imu.csv");
+    for (const DescribedFact& fact : is.said.at(0).facts)
+        said += fmt::format("{}: {}\n", fact.name, fact.value);
     for (const char* part :
          {"Samples: 400\n", "Times: 0.010 s to 4.500 s of a count without a date\n",
           "Rate: 100.00 Hz; stamps jitter by 0.00 ms\n",
@@ -152,7 +148,6 @@ TEST(ImuProposal, SaysWhatTheFileIs) {
           "Gaps: 1, the longest of 0.500 s\n", "At the end of the range: none\n",
           "  file: imu.csv\n", "columns: {time: t, gyro_x: gx,", "antenna_m: {forward: ..."})
         EXPECT_TRUE(has(said, part)) << part << "in\n" << said;
-    const Recognition is = imu::recognition_of(*proposal);
     EXPECT_EQ(is.kind, RecordingKind::imu);
     EXPECT_EQ(is.epochs, 400);
     EXPECT_NEAR(*is.count_s, 0.01, 1e-9);
@@ -173,7 +168,7 @@ TEST(ImuProposal, OfRecordedFilesIsWhatIsKnownOfThem) {
         if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";
         const auto proposal = proposed(*text);
         ASSERT_TRUE(proposal);
-        EXPECT_EQ(proposal->problem, "");
+        EXPECT_EQ(proposal->is.problem, "");
         EXPECT_EQ(value_of(*proposal, "rate_hz"), one.rate);
         EXPECT_EQ(value_of(*proposal, "gyro_unit"), one.gyro_unit);
         EXPECT_EQ(value_of(*proposal, "axes.z"), one.down);

@@ -34,21 +34,22 @@ const std::vector<Format> formats{
     {"flysight", late_speeds::flysight, true},
     {"fit", [](const auto& rows) { return late_speeds::fit(rows, runcert::fit::crc16); }, false}};
 
-Inspection inspected(const Format& format, const Recorded& recorded) {
-    return inspect(import_text(receiver_of(format), format.write(recorded.rows())));
+Observations imported(const Format& format, const Recorded& recorded) {
+    return import_text(receiver_of(format), format.write(recorded.rows()));
 }
 
 TEST(LateSpeeds, TheirDelayIsNamedInEveryFormat) {
     for (const Format& format : formats)
         for (const double delay_s : {5.0, 20.0, 43.0, 55.0, 100.0}) {
             SCOPED_TRACE(fmt::format("{} {}", format.name, delay_s));
-            const Inspection it =
-                inspected(format, {.duration_s = 500.0, .delay_s = always(delay_s)});
+            const Observations read =
+                imported(format, {.duration_s = 500.0, .delay_s = always(delay_s)});
+            const Inspection it = inspect(read);
             ASSERT_EQ(it.velocity_delays.size(), 1U);
             EXPECT_NEAR(it.velocity_delays[0].delay_s, delay_s, 0.51);
             EXPECT_TRUE(it.velocity_delays[0].beyond);
             EXPECT_EQ(it.speeds_alone > it.with_velocity / 2, !format.course);
-            const std::string text = inspection_text(it);
+            const std::string text = inspection_text(read);
             EXPECT_NE(text.find(fmt::format("{:.3g} s ± 0.3 s behind the positions",
                                             it.velocity_delays[0].delay_s)),
                       std::string::npos)
@@ -61,25 +62,27 @@ TEST(LateSpeeds, SpeedsOfTheirPositionsHaveNone) {
     for (const Format& format : formats)
         for (const double delay_s : {0.0, 1.0}) {
             SCOPED_TRACE(fmt::format("{} {}", format.name, delay_s));
-            const Inspection it = inspected(format, {.delay_s = always(delay_s)});
+            const Observations read = imported(format, {.delay_s = always(delay_s)});
+            const Inspection it = inspect(read);
             ASSERT_EQ(it.velocity_delays.size(), 1U);
             EXPECT_NEAR(it.velocity_delays[0].delay_s, delay_s, 0.51);
             EXPECT_FALSE(it.velocity_delays[0].beyond);
-            EXPECT_EQ(inspection_text(it).find("are not those of the positions"),
+            EXPECT_EQ(inspection_text(read).find("are not those of the positions"),
                       std::string::npos);
         }
 }
 
 TEST(LateSpeeds, LostInTheMiddleAreNamedWithWhereTheyAre) {
-    const Inspection it = inspected(
+    const Observations read = imported(
         formats[0], {.board = {.longer_s = 3.0, .sails_s = 1200.0},
                      .duration_s = 1260.0,
                      .delay_s = [](double time_s) { return time_s < 600.0 ? 0.0 : 43.0; }});
+    const Inspection it = inspect(read);
     ASSERT_EQ(it.velocity_delays.size(), 2U);
     EXPECT_FALSE(it.velocity_delays[0].beyond);
     EXPECT_NEAR(it.velocity_delays[1].from_s, 600.0, 31.0);
     EXPECT_NEAR(it.velocity_delays[1].delay_s, 43.0, 0.51);
-    const std::string text = inspection_text(it);
+    const std::string text = inspection_text(read);
     EXPECT_NE(text.find("from 0 s to"), std::string::npos) << text;
     EXPECT_NE(text.find("43 s ± 0.3 s behind the positions"), std::string::npos) << text;
 }

@@ -4,8 +4,8 @@
 #include <map>
 
 #include "core/text.h"
+#include "import_inspect_support.h"
 #include "import_test_support.h"
-#include "stages/import/csv/propose.h"
 #include "stages/import/recognise.h"
 #include "store/atomic_file.h"
 
@@ -126,12 +126,10 @@ TEST(RecogniseTable, SaysWhyATableIsNotRead) {
     EXPECT_NE(commas.problem.find("has a decimal comma"), std::string::npos) << commas.problem;
     const std::string grid = written_by("utm_survey");
     EXPECT_NE(
-        fmt::format("{}", fmt::join(csv::propose({.name = "log.csv", .bytes = grid})->unsure, " "))
-            .find("zone and hemisphere in place of"),
+        import_test::text_of(recognised(grid)).find("frame: {utm: {zone: ..., hemisphere: ...}}"),
         std::string::npos);
     const std::string sheet = written_by("german_sheet");
-    const auto unsure = csv::propose({.name = "log.csv", .bytes = sheet})->unsure;
-    EXPECT_NE(fmt::format("{}", fmt::join(unsure, " ")).find("decimal commas (\"52,1000000\")"),
+    EXPECT_NE(import_test::text_of(recognised(sheet)).find("decimal commas (\"52,1000000\")"),
               std::string::npos);
     const Recognition counts = recognised(written_by("px4_gps"));
     EXPECT_EQ(counts.kind, RecordingKind::table);

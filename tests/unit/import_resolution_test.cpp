@@ -182,14 +182,13 @@ TEST(Resolution, IsInTheTableAndInTheInspection) {
     EXPECT_EQ(back.facts.position_resolution_m,
               std::round(*read.facts.position_resolution_m * 1e9) / 1e9);
     EXPECT_EQ(back.facts.time_resolution_s, 0.1);
-    EXPECT_NE(inspection_text(inspect(read))
-                  .find("Written    positions in steps of 0.011 m, times in steps of 0.1 s\n"),
+    EXPECT_NE(inspection_text(read).find(
+                  "Written    positions in steps of 0.011 m, times in steps of 0.1 s\n"),
               std::string::npos)
-        << inspection_text(inspect(read));
+        << inspection_text(read);
     const Observations unclear =
         import_text(csv_receiver(), "time,lat,lon,h\n0,35.1234567,1371234567e-7,1\n");
-    EXPECT_NE(inspection_text(inspect(unclear))
-                  .find("positions in unclear steps, times in steps of 1 s\n"),
+    EXPECT_NE(inspection_text(unclear).find("positions in unclear steps, times in steps of 1 s\n"),
               std::string::npos);
 }
 

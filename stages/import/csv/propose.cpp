@@ -12,11 +12,11 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/document/document.h"
 #include "stages/import/csv/columns.h"
 #include "stages/import/csv/csv.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
+#include "stages/import/recognise.h"
 
 namespace runcert::csv {
 namespace {
@@ -55,6 +55,10 @@ std::string_view cell_of(const SeenTable& table, const Layout& layout, Column co
     return place ? table.first(*place) : std::string_view();
 }
 
+void add_unsure(Proposal& proposal, std::string sentence) {
+    proposal.is.concerns.push_back({.code = ConcernCode::columns, .says = std::move(sentence)});
+}
+
 /// The proposal while it is made.
 class Proposing {
   public:
@@ -68,39 +72,37 @@ class Proposing {
         proposal_.receiver.format = "csv";
         set_frame();
         set_time();
-        if (layout_[Column::latitude] && layout_[Column::latitude] == layout_[Column::longitude])
-            proposal_.unsure.emplace_back(
-                "One column holds both coordinates: it is read as latitude, then longitude.");
-        if (!table_.has_names)
-            proposal_.unsure.emplace_back(
-                "There is no header line: give columns by number, from 1.");
+        if (layout_.both_in_one)
+            say("One column holds both coordinates: it is read as latitude, then longitude.");
+        if (!table_.has_names) say("There is no header line: give columns by number, from 1.");
         set_columns();
         set_heights();
         set_speed_unit();
         set_unused();
         for (const Column column : named_columns)
             if (layout_[column] && has_decimal_commas(table_, *layout_[column])) {
-                proposal_.unsure.push_back(
-                    fmt::format("Numbers have decimal commas (\"{}\"), which are not read: export "
-                                "the table with decimal points.",
-                                escape_for_message(table_.first(*layout_[column]))));
+                say(fmt::format(
+                    "Numbers have decimal commas (\"{}\"), which are not read: export the "
+                    "table with decimal points.",
+                    escape_for_message(table_.first(*layout_[column]))));
                 break;
             }
         return std::move(proposal_);
     }
 
   private:
-    void propose(std::string key, std::string value, std::string reason) {
-        proposal_.keys.push_back(
-            {.key = std::move(key), .value = std::move(value), .reason = std::move(reason)});
+    void propose(std::string key, std::string value, std::string reason, std::string unit = {}) {
+        proposal_.is.proposed.push_back({.key = std::move(key),
+                                         .value = std::move(value),
+                                         .unit = std::move(unit),
+                                         .reason = std::move(reason)});
     }
-    void need(std::string key, std::string reason, std::vector<std::string> values = {},
-              bool required = true) {
-        proposal_.needed.push_back({.key = std::move(key),
-                                    .reason = std::move(reason),
-                                    .values = std::move(values),
-                                    .required = required});
+    void need(const std::string& key, std::string reason, bool required = true) {
+        NeededKey one = needed_key(key, required);
+        one.reason = std::move(reason);
+        proposal_.is.needed.push_back(std::move(one));
     }
+    void say(std::string sentence) { add_unsure(proposal_, std::move(sentence)); }
 
     std::string first_row() const {
         std::string text;
@@ -122,9 +124,6 @@ class Proposing {
         proposal_.receiver.frame = StatedFrame{frame};
         if (frame == CoordinateFrame::utm) {
             proposal_.receiver.frame->utm_zone = UtmZone{.zone = 31, .northern = true};
-            proposal_.unsure.emplace_back(
-                "The coordinates look like those of a UTM grid: write its zone and hemisphere in "
-                "place of ...");
             need("frame",
                  "The coordinates look like those of a UTM grid, and no column says its zone.");
             return;
@@ -189,12 +188,10 @@ class Proposing {
                                              : "nanoseconds"));
         } else if (format == "seconds") {
             propose("time_format", format, fmt::format("{} is a count of seconds", shown));
-            proposal_.unsure.emplace_back(
-                "Times are counts of seconds: start_gps says at which GPS time they begin.");
             need("start_gps",
                  "Times count from an unknown start, so that the report could not say when the run "
                  "was.",
-                 {}, false);
+                 false);
         } else if (format == "seconds_of_week") {
             propose("time_format", format,
                     fmt::format("{} is a second of the GPS week beside it", shown));
@@ -209,8 +206,6 @@ class Proposing {
 
     void need_date() {
         proposal_.receiver.start_date = "2000-01-01";
-        proposal_.unsure.emplace_back(
-            "No column holds a date: start_date says on which day the times begin.");
         need("start_date", "Times of day have no date beside them: the UTC date of the first row.");
     }
 
@@ -232,12 +227,9 @@ class Proposing {
             proposal_.receiver.time_scale = "gps";
             return propose("time_scale", "gps", "the column's name says GPS time");
         }
-        proposal_.unsure.emplace_back(
-            "Nothing says whether times are UTC: else write time_scale: local and utc_offset_h, or "
-            "gps.");
         need("time_scale",
-             "Nothing in the table says whether its times are UTC, local or GPS time.",
-             {"utc", "local", "gps"});
+             "Nothing in the table says whether its times are UTC, local or GPS time.");
+        proposal_.is.needed.back().values = {"utc", "local", "gps"};  // the first reads it
     }
 
     void set_columns() {
@@ -256,7 +248,7 @@ class Proposing {
                                              escape_for_message(first));
             if (column == Column::quality_2d)
                 reason += "; taken as the root of the sum of both horizontal variances";
-            propose(key, source, std::move(reason));
+            propose(key, source, std::move(reason), unit_text(column));
         }
         Description description;
         description.frame = proposal_.receiver.frame->kind;
@@ -272,6 +264,16 @@ class Proposing {
                      fmt::format("No column's name says which holds the {}.", name_of(column)));
     }
 
+    /// What the numbers of a column are in, where they have a unit that is known.
+    std::string unit_text(Column column) const {
+        const auto quantity = column_kinds[static_cast<std::size_t>(column)].quantity;
+        if (!quantity || column == Column::time) return {};
+        if (const auto unit = unit_of_column(layout_.head, *layout_[column], *quantity))
+            return std::string(unit->name);
+        constexpr std::string_view units[] = {"", "m", "deg", "s"};
+        return std::string(units[static_cast<std::size_t>(*quantity)]);
+    }
+
     void set_heights() {
         const bool is_missing = proposal_.receiver.frame->kind == CoordinateFrame::utm
                                     ? !layout_[Column::up]
@@ -279,9 +281,6 @@ class Proposing {
                                           !layout_[Column::height];
         if (!is_missing) return;
         proposal_.receiver.height_m = 0.0;
-        proposal_.unsure.emplace_back(
-            "No column holds heights: write the course's height above the ellipsoid in place of "
-            "0.");
         need("height_m",
              "No column holds heights, and each kilometre of it changes the speed by 0.016 %.");
     }
@@ -302,17 +301,13 @@ class Proposing {
         proposal_.speed_unit_unknown = layout_[Column::speed].has_value() && !unit;
     }
 
-    /// The columns that are not used, by their names.
     void set_unused() {
-        std::string names;
         for (std::size_t i = 0; i < table_.head.names.size() && table_.has_names; ++i) {
             const std::string_view name = table_.head.names[i].text;
-            if (name.empty() ||
-                std::ranges::find(layout_.place, std::optional(i)) != layout_.place.end())
-                continue;
-            names += fmt::format("{}{}", names.empty() ? "" : ", ", escape_for_message(name, 60));
+            if (!name.empty() &&
+                std::ranges::find(layout_.place, std::optional(i)) == layout_.place.end())
+                proposal_.is.unused.push_back(escape_for_message(name, 60));
         }
-        if (!names.empty()) proposal_.unused = "Columns that are not used: " + names + ".";
     }
 
     /// A column's name, or its number where its name is there twice or empty.
@@ -331,23 +326,9 @@ class Proposing {
     Proposal proposal_;
 };
 
-/// A name as YAML has it.
-std::string yaml_name(const std::string& name) {
-    if (parse_integer(name)) return name;
-    const bool plain = std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_';
-    });
-    const bool word = plain && !is_digit(name.front()) && name.size() > 1;
-    if (word) return name;
-    std::string quoted = "'";
-    for (const char c : name)
-        quoted += c == '\'' ? std::string("''") : std::string(1, c);
-    return quoted + "'";
-}
-
 bool lacks_columns(const Proposal& proposal) {
     return std::ranges::any_of(
-        proposal.needed, [](const NeededKey& one) { return one.key.starts_with("columns."); });
+        proposal.is.needed, [](const NeededKey& one) { return one.key.starts_with("columns."); });
 }
 
 /// The dates that a first date may be, as the importer finds that no row shows which.
@@ -358,14 +339,11 @@ void settle_date_order(Proposal& proposal, const RecordingBytes& recording) {
     const std::vector<std::string> dates = dates_in_doubt(proposal.receiver, recording);
     if (dates.size() < 2) return;
     proposal.receiver.start_date = dates.front();
-    proposal.unsure.push_back(
-        fmt::format("The first date may be {} or {}, and no row shows which: start_date says it.",
-                    dates[0], dates[1]));
-    proposal.needed.push_back({.key = "start_date",
-                               .reason = "No row shows which part of a date is the day: the UTC "
-                                         "date of the first row.",
-                               .values = dates,
-                               .required = true});
+    proposal.is.needed.push_back({.key = "start_date",
+                                  .reason = "No row shows which part of a date is the day: the UTC "
+                                            "date of the first row.",
+                                  .values = dates,
+                                  .required = true});
 }
 
 /// Reads the recording as it is proposed.
@@ -374,6 +352,11 @@ void read_as(Proposal& proposal, const RecordingBytes& recording) {
         proposal.read = import_recording(proposal.receiver, recording);
         note_origins(proposal.receiver, *proposal.read);
         note_written_by(recording, false, *proposal.read);
+        // Of a height that stands in for one that is asked for nothing is said.
+        if (proposal.receiver.height_m)
+            std::erase_if(proposal.read->notes, [](const std::string& note) {
+                return note.starts_with("Heights are not recorded");
+            });
     };
     settle_date_order(proposal, recording);
     read();
@@ -383,53 +366,22 @@ void read_as(Proposal& proposal, const RecordingBytes& recording) {
     const auto unit =
         speed_unit_of_ratio(first.best_by_velocity->speed_m_s / first.best_by_position->speed_m_s);
     if (!unit) {
-        proposal.unsure.emplace_back(
-            "The unit of speeds is not named, and none fits the positions: write speed_unit.");
-        proposal.needed.push_back({.key = "speed_unit",
-                                   .reason = "The unit of speeds is not named, and none fits the "
-                                             "positions.",
-                                   .values = {"m/s", "km/h", "kn", "mph"},
-                                   .required = true});
+        proposal.is.needed.push_back(needed_key("speed_unit", true));
+        proposal.is.needed.back().reason =
+            "The unit of speeds is not named, and none fits the positions.";
         return;
     }
     proposal.receiver.speed_unit = unit->name;
-    proposal.keys.push_back({.key = "speed_unit",
-                             .value = std::string(unit->name),
-                             .reason = "no name says it, and it fits the positions"});
-    proposal.unsure.push_back(
-        fmt::format("The unit of speeds is not named: {} fits the positions.", unit->name));
+    proposal.is.proposed.push_back({.key = "speed_unit",
+                                    .value = std::string(unit->name),
+                                    .unit = {},
+                                    .reason = "no name says it, and it fits the positions"});
+    add_unsure(proposal,
+               fmt::format("The unit of speeds is not named: {} fits the positions.", unit->name));
     read();
 }
 
 }  // namespace
-
-std::string Proposal::yaml() const {
-    std::string columns;
-    const auto add = [&](Column column, const std::string& source) {
-        columns += fmt::format("{}{}: {}", columns.empty() ? "" : ", ", name_of(column), source);
-    };
-    const bool geodetic = receiver.frame->kind == CoordinateFrame::geodetic;
-    for (const Column column : named_columns) {
-        const auto found = receiver.columns.find(std::string(name_of(column)));
-        const bool required =
-            column == Column::time ||
-            (geodetic && (column == Column::latitude || column == Column::longitude));
-        if (found != receiver.columns.end())
-            add(column, yaml_name(found->second));
-        else if (required)
-            add(column, "...");
-    }
-    std::string text = fmt::format(
-        "format: csv\ncolumns: {{{}}}\nframe: {}\ntime_format: {}\n", columns,
-        receiver.frame->kind == CoordinateFrame::utm ? "{utm: {zone: ..., hemisphere: ...}}"
-                                                     : to_text(receiver.frame->kind),
-        receiver.time_format);
-    if (!receiver.time_scale.empty()) text += "time_scale: " + receiver.time_scale + "\n";
-    if (!receiver.start_date.empty()) text += "start_date: ...\n";
-    if (!receiver.speed_unit.empty()) text += "speed_unit: " + receiver.speed_unit + "\n";
-    if (receiver.height_m) text += "height_m: 0\n";
-    return text;
-}
 
 std::optional<Proposal> propose(const RecordingBytes& recording, const CsvColumns& given) {
     const auto table = find_table(recording);
@@ -438,45 +390,17 @@ std::optional<Proposal> propose(const RecordingBytes& recording, const CsvColumn
     proposal.receiver.id = "proposed";
     proposal.receiver.place = recording.name;
     if (lacks_columns(proposal)) {
-        for (const NeededKey& one : proposal.needed)
-            if (one.key.starts_with("columns."))
-                proposal.unsure.push_back(
-                    fmt::format("No column's name says which holds the {}: write it in place of "
-                                "...",
-                                one.key.substr(one.key.find('.') + 1)));
-        proposal.problem = "Nothing says which columns hold the positions and their times.";
+        proposal.is.problem = "Nothing says which columns hold the positions and their times.";
         return proposal;
     }
     try {
         read_as(proposal, recording);
     } catch (const Failure& failure) {
         proposal.read.reset();
-        proposal.problem = fmt::format("{}: {} {}", failure.where(), sentence(failure.problem()),
-                                       sentence(failure.remedy()));
-        proposal.unsure.push_back("So described, it cannot be read. " + proposal.problem);
+        proposal.is.problem = fmt::format("{}: {} {}", failure.where(), sentence(failure.problem()),
+                                          sentence(failure.remedy()));
     }
     return proposal;
 }
 
 }  // namespace runcert::csv
-
-namespace runcert {
-
-std::vector<Section> table_sections(const RecordingBytes& recording) {
-    auto proposal = csv::propose(recording);
-    if (!proposal) return {};
-    Section section{.anchor = "description", .title = "Description"};
-    add(section,
-        {paragraph("A table that no format recognises. An attempt's receiver may say:"),
-         code(proposal->yaml()), facts({{.name = "First row", .value = proposal->first_row}})});
-    if (!proposal->unused.empty()) proposal->unsure.push_back(std::move(proposal->unused));
-    if (!proposal->unsure.empty()) add(section, list_of(std::move(proposal->unsure)));
-    std::vector<Section> sections{std::move(section)};
-    if (proposal->read) {
-        sections.push_back(positions_section(inspect(*proposal->read)));
-        sections.back().title = "Positions, so described";
-    }
-    return sections;
-}
-
-}  // namespace runcert

@@ -13,20 +13,15 @@ namespace runcert::csv {
 
 /// What an attempt could say of a table that no format recognises.
 struct Proposal {
-    /// Reads the table, as far as `problem` is empty. What is needed and not known has a value that
-    /// it can be read with: a height of 0, times as UTC, the first of several dates.
+    /// Reads the table, as far as its problem is empty. What is needed and not known has a value
+    /// that it can be read with: a height of 0, times as UTC, the first of several dates.
     Receiver receiver;
-    std::vector<ProposedKey> keys;    ///< what names and cells suggest
-    std::vector<NeededKey> needed;    ///< what they do not show
-    std::vector<std::string> unsure;  ///< sentences
-    std::string first_row;            ///< "lat 52.1, lon 5.1"
-    std::string unused;               ///< a sentence on the columns that are not used; may be empty
+    /// The keys that names and cells suggest, what they do not show, and why the table cannot be
+    /// read so; empty where it can.
+    Recognition is;
+    std::string first_row;  ///< "lat 52.1, lon 5.1"
     bool speed_unit_unknown = false;
-    std::string problem;  ///< why it cannot be read so; empty where it can
     std::optional<Observations> read = std::nullopt;
-
-    /// What to write into the attempt's receiver, with ... for columns that are not known.
-    std::string yaml() const;
 };
 
 /// By the names of the header line and by what the columns hold. A speed unit that nobody names is

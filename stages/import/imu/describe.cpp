@@ -7,6 +7,8 @@
 #include "core/angle.h"
 #include "core/text.h"
 #include "stages/import/imu/propose.h"
+#include "stages/import/inspect.h"
+#include "stages/import/recognise.h"
 
 // What is said of an IMU's file before an attempt names it.
 
@@ -59,7 +61,7 @@ std::string range_text(const SampleFaults& faults) {
     return text;
 }
 
-void add_measured(Block& facts, const Proposal& proposal) {
+void add_measured(FactGroup& facts, const Proposal& proposal) {
     const RawFile& raw = *proposal.raw;
     const Sampling& sampling = *proposal.sampling;
     const SampleFaults faults = faults_of(raw, sampling);
@@ -90,72 +92,36 @@ void add_measured(Block& facts, const Proposal& proposal) {
                  fmt::format("{} of {} records", raw.records.bad, raw.records.total));
 }
 
-/// As YAML reads it: in quotation marks where it is more than letters, digits and a few signs.
-std::string yaml_word(std::string_view value) {
-    const bool plain = std::ranges::all_of(value, [](char c) {
-        return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' ||
-               c == '-' || c == '.' || c == '/';
-    });
-    return plain ? std::string(value) : fmt::format("\"{}\"", escape_for_message(value));
-}
-
-/// The lines of an attempt. Of a count without a date the start is left open.
-std::string yaml_of(const Proposal& proposal) {
-    std::string columns, axes, rest;
-    const auto append = [](std::string& map, std::string_view key, std::string_view value) {
-        map += fmt::format("{}{}: {}", map.empty() ? "" : ", ", key, yaml_word(value));
+/// What an attempt must say beside what the file shows.
+void add_needs(const Proposal& proposal, Recognition& is) {
+    const auto need = [&](const char* key, bool required) {
+        is.needed.push_back(needed_key(key, required));
     };
-    for (const ProposedKey& one : proposal.keys) {
-        const std::string_view key = one.key;
-        if (key.starts_with("columns."))
-            append(columns, key.substr(8), one.value);
-        else if (key.starts_with("axes."))
-            append(axes, key.substr(5), one.value);
-        else
-            rest += fmt::format("  {}: {}\n", key, one.value);
+    if (is.format == "novatel") {
+        need("imu.gyro_scale", true);
+        need("imu.accelerometer_scale", true);
     }
-    const std::string file = proposal.receiver.imu->file;
-    std::string text =
-        fmt::format("imu:\n  file: {}\n", yaml_word(file.substr(file.find_last_of('/') + 1)));
-    if (!columns.empty()) text += fmt::format("  columns: {{{}}}\n", columns);
-    if (!axes.empty()) text += fmt::format("  axes: {{{}}}\n", axes);
-    text += rest;
-    if (proposal.raw && proposal.raw->format == "novatel")
-        text += "  gyro_scale: ...\n  accelerometer_scale: ...\n";
-    if (proposal.raw && proposal.raw->stamps == Stamps::count)
-        text +=
-            "  start_gps: \"...\"  # of the first sample, where its clock is not the recording's\n";
-    return text +
-           "  grade: ...  # tactical, mems or consumer\n"
-           "  antenna_m: {forward: ..., right: ..., down: ...}  # from the IMU to the antenna";
+    if (proposal.raw && proposal.raw->stamps == Stamps::count) need("imu.start_gps", false);
+    need("imu.antenna_m", true);
+    need("imu.grade", false);
+    is.needed.back().values = {"tactical", "mems", "consumer"};
 }
 
 }  // namespace
 
-Section section_of(const Proposal& proposal) {
-    Section section{.anchor = "imu", .title = "IMU"};
-    Block measured = facts({});
+Recognition recognition_of(const Proposal& proposal) {
+    Recognition is = proposal.is;
+    is.kind = RecordingKind::imu;
+    is.format = proposal.raw ? proposal.raw->format : "csv";
+    add_needs(proposal, is);
+    FactGroup measured{.title = "IMU"};
     add_fact(measured, "Format", format_text(proposal));
     if (proposal.raw) add_measured(measured, proposal);
-    add(section, measured);
-    if (!proposal.problem.empty()) add(section, paragraph(proposal.problem, "warning"));
-    add(section, paragraph("An attempt describes it so, beside its receiver's recording:"));
-    add(section, code(yaml_of(proposal)));
-    std::vector<std::string> said = proposal.unsure;
-    if (proposal.raw)
-        said.insert(said.end(), proposal.raw->notes.begin(), proposal.raw->notes.end());
-    if (!said.empty()) add(section, list_of(said));
-    return section;
-}
-
-Recognition recognition_of(const Proposal& proposal) {
-    Recognition is{.kind = RecordingKind::imu};
-    is.format = proposal.raw ? proposal.raw->format : "csv";
-    is.problem = proposal.problem;
-    for (const ProposedKey& one : proposal.keys)
-        is.proposed.push_back({"imu." + one.key, one.value, one.reason});
+    is.said.push_back(std::move(measured));
     if (!proposal.raw) return is;
     const RawFile& raw = *proposal.raw;
+    for (const std::string& note : raw.notes)
+        is.concerns.push_back({.code = ConcernCode::reading, .says = note});
     const std::int64_t first = raw.samples.front().time_ns, last = raw.samples.back().time_ns;
     if (raw.stamps == Stamps::gps) {
         is.first = GpsTime::from_nanoseconds(first);

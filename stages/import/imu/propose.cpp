@@ -50,7 +50,7 @@ class Proposing {
         try {
             read();
         } catch (const Failure& failure) {
-            proposal_.problem =
+            proposal_.is.problem =
                 fmt::format("{}: {}. {}", failure.where(), failure.problem(), failure.remedy());
         }
         return std::move(proposal_);
@@ -58,8 +58,15 @@ class Proposing {
 
   private:
     Imu& imu() { return *proposal_.receiver.imu; }
-    void say(std::string key, std::string value, std::string reason) {
-        proposal_.keys.push_back({std::move(key), std::move(value), std::move(reason)});
+    void say(const std::string& key, std::string value, std::string reason) {
+        proposal_.is.proposed.push_back({.key = "imu." + key,
+                                         .value = std::move(value),
+                                         .unit = {},
+                                         .reason = std::move(reason)});
+    }
+    void add_unsure(std::string sentence) {
+        proposal_.is.concerns.push_back(
+            {.code = ConcernCode::columns, .says = std::move(sentence)});
     }
 
     bool set_columns() {
@@ -125,7 +132,7 @@ class Proposing {
         say("gyro_unit", it.gyro_unit,
             found_->gyro_unit.empty() ? "by the size of the readings" : "by the column's name");
         if (found_->gyro_unit.empty())
-            proposal_.unsure.push_back(fmt::format(
+            add_unsure(fmt::format(
                 "The unit of the gyros is {} by the size of their readings alone.", it.gyro_unit));
     }
 
@@ -158,7 +165,7 @@ class Proposing {
         say("axes.x", std::string(to_text(axes.x)), why);
         say("axes.y", std::string(to_text(axes.y)), why);
         say("axes.z", std::string(to_text(axes.z)), why);
-        proposal_.unsure.emplace_back(
+        add_unsure(
             "Which axis is forward gravity does not show: correct axes: by how the IMU is "
             "mounted.");
     }

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "schemas/document/document.h"
 #include "schemas/recognition/declared.h"
 #include "stages/import/imu/quality.h"
 #include "stages/import/imu/raw.h"
@@ -15,10 +14,8 @@ namespace runcert::imu {
 
 /// What an attempt could say of a file that may be an IMU's.
 struct Proposal {
-    Receiver receiver;                ///< whose imu reads the file, as far as `problem` is empty
-    std::vector<ProposedKey> keys;    ///< of imu:, "columns.time", with what suggests each
-    std::vector<std::string> unsure;  ///< sentences
-    std::string problem;              ///< why it cannot be read; empty where it can
+    Receiver receiver;  ///< whose imu reads the file, as far as its problem is empty
+    Recognition is;     ///< the keys of imu: that names and readings suggest, and what is unsure
     std::optional<RawFile> raw = std::nullopt;  ///< as read, its times put in order
     std::optional<Sampling> sampling = std::nullopt;
     std::optional<Stretch> quiet = std::nullopt;
@@ -31,11 +28,8 @@ struct Proposal {
 /// is no IMU's.
 std::optional<Proposal> propose(const RecordingBytes& file);
 
-/// What the file is, for a person: rate, gravity at rest, which axis is down, gaps, ranges, and the
-/// lines of an attempt that describe it.
-Section section_of(const Proposal& proposal);
-
-/// The same for the program that writes an attempt.
+/// What the file is: rate, gravity at rest, which axis is down, gaps, ranges, and what an attempt
+/// must say of it.
 Recognition recognition_of(const Proposal& proposal);
 
 }  // namespace runcert::imu

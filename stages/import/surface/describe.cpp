@@ -4,6 +4,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/inspect.h"
+#include "stages/import/recognise.h"
 #include "stages/import/surface/raw.h"
 
 // What is said of a surface's file before an attempt names it.
@@ -100,52 +102,23 @@ std::string likely_frame(const Extent& extent, bool north_first) {
     return "local_plane";
 }
 
-/// What an attempt must say of the file, in the order in which it says it.
-std::vector<NeededKey> needed_keys(const SeenSurface& seen) {
-    std::vector<NeededKey> needed;
+/// Adds what an attempt must say of the file, in the order in which it says it.
+void add_needs(const SeenSurface& seen, Recognition& is) {
+    const auto need = [&](const char* key, bool required = true) {
+        is.needed.push_back(needed_key(key, required));
+    };
+    if (seen.is_vertex_table()) need("surface.triangles");
     if (!seen.says_all()) {
         const std::string frame = likely_frame(extent_of(seen.raw.mesh), seen.raw.north_first);
-        needed.push_back({.key = "surface.frame",
-                          .reason = fmt::format(
-                              "No file of a surface says in what coordinates it is. Numbers of "
-                              "that size may be {}.",
-                              frame == "local_plane" ? "local_plane, counted from origin" : frame),
-                          .required = true});
-        if (!seen.raw.unit_m)
-            needed.push_back({.key = "surface.unit",
-                              .reason = "The file does not say the unit of its lengths.",
-                              .values = {"m", "mm", "ft", "us-ft"},
-                              .required = true});
-        if (frame != "local_plane")
-            needed.push_back({.key = "surface.heights",
-                              .reason =
-                                  "Receivers measure ellipsoidal heights; surveyors mostly state "
-                                  "them above the geoid.",
-                              .values = {"ellipsoid", "geoid"},
-                              .required = true});
-        needed.push_back({.key = "surface.vertical_sd_m",
-                          .reason = "Without it 0.10 m is taken for every vertex."});
+        need("surface.frame");
+        is.needed.back().reason +=
+            fmt::format(" Numbers of that size may be {}.",
+                        frame == "local_plane" ? "local_plane, counted from origin" : frame);
+        if (!seen.raw.unit_m) need("surface.unit");
+        if (frame != "local_plane") need("surface.heights");
+        need("surface.vertical_sd_m", false);
     }
-    needed.push_back({.key = "surface.source",
-                      .reason = "Who reads the certificate must know who vouches for the ground.",
-                      .required = true});
-    return needed;
-}
-
-std::string yaml_of(const SeenSurface& seen, const std::string& name) {
-    std::string text = fmt::format("antenna_height_m: ...\nsurface:\n  file: {}\n", name);
-    if (seen.is_vertex_table())
-        text += "  triangles: ...  # the table vertex_1,vertex_2,vertex_3\n";
-    if (!seen.says_all()) {
-        const std::string frame = likely_frame(extent_of(seen.raw.mesh), seen.raw.north_first);
-        text += fmt::format("  frame: {}\n",
-                            frame == "utm" ? "{utm: {zone: ..., hemisphere: ...}}" : frame);
-        if (!seen.raw.unit_m) text += "  unit: ...  # m, mm, ft or us-ft\n";
-        if (frame != "local_plane")
-            text += "  heights: ...  # ellipsoid; or geoid, with undulation_m\n";
-        text += "  vertical_sd_m: ...\n";
-    }
-    return text + "  source: ...  # who surveyed it, how and when";
+    need("surface.source");
 }
 
 std::string format_words(const std::string& format) {
@@ -154,7 +127,7 @@ std::string format_words(const std::string& format) {
     return "a table (CSV)";
 }
 
-void add_coordinates(const SeenSurface& seen, Block& found) {
+void add_coordinates(const SeenSurface& seen, FactGroup& found) {
     const RawSurface& raw = seen.raw;
     const Extent extent = extent_of(raw.mesh);
     const bool degrees = seen.in_degrees();
@@ -174,7 +147,7 @@ void add_coordinates(const SeenSurface& seen, Block& found) {
     add_fact(found, "Unit", raw.unit_m ? raw.unit_name : "not stated");
 }
 
-void add_own(const SurfaceTable& own, Block& found) {
+void add_own(const SurfaceTable& own, FactGroup& found) {
     add_fact(found, "Area in plan", fmt::format("{} m2", format_fixed(own.found.area_m2, 0)));
     add_fact(found, "Standard deviation of its heights",
              fmt::format("{} m", format_fixed(own.vertical_sd_m, 3)));
@@ -182,67 +155,54 @@ void add_own(const SurfaceTable& own, Block& found) {
         add_fact(found, "Made from", fmt::format("{}, {} positions", run.id, run.positions));
 }
 
-Section section_of_triangles(std::int64_t count) {
-    Section section{.anchor = "surface", .title = "Surface"};
-    Block found = facts({});
-    add_fact(found, "Format", format_words("csv"));
-    add_fact(found, "Triangles", std::to_string(count));
-    add(section, found);
-    add(section, paragraph("These are the triangles of a surface, by the numbers of their "
-                           "vertices. An attempt names them beside the table of the vertices, "
-                           "as surface: triangles."));
-    return section;
-}
-
-}  // namespace
-
-std::optional<Section> describe(const RecordingBytes& file) {
-    const std::optional<SeenSurface> seen = read_seen(file);
-    if (seen && seen->triangles_beside) return section_of_triangles(*seen->triangles_beside);
-    if (!seen || seen->raw.mesh.vertices.empty()) return std::nullopt;
-    const RawSurface& raw = seen->raw;
-    Section section{.anchor = "surface", .title = "Surface"};
-    Block found = facts({});
+/// What the file holds, in words.
+FactGroup facts_of(const SeenSurface& seen) {
+    const RawSurface& raw = seen.raw;
+    FactGroup found{.title = "Surface"};
     add_fact(found, "Format", format_words(raw.format));
+    if (seen.triangles_beside) {
+        add_fact(found, "Triangles", std::to_string(*seen.triangles_beside));
+        return found;
+    }
     add_fact(found, "Vertices", std::to_string(raw.mesh.vertices.size()));
-    if (!seen->is_vertex_table()) {
+    if (!seen.is_vertex_table()) {
         add_fact(found, "Triangles", std::to_string(raw.mesh.triangles.size()));
         add_fact(found, "Invisible faces", std::to_string(raw.invisible));
     }
-    add_coordinates(*seen, found);
-    if (seen->own) add_own(*seen->own, found);
-    add(section, found);
-    if (seen->is_vertex_table())
-        add(section, paragraph("These are vertices alone. The table of the triangles between them "
-                               "belongs beside it."));
-    else if (raw.mesh.triangles.empty())
-        add(section, paragraph("It has points and no triangles: nothing says what lies between "
-                               "them. Export the surface with its faces.",
-                               "warning"));
-    add(section, paragraph("An attempt describes it so, beside its receiver's recording:"));
-    add(section, code(yaml_of(*seen, escape_for_message(
-                                         file.name.substr(file.name.find_last_of('/') + 1), 200))));
-    return section;
+    add_coordinates(seen, found);
+    if (seen.own) add_own(*seen.own, found);
+    return found;
 }
+
+}  // namespace
 
 std::optional<Recognition> recognise(const RecordingBytes& file) {
     const std::optional<SeenSurface> seen = read_seen(file);
     if (!seen) return std::nullopt;
     const RawSurface& raw = seen->raw;
     Recognition is{.kind = RecordingKind::surface, .format = raw.format};
+    const auto say = [&](const char* sentence) {
+        is.concerns.push_back({.code = ConcernCode::reading, .says = sentence});
+    };
     if (seen->triangles_beside) {
         is.kind = RecordingKind::triangles;
         is.triangles = *seen->triangles_beside;
+        is.said.push_back(facts_of(*seen));
+        say("These are the triangles of a surface, by the numbers of their vertices. An attempt "
+            "names them beside the table of the vertices, as surface: triangles.");
         return is;
     }
     if (raw.mesh.vertices.empty()) return std::nullopt;
-    if (raw.mesh.triangles.empty() && !seen->is_vertex_table())
-        throw Failure(file.name, "the surface has points, and no triangles",
-                      "Export it with its faces; points alone do not say what lies between them");
     is.vertices = std::ssize(raw.mesh.vertices);
     is.triangles = std::ssize(raw.mesh.triangles);
-    is.georeferenced = !seen->own || seen->own->georeferenced;
-    is.needed = needed_keys(*seen);
+    is.said.push_back(facts_of(*seen));
+    if (seen->is_vertex_table())
+        say("These are vertices alone. The table of the triangles between them belongs beside it.");
+    else if (raw.mesh.triangles.empty())
+        is.problem =
+            "The surface has points, and no triangles. Export it with its faces; points alone do "
+            "not say what lies between them.";
+    add_needs(*seen, is);
     return is;
 }
 

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "schemas/attempt/attempt.h"
-#include "schemas/document/document.h"
 #include "schemas/recognition/declared.h"
 #include "schemas/surface/declared.h"
 #include "stages/import/recording.h"
@@ -39,12 +38,8 @@ struct StreamedSurface {
 /// there is not; and where two triangles lie over the same ground.
 StreamedSurface import_surface(const Receiver& receiver, const SurfaceFiles& files);
 
-/// What a file of a surface is, for a person, with the lines of an attempt that describe it;
-/// nothing for any other file, or one without vertices. Failure where it cannot be read.
-std::optional<Section> describe(const RecordingBytes& file);
-
-/// The same for the program that writes an attempt: what its file says, and what the attempt still
-/// must. Failure, too, where there are points alone.
+/// What a file of a surface is, and what an attempt must say of it; nothing for any other file, or
+/// one without vertices. Failure where it cannot be read.
 std::optional<Recognition> recognise(const RecordingBytes& file);
 
 /// Whether `runcert surface` wrote it.

@@ -1,5 +1,7 @@
 #include "stages/import/frame_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -142,9 +144,13 @@ Failure FrameReader::failure_of(const Frame& frame) const {
     const std::string where = place_in(recording_, RecordPlace(frame.offset));
     const std::string name = kind_.name ? kind_.name(frame.bytes) : "the record";
     if (frame.damage == Frame::Damage::cut_off)
-        return Failure(where, name + " ends behind the end of the recording",
-                       "It is cut off, or its length is damaged; take the whole recording as the "
-                       "receiver wrote it");
+        return Failure(
+            where,
+            fmt::format("{} ends behind the end of the recording: {} bytes of {} are "
+                        "there",
+                        name, frame.bytes.size(), kind_.size(bytes_.substr(frame.offset))),
+            "It is cut off, or its length is damaged; take the whole recording as the "
+            "receiver wrote it");
     const std::string what = frame.damage == Frame::Damage::stray
                                  ? "the bytes here belong to no record"
                                  : name + " has a checksum or length that is not that of its bytes";

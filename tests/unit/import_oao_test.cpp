@@ -196,7 +196,7 @@ TEST(Oao, CutOffAnywhere) {
     }
     const Observations read = import_text(pos_receiver(), log.substr(0, log.size() - 12));
     EXPECT_TRUE(read.records.bad_records[0].what.starts_with(
-        "the record ends behind the end of the recording"));
+        "the record ends behind the end of the recording: 40 bytes of 52 are there"));
 }
 
 TEST(Oao, RecordsOfOtherKindsAreLeftOut) {

@@ -108,6 +108,17 @@ StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const O
     return held(std::move(observations));
 }
 
+/// Writes a product's table row by row, as `begin` begins it.
+template <class Streamed, class Begin>
+void write_table(const StageRun& run, const std::string& name, const Streamed& product,
+                 Begin begin) {
+    AtomicFile file(run.run_dir() / name);
+    auto table = begin(product.head, [&file](std::string_view piece) { file.write(piece); });
+    product.give([&table](const auto& row) { table.write(row); });
+    table.finish();
+    file.commit();
+}
+
 /// Returns the time of the latest row, from the first.
 ElapsedTime write_rows(const StageRun& run, const std::string& file_name,
                        const StreamedRecording& observations) {
@@ -130,12 +141,7 @@ std::string write_phases(const StageRun& run, const Receiver& receiver, const Op
     const RecordingBytes raw = open.of(receiver.phase.empty() ? "recording" : "phase").front();
     StreamedPhases phases = import_phases(receiver, raw, open.of("navigation"));
     phases.head.header = run.header();
-    AtomicFile file(run.run_dir() / run.file_of(products::phase, receiver));
-    TableWriter<PhaseRow> table =
-        begin_phase(phases.head, [&file](std::string_view piece) { file.write(piece); });
-    phases.give([&table](const PhaseRow& row) { table.write(row); });
-    table.finish();
-    file.commit();
+    write_table(run, run.file_of(products::phase, receiver), phases, begin_phase);
     return fmt::format("{} phases at {} epochs from {} ({})", phases.rows, phases.head.epochs,
                        receiver.phase.empty() ? recording_names(receiver) : receiver.phase,
                        phases.head.format);
@@ -161,12 +167,7 @@ std::string write_imu_samples(StageRun run, const Receiver& receiver, const Open
     parameters["imu"] = *run.attempt().stated_imus.at(receiver.id);
     run.use_parameters(parameters);
     samples.head.header = run.header();
-    AtomicFile file(run.run_dir() / run.file_of(products::imu, receiver));
-    TableWriter<ImuRow> table =
-        begin_imu(samples.head, [&file](std::string_view piece) { file.write(piece); });
-    samples.give([&table](const ImuRow& row) { table.write(row); });
-    table.finish();
-    file.commit();
+    write_table(run, run.file_of(products::imu, receiver), samples, begin_imu);
     return fmt::format("{} IMU samples from {} ({})", samples.rows,
                        std::filesystem::path(receiver.imu->file).filename().string(),
                        samples.head.format);
@@ -188,12 +189,7 @@ std::string write_ground(StageRun run, const Receiver& receiver, const OpenFiles
     parameters["surface"] = *run.attempt().stated_surfaces.at(receiver.id);
     run.use_parameters(parameters);
     ground.head.header = run.header();
-    AtomicFile file(run.run_dir() / run.file_of(products::surface, receiver));
-    TableWriter<SurfaceRow> table =
-        begin_surface(ground.head, [&file](std::string_view piece) { file.write(piece); });
-    ground.give([&table](const SurfaceRow& row) { table.write(row); });
-    table.finish();
-    file.commit();
+    write_table(run, run.file_of(products::surface, receiver), ground, begin_surface);
     return fmt::format("{} triangles of the surface from {} ({})", ground.head.found.triangles,
                        std::filesystem::path(receiver.surface->file).filename().string(),
                        ground.head.format);

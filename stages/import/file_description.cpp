@@ -60,7 +60,9 @@ void describe_phases(const Receiver& receiver, const RecordingBytes& raw,
     Observations said;
     note_writers({raw}, said);
     try {
-        add_phases(import_phases(receiver, raw, navigations), navigation, said, is);
+        const StreamedPhases phases = import_phases(receiver, raw, navigations);
+        is.raw_signals = is.format == "ubx" && navigations.empty() && phases.rows > 0;
+        add_phases(phases, navigation, said, is);
     } catch (const Failure& failure) {
         if (!navigation.empty()) throw;
         is.concerns.push_back(
@@ -197,8 +199,11 @@ void describe(const std::string& path, const std::string& keys,
     } else {
         is = describe_recording(receiver, recording);
     }
-    if (navigation && !orbits && (signals || has_phases(head)))
+    if (orbits || !(signals || has_phases(head))) return;
+    if (navigation)
         describe_phases(receiver, recording, *navigation, is);
+    else
+        is.raw_signals = is.format == "ubx" && has_raw_signals(receiver, recording);
 }
 
 /// Prints a recording as it is, to be drawn: JSON, a list for each member of `RawTrack`.

@@ -280,6 +280,11 @@ class Concerns {
             add(ConcernCode::speeds,
                 "The recorded velocities were computed from the positions: they are no evidence "
                 "beside them.");
+        else if (it_.velocities_stated > 0 && it_.with_velocity > it_.velocities_stated)
+            add(ConcernCode::speeds,
+                fmt::format("{} recorded velocities state no accuracy: the attempt may give one "
+                            "(accuracy: {{velocity_mps: ...}}).",
+                            it_.with_velocity - it_.velocities_stated));
     }
 
     void add_times() {

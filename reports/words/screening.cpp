@@ -70,8 +70,8 @@ std::string device_signs_text(const DeviceSigns& device) {
     if (device.held + device.interpolated == 0)
         return fmt::format("none in {} recorded in motion", counted(device.moving, "position"));
     return fmt::format(
-        "{} of {} recorded in motion repeat the one before, {} lie in line with their neighbours "
-        "to the last digit; chance makes {}",
+        "{} of {} recorded in motion repeat the one before, {} lie on a line or curve through "
+        "others to the last digit; chance makes {}",
         counted(device.held), counted(device.moving, "position"), counted(device.interpolated),
         significant_text(device.by_chance, 2));
 }

@@ -24,8 +24,8 @@ std::string fix_type_errors_text(const FixTypeErrors& errors);
 /// compared, where they are of other moments, and where they are no source of a speed.
 std::string velocity_comparison_text(const VelocityComparison& velocity);
 
-/// "18 of 600 positions recorded in motion repeat the one before, 4 lie in line with their
-/// neighbours to the last digit; chance makes 0.1".
+/// "18 of 600 positions recorded in motion repeat the one before, 4 lie on a line or curve
+/// through others to the last digit; chance makes 0.1".
 std::string device_signs_text(const DeviceSigns& device);
 
 /// What is wrong with the time stamp at an epoch: "0.300 s missing".

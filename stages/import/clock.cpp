@@ -77,6 +77,29 @@ constexpr std::int64_t day_ns = GpsTime::nanoseconds_per_day;
 constexpr std::int64_t most_days = 36'500;
 constexpr std::int64_t near_midnight_ns = 60 * GpsTime::nanoseconds_per_second;
 
+/// The letters that a time of day ends in, a name of three or more: "CET".
+std::string_view last_name(std::string_view text) {
+    std::size_t begin = text.size();
+    while (begin > 0 && text[begin - 1] >= 'A' && text[begin - 1] <= 'Z')
+        --begin;
+    return text.size() - begin < 3 ? std::string_view() : text.substr(begin);
+}
+
+/// Minutes ahead of UTC, of names that stand for one zone alone; EST, CST and IST do not.
+std::optional<std::int64_t> minutes_of_zone(std::string_view name) {
+    struct Zone {
+        std::string_view name;
+        std::int64_t ahead_min;
+    };
+    for (const Zone& zone :
+         {Zone{"UTC", 0}, {"GMT", 0},    {"WEST", 60},  {"CET", 60},   {"CEST", 120},
+          {"MEZ", 60},    {"MESZ", 120}, {"EET", 120},  {"EEST", 180}, {"AWST", 480},
+          {"JST", 540},   {"ACST", 570}, {"ACDT", 630}, {"AEST", 600}, {"AEDT", 660},
+          {"NZST", 720},  {"NZDT", 780}, {"EDT", -240}, {"MDT", -360}, {"PDT", -420}})
+        if (zone.name == name) return zone.ahead_min;
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<WrittenZone> zone_of(std::string_view text) {
@@ -100,10 +123,14 @@ std::optional<WrittenZone> zone_of(std::string_view text) {
     std::string_view head = text.substr(0, begin);
     while (head.ends_with(' '))
         head.remove_suffix(1);
-    if (head.ends_with("UTC") || head.ends_with("GMT"))
-        begin = head.size() - 3;
-    else if (begin == text.size())
+    const std::string_view name = last_name(head);
+    const auto of_name = minutes_of_zone(name);
+    if (of_name && (*of_name == 0 || begin == text.size())) {
+        begin = head.size() - name.size();
+        ahead_min += *of_name;
+    } else if (begin == text.size()) {
         return std::nullopt;
+    }
     return WrittenZone{begin, ahead_min};
 }
 
@@ -122,6 +149,11 @@ Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text) {
             fmt::format("\"{}\" is not an offset from UTC", escape_for_message(offset.text)),
             "Offsets are read as +02:00, +0200 or Z, at most 14 hours: hand in another export");
     }
+    if (const std::string_view name = last_name(text); !zone && !name.empty())
+        time_of_day.fail(
+            fmt::format("\"{}\" ends in \"{}\", no zone that is read, or the name of several",
+                        escape_for_message(time_of_day.text), name),
+            "Export the times in UTC or with their offset from it, as +02:00");
     if (!zone) return stated;
     const Clock said{false, zone->ahead_of_utc_min * 60 * GpsTime::nanoseconds_per_second};
     const bool is_z = text.ends_with('Z');
@@ -129,7 +161,7 @@ Clock clock_at(const Cell& time_of_day, Clock stated, std::string_view& text) {
         time_of_day.fail(
             fmt::format("\"{}\" ends in {}, but the attempt says {} time", escape_for_message(text),
                         is_z ? std::string("Z, which is UTC")
-                             : fmt::format("its offset from UTC, \"{}\"",
+                             : fmt::format("its zone, \"{}\"",
                                            escape_for_message(text.substr(zone->begin))),
                         stated.is_gps ? "GPS" : "local"),
             "Write time_scale: utc in the attempt");

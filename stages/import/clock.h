@@ -40,7 +40,8 @@ constexpr std::int64_t whole_seconds(std::int64_t nanoseconds) {
 
 // All fail at the cell that holds what cannot be read. Exact: no time is ever a double.
 
-/// What a time of day says of its zone, behind it: Z, UTC, GMT, "+02:00", "-0500", "GMT+09:30".
+/// What a time of day says of its zone, behind it: Z, UTC, GMT, CET, "+02:00", "-0500",
+/// "GMT+09:30".
 struct WrittenZone {
     std::size_t begin = 0;  ///< where it begins in the text
     std::int64_t ahead_of_utc_min = 0;

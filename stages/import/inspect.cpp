@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "core/geodesy.h"
 #include "core/statistics.h"
@@ -129,11 +130,54 @@ double vertical_speed(const Observation& row) {
     return *row.recorded_velocity_up_m_s;
 }
 
+/// Ways in which columns of positions are misread.
+struct Misreading {
+    std::string_view what;
+    void (*put_right)(Observation& row);
+};
+
+constexpr double degrees_in_radian = 180.0 / std::numbers::pi;
+
+const Misreading misreadings[] = {
+    {"latitude and longitude are exchanged",
+     [](Observation& row) { std::swap(row.latitude_deg, row.longitude_deg); }},
+    {"they are in radians, not degrees",
+     [](Observation& row) {
+         *row.latitude_deg *= degrees_in_radian;
+         *row.longitude_deg *= degrees_in_radian;
+     }},
+};
+
+/// The first of these by which positions and velocities agree to a hundredth.
+std::string misread_positions(const Observations& observations, const Inspection& inspection) {
+    constexpr double agreeing = 0.01, differing = 0.03;
+    if (!inspection.best_by_position || !inspection.best_by_velocity) return {};
+    const double by_velocity = inspection.best_by_velocity->speed_m_s;
+    if (std::abs(inspection.best_by_position->speed_m_s - by_velocity) <= differing * by_velocity)
+        return {};
+    for (const Misreading& each : misreadings) {
+        Observations read;
+        read.facts = observations.facts;
+        for (const Observation& row : observations.rows) {
+            if (!row.latitude_deg || !row.longitude_deg) continue;
+            each.put_right(read.rows.emplace_back(row));
+            if (std::abs(*read.rows.back().latitude_deg) > 90.0 ||
+                std::abs(*read.rows.back().longitude_deg) > 180.0)
+                read.rows.pop_back();
+        }
+        const auto best = best_by_position(read);
+        if (best && std::abs(best->speed_m_s - by_velocity) <= agreeing * by_velocity)
+            return std::string(each.what);
+    }
+    return {};
+}
+
 /// The bests of a recording, and when they begin.
 void find_bests(const Observations& observations, Inspection& inspection) {
     inspection.best_by_position = best_by_position(observations);
     inspection.best_by_velocity = best_mean(
         observations, has_speed, [](const Observation& row) { return *horizontal_speed(row); });
+    inspection.misread_positions = misread_positions(observations, inspection);
     inspection.best_vertical_by_position = best_vertical_by_position(observations);
     inspection.best_vertical_by_velocity =
         best_mean(observations, has_vertical_velocity, vertical_speed);

@@ -83,6 +83,8 @@ struct Inspection {
     /// sqrt(sigma_east^2 + sigma_north^2)
     std::optional<double> median_horizontal_m, worst_horizontal_m;
     std::optional<RawBest> best_by_position, best_by_velocity;
+    /// What its positions are instead, where only so the fastest by them is that by velocity.
+    std::string misread_positions;
     /// Of heights alone, upwards or downwards.
     std::optional<RawBest> best_vertical_by_position, best_vertical_by_velocity;
 

@@ -343,7 +343,12 @@ class Concerns {
         if (!it_.best_by_position || !it_.best_by_velocity) return;
         const double a = it_.best_by_position->speed_m_s;
         const double b = it_.best_by_velocity->speed_m_s;
-        if (std::abs(a - b) > notable_difference * std::max(a, b))
+        if (!it_.misread_positions.empty())
+            add(ConcernCode::fastest,
+                fmt::format("The best by position is that of the recorded speeds if {}: look at "
+                            "what the columns of positions hold.",
+                            it_.misread_positions));
+        else if (std::abs(a - b) > notable_difference * std::max(a, b))
             add(ConcernCode::fastest,
                 "The best by position and by recorded velocity differ: one of the two is wrong.");
     }

@@ -17,11 +17,14 @@ constexpr double smallest_tolerance_m = 5e-5;
 
 using Position = Eigen::Vector2d;
 
-/// Consecutive positions at the recording's interval.
-using Stretch = std::vector<Position>;
+/// Consecutive positions at the recording's interval, from a row of that number on, counted in
+/// intervals.
+struct Stretch {
+    std::int64_t first = 0;
+    std::vector<Position> at;
+};
 
-std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows,
-                                  double nominal_interval_s) {
+std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows, double interval_s) {
     constexpr double longest = 1.5;
     std::vector<Stretch> stretches;
     const ScreenedEpoch* before = nullptr;
@@ -30,12 +33,80 @@ std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows,
         const double step_s =
             before ? static_cast<double>(row.time.nanoseconds - before->time.nanoseconds) * 1e-9
                    : 0.0;
-        if (!before || step_s <= 0.0 || step_s > longest * nominal_interval_s)
-            stretches.emplace_back();
-        stretches.back().emplace_back(*row.east_m, *row.north_m);
+        if (!before || step_s <= 0.0 || step_s > longest * interval_s)
+            stretches.push_back(
+                {std::llround(static_cast<double>(row.time.nanoseconds) * 1e-9 / interval_s), {}});
+        stretches.back().at.emplace_back(*row.east_m, *row.north_m);
         before = &row;
     }
     return stretches;
+}
+
+/// A fourth difference in motion: squared, of both coordinates, over the variance that rounding
+/// gives it, and the number of its middle row.
+struct FourthDifference {
+    std::int64_t row = 0;
+    double square = 0.0;
+};
+
+/// The value that `share` of them do not exceed; 0 of none.
+double quantile(std::vector<double> values, double share) {
+    if (values.empty()) return 0.0;
+    const auto middle = values.begin() +
+                        static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// Rows from one knot to the next, where most rows lie on lines or cubics between others: between
+/// knots the fourth differences are no larger than by rounding; they are at one row of each
+/// `period` or at both beside it, as much before as behind (a step of the positions enlarges two
+/// that follow one another). 0 where there is no such period.
+std::int64_t rows_between_knots(const std::vector<FourthDifference>& differences) {
+    constexpr std::int64_t shortest = 4, longest = 50;
+    // Compared are the values that a fifth of the rows exceed, so that no outlier counts and a
+    // straight run is no loss. Two coordinates of rounding have 2 ln 5 there.
+    constexpr double share = 0.8, by_rounding = 3.2, margin = 1.5;
+    constexpr double unequal = 0.5, least_ratio = 2.0, deviations = 6.0, deviation = 1.24;
+    std::vector<double> all;
+    for (const FourthDifference& one : differences)
+        all.push_back(one.square);
+    if (quantile(std::move(all), share / static_cast<double>(shortest)) > margin * by_rounding)
+        return 0;
+    std::int64_t found = 0;
+    double clearest = 0.0;
+    for (std::int64_t period = shortest; period <= longest; ++period) {
+        const auto rows = static_cast<std::size_t>(period);
+        std::vector<std::vector<double>> of_phase(rows);
+        for (const FourthDifference& one : differences)
+            of_phase[static_cast<std::size_t>(one.row % period)].push_back(one.square);
+        std::size_t fewest = differences.size(), knot = 0;
+        std::vector<double> size(rows);
+        for (std::size_t phase = 0; phase < rows; ++phase) {
+            fewest = std::min(fewest, of_phase[phase].size());
+            size[phase] = quantile(of_phase[phase], share);
+        }
+        if (fewest < 20) break;
+        const auto at = [&](std::size_t phase) { return size[phase % rows]; };
+        const auto about = [&](std::size_t phase) {
+            return at(phase + rows - 1) + at(phase) + at(phase + 1);
+        };
+        for (std::size_t phase = 1; phase < rows; ++phase)
+            if (about(phase) > about(knot)) knot = phase;
+        double between = 0.0;
+        for (std::size_t phase = knot + 2; phase + 1 < knot + rows; ++phase)
+            between = std::max(between, at(phase));
+        const double before = at(knot + rows - 1), behind = at(knot + 1);
+        const double there = std::max({before, at(knot), behind});
+        const double needed = std::max(
+            least_ratio, std::exp(deviations * deviation / std::sqrt(static_cast<double>(fewest))));
+        if (between <= margin * by_rounding && there > needed * between &&
+            std::abs(before - behind) < unequal * (there - between) && there / between > clearest) {
+            clearest = there / between;
+            found = period;
+        }
+    }
+    return found;
 }
 
 /// The probability that each coordinate of a difference with this scatter is zero to a tolerance.
@@ -58,12 +129,19 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
     // A row must be several coordinate steps away from the previous one.
     const double moved_m = 2.0 * static_cast<double>(epochs_beside) *
                            std::max(moving_m_s * nominal_interval_s, 3.0 * position_resolution_m);
-    for (const Stretch& stretch : stretches_of(rows, nominal_interval_s)) {
+    std::vector<FourthDifference> fourth;
+    const double by_rounding_m2 = 70.0 / 12.0 * 4.0 * tolerance_m * tolerance_m;
+    for (const auto& [first, stretch] : stretches_of(rows, nominal_interval_s)) {
         for (std::size_t k = epochs_beside; k + epochs_beside < stretch.size(); ++k) {
             if ((stretch[k + epochs_beside] - stretch[k - epochs_beside]).norm() < moved_m)
                 continue;
             ++signs.moving;
             const Position step = stretch[k] - stretch[k - 1];
+            fourth.push_back({first + static_cast<std::int64_t>(k),
+                              (stretch[k + 2] - 4.0 * stretch[k + 1] + 6.0 * stretch[k] -
+                               4.0 * stretch[k - 1] + stretch[k - 2])
+                                      .squaredNorm() /
+                                  by_rounding_m2});
             if (step.cwiseAbs().maxCoeff() <= smallest_tolerance_m) {
                 ++signs.held;
                 continue;
@@ -77,6 +155,10 @@ DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nom
                 change.cwiseAbs().maxCoeff() <= 3.0 * tolerance_m)
                 ++signs.interpolated;
         }
+    }
+    if (const std::int64_t period = rows_between_knots(fourth); period > 0) {
+        signs.interpolated = signs.moving - signs.moving / period;
+        return signs;
     }
     if (third.empty()) return signs;
     // The median of the values that are not zero: the rows that are looked for have zeros.

@@ -400,7 +400,7 @@ TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
     device.interpolated = 175;  // every other one
     const Requirement requirement = resampled.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::not_met);
-    for (const char* part : {"175 of 350 positions", "in line", "interpolated", "chance makes 0"})
+    for (const char* part : {"175 of 350 positions", "on a line", "interpolated", "chance makes 0"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
     EXPECT_EQ(resampled.verdict().outcome, Outcome::not_certifiable);
     // Where coordinates are coarse, so many of a steady run are in line by chance.

@@ -274,7 +274,8 @@ TEST(FieldTimes, AreReadHoweverTheyAreWritten) {
     } patterns[] = {
         {"2026-03-14T10:00:{0:06.3f}Z"},           {"2026-03-14T10:00:{0:06.3f}+0000"},
         {"2026-03-14T20:30:{0:06.3f}+10:30"},      {"2026-03-14 05:00:{0:06.3f}-05"},
-        {"2026-03-14 10:00:{0:06.3f} UTC"},        {"14-MAR-26 10:00:{0:06.3f}"},
+        {"2026-03-14 10:00:{0:06.3f} UTC"},        {"14.03.2026 20:00:{0:06.3f} AEST"},
+        {"2026-03-14 11:00:{0:06.3f} CET"},        {"14-MAR-26 10:00:{0:06.3f}"},
         {"14-Mar-2026 10:00:{0:06.3f}"},           {"Sat Mar 14 10:00:{0:06.3f} GMT 2026"},
         {"\"March 14, 2026 10:00:{0:06.3f} AM\""}, {"2026-Mar-14 10:00:{0:06.3f}"},
         {"14. M\xc3\xa4rz 2026 10:00:{0:06.3f}"},  {"{1:.10f}"}};
@@ -309,6 +310,9 @@ TEST(FieldTimes, ThatContradictTheAttemptAreRefused) {
     receiver.time_scale = "gps";
     EXPECT_TRUE(has(failure_of(receiver, "time,lat,lon,h\n2026-03-14T10:00:00+02:00,45,9,1\n"),
                     "the attempt says GPS time"));
+    receiver.time_scale = "utc";
+    EXPECT_TRUE(has(failure_of(receiver, "time,lat,lon,h\n2026-03-14T10:00:00 EST,45,9,1\n"),
+                    "ends in \"EST\""));
     receiver.time_format = "seconds";
     EXPECT_TRUE(has(failure_of(receiver,
                                "time,lat,lon,h\n46095.4166666667,45,9,1\n46095.4166678241,45,9,1\n"

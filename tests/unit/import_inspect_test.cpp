@@ -1,4 +1,8 @@
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "import_inspect_support.h"
 #include "import_test_support.h"
@@ -143,6 +147,38 @@ TEST(Inspect, ASpikeRepeatedTimesAndAGapAreSeen) {
                               "1, the longest 0.4 s; 1 repeated and 0 backward times",
                               "Times repeat", "time is relative", "No accuracy is stated"})
         EXPECT_NE(words.find(piece), std::string::npos) << piece << "\n" << words;
+}
+
+TEST(Inspect, PositionsMisreadAreToldByTheRecordedSpeeds) {
+    // 20 m/s east at 40 degrees north: 2 m are so many degrees of longitude.
+    const double step_deg =
+        2.0 / (6'386'976.0 * std::cos(40.0 / 180.0 * std::numbers::pi)) * 180.0 / std::numbers::pi;
+    const auto text = [&](double unit, bool exchanged) {
+        std::string rows = "time,latitude,longitude,height,speed (m/s)\n";
+        for (int i = 0; i <= 100; ++i) {
+            const double latitude = 40.0 * unit, longitude = (20.0 + i * step_deg) * unit;
+            rows += fmt::format("{}.{},{:.10f},{:.10f},0,20\n", i / 10, i % 10,
+                                exchanged ? longitude : latitude, exchanged ? latitude : longitude);
+        }
+        return rows;
+    };
+    const auto misread = [&](double unit, bool exchanged) {
+        Receiver receiver = csv_receiver();
+        receiver.frame = StatedFrame{CoordinateFrame::geodetic};
+        receiver.columns = {{"time", "time"},
+                            {"latitude", "latitude"},
+                            {"longitude", "longitude"},
+                            {"height", "height"},
+                            {"speed", "speed (m/s)"}};
+        const Observations read = import_text(receiver, text(unit, exchanged));
+        const Inspection it = inspect(read);
+        EXPECT_EQ(inspection_text(read).find("look at what the columns") == std::string::npos,
+                  it.misread_positions.empty());
+        return it.misread_positions;
+    };
+    EXPECT_EQ(misread(1.0, false), "");
+    EXPECT_EQ(misread(1.0, true), "latitude and longitude are exchanged");
+    EXPECT_EQ(misread(std::numbers::pi / 180.0, false), "they are in radians, not degrees");
 }
 
 TEST(Inspect, OneEpochHasNoSpeed) {

@@ -242,8 +242,8 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     EXPECT_EQ(device["by_chance"], 3.46);
     EXPECT_EQ(
         words(),
-        "12 of 1,350 positions recorded in motion repeat the one before, 675 lie in line with "
-        "their neighbours to the last digit; chance makes 3.5");
+        "12 of 1,350 positions recorded in motion repeat the one before, 675 lie on a "
+        "line or curve through others to the last digit; chance makes 3.5");
     basis.device = DeviceSigns{.moving = 1350};
     EXPECT_EQ(words(), "none in 1,350 positions recorded in motion");
     basis.device = DeviceSigns{};

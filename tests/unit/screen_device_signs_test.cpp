@@ -132,6 +132,80 @@ TEST(DeviceSigns, FourOfFiveBetweenMeasuredOnesInWholeMillimetresAreCounted) {
     EXPECT_GT(static_cast<double>(signs.interpolated), 10.0 * signs.by_chance);
 }
 
+/// Rows of 1 Hz, with `between` rows made out of four of them from one to the next.
+template <class Curve>
+Rows resampled(const Rows& measured, std::int64_t between, double resolution_m, Curve curve) {
+    Rows rows;
+    const auto knot = [&](std::size_t k) {
+        return Eigen::Vector2d(*measured[k].east_m, *measured[k].north_m);
+    };
+    for (std::size_t k = 1; k + 2 < measured.size(); ++k)
+        for (std::int64_t j = 0; j < between; ++j) {
+            const double share = static_cast<double>(j) / static_cast<double>(between);
+            const Eigen::Vector2d place =
+                curve(knot(k - 1), knot(k), knot(k + 1), knot(k + 2), share);
+            ScreenedEpoch& row = rows.emplace_back(measured[k]);
+            row.time.nanoseconds =
+                static_cast<std::int64_t>(rows.size() - 1) * 1'000'000'000 / between;
+            row.east_m = written(place.x(), resolution_m);
+            row.north_m = written(place.y(), resolution_m);
+        }
+    return rows;
+}
+
+Eigen::Vector2d on_a_line(const Eigen::Vector2d&, const Eigen::Vector2d& from,
+                          const Eigen::Vector2d& to, const Eigen::Vector2d&, double share) {
+    return (1.0 - share) * from + share * to;
+}
+
+/// The cubic of Catmull and Rom, whose slope at a knot is that between the knots beside it.
+Eigen::Vector2d on_a_spline(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                            const Eigen::Vector2d& c, const Eigen::Vector2d& d, double t) {
+    return b +
+           0.5 * t *
+               ((c - a) + t * ((2.0 * a - 5.0 * b + 4.0 * c - d) + t * (3.0 * (b - c) + d - a)));
+}
+
+TEST(DeviceSigns, RowsOnLinesAndSplinesBetweenFixesASecondApartAreCounted) {
+    for (const std::int64_t rate : {5, 10, 20})
+        for (const double resolution_m : {0.0001, 0.001, 0.011}) {
+            // 200 fixes a second apart: ten steps of the circle's 10 Hz at a tenth of the speed.
+            const Rows fixes = record({.epochs = 200, .speed_m_s = 150.0, .noise_m = 0.01});
+            const auto count = [&](const auto& curve) {
+                const Rows rows = resampled(fixes, rate, resolution_m, curve);
+                const DeviceSigns signs =
+                    find_device_signs(rows, 1.0 / static_cast<double>(rate), resolution_m);
+                EXPECT_LE(signs.interpolated, signs.moving);
+                return static_cast<double>(signs.interpolated) /
+                       std::max(static_cast<double>(signs.moving), 3.0 * signs.by_chance);
+            };
+            EXPECT_GT(count(on_a_line), 0.75) << rate << " " << resolution_m;
+            // What rounding covers at the knots themselves no test can see.
+            if ((resolution_m < 0.001 && rate < 20) || (resolution_m < 0.01 && rate < 10)) {
+                EXPECT_GT(count(on_a_spline), 0.75) << rate << " " << resolution_m;
+            }
+        }
+}
+
+TEST(DeviceSigns, StepsAtEveryTenthRowOfAnHonestRecordingAreNoSign) {
+    // As corrections make them that come once a second, beside coarse coordinates.
+    for (const double step_m : {0.01, 0.03, 0.1})
+        for (const double noise_m : {0.0001, 0.002, 0.01})
+            for (const double resolution_m : {0.001, 0.011}) {
+                Rows rows = record({.epochs = 3000, .noise_m = noise_m});
+                RandomGenerator random(7);
+                double east_m = 0.0;
+                for (std::size_t k = 0; k < rows.size(); ++k) {
+                    if (k % 10 == 0) east_m = step_m * random.normal();
+                    rows[k].east_m = written(*rows[k].east_m + east_m, resolution_m);
+                    rows[k].north_m = written(*rows[k].north_m, resolution_m);
+                }
+                const DeviceSigns signs = signs_of(rows, resolution_m);
+                EXPECT_LE(static_cast<double>(signs.interpolated), 3.0 * signs.by_chance + 10.0)
+                    << step_m << " " << noise_m << " " << resolution_m;
+            }
+}
+
 TEST(DeviceSigns, PositionsCarriedOnFromMeasuredOnesAreCounted) {
     // For half a second along a parabola, as a device predicts with speed and acceleration.
     const Rows predicted = with(record({}), [](std::size_t k, const auto& at) -> Eigen::Vector2d {

@@ -196,6 +196,18 @@ TEST(Pos, AnEpochWithoutSolutionHasNoPosition) {
     EXPECT_EQ(read.rows[0].fix, FixType::none);
 }
 
+TEST(Pos, AnglesInThreeFields) {
+    const std::string dms = "%  GPST;latitude(d'\");longitude(d'\");height(m);Q\n";
+    const auto read = [&](const std::string& fields) {
+        return import_text(pos_receiver(), dms + "2270;194670.000;" + fields + "\n").rows.at(0);
+    };
+    // RTKLIB rounds seconds for print.
+    EXPECT_DOUBLE_EQ(*read("-0;15;60.00000;136;52;60.00000;41.4;1").latitude_deg, -16.0 / 60.0);
+    EXPECT_FALSE(read("0;0;0.0;0;0;0.0;0.0;0").latitude_deg);
+    // Near the equator degrees of 0 alone are no missing position.
+    EXPECT_DOUBLE_EQ(*read("-0;15;0.0;-0;24;0.0;41.4;0").latitude_deg, -0.25);
+}
+
 TEST(Pos, ALeapSecondOfUtc) {
     const std::string text = replaced(header, "GPST", "UTC") +
                              replaced(row, "2270 194670.000", "2016/12/31 23:59:60.500");
@@ -247,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"GPST", "LMT", "1:4", "LMT"}, Bad{"GPST", "TAI", "1:4", "not a time system"},
         Bad{"sdne(m)", "sdxn(m)", "1:75", "\"sdxn(m)\" is not known"},
         Bad{"sdne(m)", "sdn(m)", "1:75", "stands twice"},
-        Bad{"sdne(m)", "sdne(ft)", "1:75", "is not in m"},
+        Bad{"sdne(m)", "sdne(ft)", "1:75", "unit of sdne(m)"},
         Bad{"sdne(m)", "", "1:4", "only 5 are there"}, Bad{" Q ", " ", "1:4", "column Q"},
         Bad{"longitude(deg)", "longitude(d'\")", "1:4", "one unit"},
         Bad{"longitude(deg)", "x-ecef(m)", "1:4", "only 2 are there"}));
@@ -302,7 +314,7 @@ TEST(PosRefused, WholeFiles) {
         {"%  GPST,latitude(deg),longitude(deg),height(m),Q\n2270,1.0,,2,3,1\n", "f:2:10",
          "a field is empty"},
         {"%  GPST latitude(d'\") longitude(d'\") height(m) Q\n2270 1.0 -0 60 0 1 0 0 5 1\n",
-         "f:2:13", "minutes of the latitude"},
+         "f:2:13", "count of minutes \"60\""},
     };
     for (const auto& bad : cases) {
         Receiver receiver = pos_receiver();

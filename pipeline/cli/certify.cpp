@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -15,8 +14,7 @@
 #include "moving_line.h"
 #include "recognised.h"
 #include "reports/document/document_text.h"
-#include "reports/words/attempt.h"
-#include "reports/words/decision.h"
+#include "reports/words/answer.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
 #include "run/staging_folder.h"
@@ -51,131 +49,42 @@ struct CertifyOptions {
     bool json = false;
 };
 
-/// A line under a heading, broken at the terminal's width; a file gets it whole.
-void say(const std::string& label, const std::string& text) {
-    constexpr std::size_t indent = 11;
-    fmt::print("  {:<8} ", label);
-    if (isatty(STDOUT_FILENO) != 0)
-        fmt::print("{}", wrapped(text, indent, indent, terminal_columns()));
-    else
-        fmt::print("{}\n", plain_text(text));
-}
-
-/// The speed as it is to be read, and what it had to reach.
-void print_speed(const ProfileVerdict& verdict) {
-    const std::string& own = verdict.own_arithmetic.shown;
-    const std::string by_rule = own.empty() ? own : own + " by the rule's own arithmetic";
-    if (!verdict.speed_m_s) {
-        if (!by_rule.empty()) say("speed", "none measured; " + by_rule);
-        return;
-    }
-    const ShownFigures shown = shown_of(verdict, "km/h");
-    say("speed", measured_speed_text(shown, verdict.coverage_factor));
-    if (!by_rule.empty()) say("", by_rule);
-    if (!verdict.decision || verdict.outcome == Outcome::not_certifiable) return;
-    say("required", fmt::format("{} {}; acceptance limit {} {}", shown.required_speed, shown.unit,
-                                shown.acceptance_limit, shown.unit));
-    say("", fmt::format("conformance probability {} (at least {} required)",
-                        probability_text(verdict.decision->probability),
-                        level_text(verdict.decision->level)));
-    for (const std::string& more : decision_sentences(verdict, speed_unit(shown.unit)))
-        say("", more);
-}
-
-std::string window_text(const WindowSpan& span) {
-    return fmt::format("{} from {}{}", seconds_text(span.duration), seconds_text(span.start),
-                       span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
-}
-
-void print_refused(const ProfileVerdict& verdict) {
-    const RefusedWindow& indicated = *verdict.indicated;
-    say("refused",
-        fmt::format("{} at {}: {}",
-                    speed_beside(verdict, indicated.speed_m_s,
-                                 verdict.shown ? verdict.shown->unit : "km/h"),
-                    seconds_text(indicated.span.start), fmt::join(indicated.refusals, "; ")));
-}
-
-/// What must be read with the verdict, the first of it.
-void print_notes(const std::vector<std::string>& notes, const fs::path& run_dir) {
-    constexpr std::size_t most = 5;
-    for (std::size_t i = 0; i < std::min(most, notes.size()); ++i)
-        say("note", notes[i]);
-    if (notes.size() > most)
-        fmt::print("  ... and {} more: runcert explain {}\n", notes.size() - most,
-                   run_dir.string());
-}
-
-/// Clauses of that status.
-std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementStatus status) {
-    std::vector<std::string> clauses;
-    for (const Requirement& requirement : verdict.requirements)
-        if (requirement.status == status) clauses.push_back(plain_text(requirement.clause));
-    return clauses;
-}
-
-/// The command that explains what decided.
-std::string explain_command(const ProfileVerdict& verdict, const fs::path& run_dir) {
-    const auto failed = clauses_of(verdict, RequirementStatus::not_met);
-    // What is refused for another reason than a clause is explained by that.
-    const bool by_clause = !failed.empty() && (verdict.outcome != Outcome::not_certifiable ||
-                                               verdict.reason.starts_with("Not met"));
-    return fmt::format("runcert explain {} {}", shell_word(run_dir.string()),
-                       by_clause ? shell_word(verdict.profile + "/" + failed.front())
-                                 : "decision --profile " + shell_word(verdict.profile));
-}
-
-/// Prints one profile's verdict, to be read in five seconds.
-void print_verdict(const ProfileVerdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
-    fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
-    print_speed(verdict);
-    if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        say("", agreement_text(attempt.decision_rule_agreed, verdict.window));
-    if (verdict.window) say("window", window_text(*verdict.window));
-    for (const std::string& witness : verdict.witnesses)
-        say("witness", witness);
-    if (verdict.unseen_drift_m_s)
-        say("witness", (verdict.witnesses.empty() ? "none. " : "none that confirms. ") +
-                           positions_alone_text(verdict));
-    say("why", verdict.reason);
-    if (verdict.indicated) print_refused(verdict);
-    print_notes(verdict.notes, run_dir);
-    say("standing", standing_text(verdict.standing));
-    if (const auto attest = clauses_of(verdict, RequirementStatus::attest); !attest.empty())
-        say("attest", fmt::format("{}", fmt::join(attest, ", ")));
-    if (const auto failed = clauses_of(verdict, RequirementStatus::not_met); !failed.empty()) {
-        say("not met", fmt::format("{}", fmt::join(failed, ", ")));
-        fmt::print("  explain  {}\n", explain_command(verdict, run_dir));
-    }
-}
-
-/// What is read last of what was refused: the reason, the place, what helps.
-void print_refusals(const Verdict& verdict, const fs::path& run_dir) {
-    for (const ProfileVerdict& profile : verdict.profiles) {
-        if (profile.outcome != Outcome::not_certifiable) continue;
-        fmt::print("\n{}: {}\n", profile.profile, outcome_words(state_of(profile)).title);
-        say("why", profile.reason);
-        if (profile.indicated) say("where", window_text(profile.indicated->span));
-        fmt::print("  explain  {}\n", explain_command(profile, run_dir));
-    }
-}
-
 Verdict verdict_in(const fs::path& run_dir) {
     const fs::path file = run_dir / products::verdict_file;
     return read_verdict(read_file(file), file.string());
 }
 
-void print_verdicts(const Verdict& verdict, const Attempt& attempt, const fs::path& run_dir) {
-    for (const ProfileVerdict& profile : verdict.profiles)
-        print_verdict(profile, attempt, run_dir);
-    if (!verdict.georeferenced)
-        fmt::print(
-            "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
-            "not stated\n");
+/// Lines at a terminal's width; a file gets them whole.
+std::size_t columns_of_output() {
+    return isatty(STDOUT_FILENO) != 0 ? terminal_columns() : std::string::npos;
+}
+
+std::size_t lines_in(const std::string& text) {
+    return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+}
+
+/// What is said of a verdict, all of it on one screen.
+struct Answer {
+    std::string details = {}, result = {}, next = {};
+};
+
+Answer answer_of(const Verdict& verdict, const fs::path& run_dir, const CertifyOptions& options) {
+    constexpr std::size_t screen = 24, stages = 8, blank = 2;
+    const std::string page = options.no_render ? "report.json"
+                             : options.no_pdf  ? "report.html"
+                                               : "report.pdf";
+    const std::size_t columns = columns_of_output();
+    Answer answer;
+    answer.result = answer_text({answer_result(verdict)}, columns);
+    answer.next =
+        answer_text({answer_next(verdict, run_dir.string(), (run_dir / page).string())}, columns);
+    std::vector<AnswerLine> details = answer_details(verdict);
     if (const std::string missing = missing_sandbox(); !missing.empty())
-        fmt::print("\nnote     {}\n", plain_text(missing));
-    fmt::print("\n");
-    std::fflush(stdout);
+        details.push_back({"note", missing});
+    const std::size_t used = stages + blank + 2 * lines_in(answer.result) + lines_in(answer.next);
+    answer.details =
+        answer_text(details, columns, screen - std::min(screen - 3, used), run_dir.string());
+    return answer;
 }
 
 /// The answer for programs.
@@ -189,10 +98,10 @@ void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed,
 }
 
 void print_stage(const StageDone& stage) {
-    const std::string said = stage.said.empty() ? "" : plain_text(stage.said.front());
-    fmt::print("{:<8} {:<72} {:>6.2f} s\n", stage.name, said, stage.seconds);
-    for (std::size_t i = 1; i < stage.said.size(); ++i)
-        fmt::print("{:<8} {}\n", "", plain_text(stage.said[i]));
+    constexpr std::size_t columns = 62;
+    const std::string said = stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, columns);
+    fmt::print("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')), columns,
+               stage.seconds);
     std::fflush(stdout);
 }
 
@@ -253,6 +162,7 @@ int certify(const CertifyOptions& options) {
                           }};
     std::vector<StageDone> stages;
     Verdict verdict;
+    Answer answer;
     MovingLine line(options.json || options.quiet ? nullptr : stdout,
                     seconds_of_steps(run_dir / run_times_name));
     const bool says_stages = !options.json && !options.quiet;
@@ -261,13 +171,18 @@ int certify(const CertifyOptions& options) {
         stages.push_back(stage);
         if (stage.name == "check") {
             verdict = verdict_in(staging.path());
-            shown.said = {"verdict below"};
+            shown.said = {"answer below"};
         }
         line.clear();
         if (says_stages) print_stage(shown);
         // The answer is there before anything is drawn; where time may run out, at the end.
-        if (stage.name == (time_is_limited() ? "report" : "check") && !options.json)
-            print_verdicts(verdict, attempt, run_dir);
+        if (stage.name == (time_is_limited() ? "report" : "check") && !options.json) {
+            answer = answer_of(verdict, run_dir, options);
+            fmt::print("\n{}", answer.details);
+            if (!options.no_render && !time_is_limited()) fmt::print("{}", answer.result);
+            fmt::print("\n");
+            std::fflush(stdout);
+        }
     };
     StageDone report;  // one to the user, with its pages
     try {
@@ -305,10 +220,10 @@ int certify(const CertifyOptions& options) {
         print_json(verdict, run_dir, is_signed, status);
         return status;
     }
-    fmt::print("         {}{}\n",
+    fmt::print("        {}{}\n{}{}",
                (run_dir / (options.no_render ? "report.json" : "report.html")).string(),
-               is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)");
-    if (says_stages) print_refusals(verdict, run_dir);
+               is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)", answer.result,
+               answer.next);
     return status;
 }
 

@@ -32,11 +32,8 @@ std::vector<std::string> answered_otherwise(const Standing& standing) {
     return words;
 }
 
-std::string beaten_title(const OutcomeState& state) {
-    const Standing& standing = state.standing;
-    if (standing.state == StandingState::complete && !state.vouched_by.empty() &&
-        !state.rule_altered)
-        return "Record beaten, " + state.vouched_by;
+/// "; 5 requirements still to be attested and 1 signature required"; empty where nothing is open.
+std::string due_text(const Standing& standing) {
     std::vector<std::string> open;
     if (standing.attestations > 0)
         open.push_back(
@@ -45,8 +42,14 @@ std::string beaten_title(const OutcomeState& state) {
         open.push_back(fmt::format("{} required", counted(standing.signatures, "signature")));
     for (std::string& more : answered_otherwise(standing))
         open.push_back(std::move(more));
-    return fmt::format("Measured speed exceeds the record{}{}{}", under(state),
-                       open.empty() ? "" : "; ", listed(open));
+    return (open.empty() ? "" : "; ") + listed(open);
+}
+
+std::string beaten_title(const OutcomeState& state) {
+    if (state.standing.state == StandingState::complete && !state.vouched_by.empty() &&
+        !state.rule_altered)
+        return "Record beaten, " + state.vouched_by;
+    return "Measured speed exceeds the record" + under(state) + due_text(state.standing);
 }
 
 /// Inputs of one part of the attempt that are answered for in the same clauses.
@@ -109,17 +112,34 @@ Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t 
     return standing;
 }
 
+const Figure* slower_craft(const ProfileVerdict& verdict) {
+    if (verdict.outcome != Outcome::beaten) return nullptr;
+    const auto asked =
+        std::ranges::find(verdict.requirements, Computation::speed_of, &Requirement::decided_by);
+    if (asked == verdict.requirements.end()) return nullptr;
+    for (const Figure& figure : asked->figures)
+        if (figure.relation == LimitRelation::at_least && figure.limit &&
+            figure.value + figure.expanded_uncertainty.value_or(0.0) < *figure.limit)
+            return &figure;
+    return nullptr;
+}
+
 OutcomeState state_of(const ProfileVerdict& verdict) {
     return {
         .outcome = verdict.outcome,
         .standing = verdict.standing,
         .record_named = verdict.record.has_value(),
+        .craft_too_slow = slower_craft(verdict) != nullptr,
         .rule_altered = !verdict.overrides.empty() || verdict.rule.origin != RuleOrigin::built_in};
 }
 
 OutcomeWords outcome_words(const OutcomeState& state) {
     switch (state.outcome) {
         case Outcome::beaten:
+            if (state.craft_too_slow && state.standing.state != StandingState::complete)
+                return {"The craft was too slow" + under(state) +
+                            "; its antenna exceeds the record" + due_text(state.standing),
+                        "?", "open"};
             return {beaten_title(state), "✓", "yes"};
         case Outcome::not_beaten:
             return {

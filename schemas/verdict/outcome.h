@@ -16,12 +16,17 @@ std::string source_text(const Requirement& requirement);
 /// signatures that attempt and rule require of a report (a verdict has none yet).
 Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t signatures);
 
+/// The craft's own speed where the antenna's was judged and exceeds the record, but the craft's,
+/// with all of its uncertainty, stays below what is required; nothing else.
+const Figure* slower_craft(const ProfileVerdict& verdict);
+
 /// What a title speaks of.
 struct OutcomeState {
     Outcome outcome = Outcome::not_certifiable;
     Standing standing = {};
     bool record_named = false;
-    bool rule_altered = false;  ///< figures replaced by the attempt, or a rule of its own
+    bool craft_too_slow = false;  ///< as `slower_craft` has it
+    bool rule_altered = false;    ///< figures replaced by the attempt, or a rule of its own
     /// "by the roster 4a84 9c1e: compare it with your body's"; empty where none vouches for keys.
     std::string vouched_by = {};
 };

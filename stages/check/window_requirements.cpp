@@ -173,8 +173,15 @@ Finding computation::speed_of(const Clause&, const ClauseContext& context) {
             : craft_m_s + expanded_m_s < context.required_speed->speed_m_s ? "stays below"
                                                                            : "may or may not reach",
             context.shown->required_speed, context.shown->unit);
-    finding.figures = {speed_figure("speed of the craft's reference point", craft_m_s,
-                                    context.shown->unit, shown.other)};
+    Figure craft = speed_figure("speed of the craft's reference point", craft_m_s,
+                                context.shown->unit, shown.other);
+    const double unit_m_s = metres_per_second(context.shown->unit);
+    craft.expanded_uncertainty = expanded_m_s / unit_m_s;
+    if (context.required_speed) {
+        craft.relation = LimitRelation::at_least;
+        craft.limit = context.required_speed->speed_m_s / unit_m_s;
+    }
+    finding.figures = {std::move(craft)};
     return finding;
 }
 

@@ -119,18 +119,47 @@ void write_table(const StageRun& run, const std::string& name, const Streamed& p
     file.commit();
 }
 
+/// Positions, and those of them that state their accuracy.
+struct StatedAccuracies {
+    std::int64_t positions = 0, horizontal = 0, vertical = 0;
+
+    void count(const Observation& row) {
+        positions += has_position(row) ? 1 : 0;
+        horizontal += row.sigma_east_m ? 1 : 0;
+        vertical += row.sigma_up_m ? 1 : 0;
+    }
+};
+
+/// Refuses a judged receiver's recording none of whose positions could be used by any rule.
+void require_accuracy(const Receiver& receiver, const StatedAccuracies& stated, bool with_heights) {
+    const bool heights_alone = stated.horizontal > 0;
+    if (stated.positions == 0 || (heights_alone && (stated.vertical > 0 || !with_heights))) return;
+    throw Failure(receiver.place,
+                  fmt::format("the recording states no accuracy of its {}, and neither does the "
+                              "attempt: no rule can be decided",
+                              heights_alone ? "heights" : "positions"),
+                  fmt::format("Write in the receiver what the device's manual says (a watch 2 to 5 "
+                              "m, a logger 1 to 2 m, RTK 0.02 m): accuracy: {{{}}}",
+                              heights_alone ? "vertical_m: 5"
+                                            : "horizontal_m: 3, vertical_m: 5, velocity_mps: 0.3"));
+}
+
 /// Returns the time of the latest row, from the first.
-ElapsedTime write_rows(const StageRun& run, const std::string& file_name,
+ElapsedTime write_rows(const StageRun& run, const Receiver& receiver,
                        const StreamedRecording& observations) {
-    AtomicFile file(run.run_dir() / file_name);
+    AtomicFile file(run.run_dir() / run.file_of(products::observations, receiver));
     TableWriter<Observation> table = begin_observations(
         observations.head, [&file](std::string_view piece) { file.write(piece); });
     ElapsedTime latest;
+    StatedAccuracies stated;
     observations.give([&](const Observation& row) {
         table.write(row);
         latest = std::max(latest, row.time);
+        stated.count(row);
     });
     table.finish();
+    if (receiver.id == run.attempt().receivers.front().id)
+        require_accuracy(receiver, stated, observations.head.facts.vertical_measured);
     file.commit();
     return latest;
 }
@@ -216,8 +245,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     std::vector<CalledProgram> programs = std::move(observations.head.header.programs);
     observations.head.header = one.header();
     observations.head.header.programs = std::move(programs);
-    const ElapsedTime latest =
-        write_rows(one, one.file_of(products::observations, receiver), observations);
+    const ElapsedTime latest = write_rows(one, receiver, observations);
     run.say(fmt::format("{} epochs from {} ({})", observations.rows,
                         claimed_value(recording_names(receiver)), observations.head.format));
     if (has_phases(receiver)) run.say(write_phases(one, receiver, open));

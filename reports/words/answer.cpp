@@ -1,0 +1,291 @@
+#include "reports/words/answer.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/prose.h"
+#include "core/rounding.h"
+#include "core/text.h"
+#include "schemas/verdict/figures.h"
+#include "schemas/verdict/outcome.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t label_columns = 8;
+constexpr std::string_view not_met = "Not met: ";
+
+/// The first sentences of a text that fit in so many characters, one at least.
+std::string first_sentences(const std::string& text, std::size_t most) {
+    std::size_t end = 0;
+    while (end < text.size()) {
+        const std::size_t next = std::min(text.find(". ", end + 1), text.size());
+        if (end > 0 && next > most) break;
+        end = next;
+    }
+    return end < text.size() ? text.substr(0, end + 1) : text;
+}
+
+/// The clause that the reason of what cannot be certified is about; empty for another reason.
+std::string deciding_clause(const ProfileVerdict& verdict) {
+    if (!verdict.reason.starts_with(not_met)) return {};
+    const std::string rest = verdict.reason.substr(not_met.size());
+    return rest.substr(0, rest.find(": "));
+}
+
+/// Why a speed cannot be certified, without the id of a clause.
+std::string why_refused(const ProfileVerdict& verdict) {
+    const std::string clause = deciding_clause(verdict);
+    const std::string why =
+        clause.empty() ? verdict.reason : verdict.reason.substr(not_met.size() + clause.size() + 2);
+    constexpr std::size_t most = 240;
+    return first_sentences(why, most);
+}
+
+/// "58.70 ± 0.19 km/h, required 55.67".
+std::string speeds_text(const ProfileVerdict& verdict) {
+    const ShownFigures shown = shown_of(verdict, "km/h");
+    std::string text =
+        fmt::format("{} ± {} {}", shown.speed, shown.expanded_uncertainty, shown.unit);
+    if (!shown.required_speed.empty()) text += ", required " + shown.required_speed;
+    return text;
+}
+
+/// "Not yet beaten: 9 answers and 1 signature are due."; empty where nothing is.
+std::string due_text(std::int64_t answers, std::int64_t signatures) {
+    std::vector<std::string> due;
+    if (answers > 0) due.push_back(counted(answers, "answer"));
+    if (signatures > 0) due.push_back(counted(signatures, "signature"));
+    if (due.empty()) return {};
+    return fmt::format(" Not yet beaten: {} {} due.", listed(due),
+                       answers + signatures == 1 ? "is" : "are");
+}
+
+std::string due_text(const ProfileVerdict& verdict) {
+    return due_text(verdict.standing.attestations, verdict.standing.signatures);
+}
+
+std::string exceeding_text(const ProfileVerdict& verdict) {
+    const Figure* const craft = slower_craft(verdict);
+    if (craft == nullptr)
+        return fmt::format("{}: exceeds the record{}.{}", speeds_text(verdict),
+                           verdict.overrides.empty() ? "" : " under altered rules",
+                           due_text(verdict));
+    const ShownFigures shown = shown_of(verdict, "km/h");
+    return fmt::format(
+        "The craft was too slow: {}, required {}. Its antenna did {} ± {}. The rule does not say "
+        "whose speed counts: the body must.",
+        craft->shown, shown.required_speed, shown.speed, shown.expanded_uncertainty);
+}
+
+std::string window_text(const WindowSpan& span) {
+    return fmt::format("{} from {}{}", seconds_text(span.duration), seconds_text(span.start),
+                       span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
+}
+
+void add_speeds(const ProfileVerdict& verdict, std::vector<AnswerLine>& lines) {
+    if (verdict.window) lines.push_back({"window", window_text(*verdict.window)});
+    std::vector<std::string> speeds;
+    if (verdict.speed_m_s)
+        speeds.push_back(measured_speed_text(shown_of(verdict, "km/h"), verdict.coverage_factor));
+    if (const std::string& own = verdict.own_arithmetic.shown; !own.empty())
+        speeds.push_back(own + " by the rule's own arithmetic");
+    if (!speeds.empty()) lines.push_back({"speed", fmt::format("{}", fmt::join(speeds, "; "))});
+}
+
+void add_witnesses(const ProfileVerdict& verdict, std::vector<AnswerLine>& lines) {
+    for (const std::string& witness : verdict.witnesses)
+        lines.push_back({"witness", witness});
+    if (verdict.unseen_drift_m_s)
+        lines.push_back(
+            {"witness", (verdict.witnesses.empty() ? "none. " : "none that confirms. ") +
+                            positions_alone_text(verdict)});
+}
+
+void add_refused(const ProfileVerdict& verdict, std::vector<AnswerLine>& lines) {
+    if (!verdict.indicated) return;
+    const RefusedWindow& refused = *verdict.indicated;
+    lines.push_back(
+        {"refused", fmt::format("{} in {}: {}",
+                                speed_beside(verdict, refused.speed_m_s,
+                                             verdict.shown ? verdict.shown->unit : "km/h"),
+                                window_text(refused.span), fmt::join(refused.refusals, "; "))});
+}
+
+/// What a reader must know: of the recording, such as that it was simulated, or of the measurement.
+/// What the body is asked stands in the report.
+void add_notes(const ProfileVerdict& verdict, bool of_recording, std::vector<AnswerLine>& lines) {
+    constexpr std::size_t most = 3, longest = 200;
+    std::size_t said = 0;
+    for (const std::string& note : verdict.notes)
+        if (!note.starts_with("Question for the body:") &&
+            note.starts_with("The recording of receiver") == of_recording && said++ < most)
+            lines.push_back({"note", first_sentences(note, longest)});
+}
+
+std::string short_outcome(const ProfileVerdict& verdict) {
+    switch (verdict.outcome) {
+        case Outcome::beaten:
+            return slower_craft(verdict) == nullptr ? "exceeds the record" : "craft too slow";
+        case Outcome::not_beaten:
+            return "not beaten";
+        case Outcome::not_proven:
+            return verdict.record ? "not proven" : "measured, no record named";
+        case Outcome::not_certifiable:
+            break;
+    }
+    return "not certifiable";
+}
+
+/// A row for each rule, their columns as wide as the widest.
+void add_table(const Verdict& verdict, std::vector<AnswerLine>& lines) {
+    std::size_t name = 0, speed = 0;
+    std::vector<std::string> speeds;
+    for (const ProfileVerdict& rule : verdict.profiles) {
+        speeds.push_back(rule.speed_m_s ? speeds_text(rule) : "no speed");
+        name = std::max(name, characters_in(rule.profile));
+        speed = std::max(speed, characters_in(speeds.back()));
+    }
+    for (std::size_t i = 0; i < verdict.profiles.size(); ++i) {
+        const ProfileVerdict& rule = verdict.profiles[i];
+        lines.push_back({"rule",
+                         fmt::format("{:<{}}  {:<{}}  {}", rule.profile, name, speeds[i], speed,
+                                     short_outcome(rule)),
+                         true});
+    }
+}
+
+/// Reasons of what cannot be certified, each once, with the rules that have it.
+void add_reasons(const Verdict& verdict, std::vector<AnswerLine>& lines) {
+    std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
+    for (const ProfileVerdict& rule : verdict.profiles) {
+        if (rule.outcome != Outcome::not_certifiable) continue;
+        const std::string why = why_refused(rule);
+        auto known = std::ranges::find(reasons, why, [](const auto& one) { return one.first; });
+        if (known == reasons.end()) known = reasons.insert(reasons.end(), {why, {}});
+        known->second.push_back(rule.profile);
+    }
+    for (const auto& [why, rules] : reasons)
+        lines.push_back(
+            {"why", fmt::format("{}: {}",
+                                rules.size() == verdict.profiles.size() ? std::string("all rules")
+                                                                        : listed(rules),
+                                why)});
+}
+
+/// The verdict that NEXT speaks of: the first that exceeds, else the first that is refused, else
+/// the first.
+const ProfileVerdict& leading(const Verdict& verdict) {
+    for (const Outcome outcome : {Outcome::beaten, Outcome::not_certifiable}) {
+        const auto found = std::ranges::find(verdict.profiles, outcome, &ProfileVerdict::outcome);
+        if (found != verdict.profiles.end()) return *found;
+    }
+    return verdict.profiles.front();
+}
+
+}  // namespace
+
+std::string result_text(const ProfileVerdict& verdict) {
+    switch (verdict.outcome) {
+        case Outcome::beaten:
+            return exceeding_text(verdict);
+        case Outcome::not_beaten:
+            return speeds_text(verdict) + ": below the required speed. Record not beaten.";
+        case Outcome::not_proven:
+            return speeds_text(verdict) +
+                   (verdict.record ? ": not proven, the required speed is within the uncertainty."
+                                   : ": measured. The attempt names no record.");
+        case Outcome::not_certifiable:
+            break;
+    }
+    return "Not certifiable. " + capitalised(why_refused(verdict));
+}
+
+std::vector<AnswerLine> answer_details(const Verdict& verdict) {
+    std::vector<AnswerLine> lines;
+    if (verdict.profiles.size() == 1) {
+        const ProfileVerdict& rule = verdict.profiles.front();
+        add_speeds(rule, lines);
+        add_notes(rule, true, lines);
+        add_witnesses(rule, lines);
+        add_refused(rule, lines);
+        add_notes(rule, false, lines);
+    } else {
+        add_table(verdict, lines);
+        add_reasons(verdict, lines);
+    }
+    if (!verdict.georeferenced)
+        lines.push_back({"note",
+                         "not georeferenced: engineering coordinates, whose scale on the ground is "
+                         "not stated"});
+    return lines;
+}
+
+AnswerLine answer_result(const Verdict& verdict) {
+    if (verdict.profiles.size() == 1) {
+        const ProfileVerdict& rule = verdict.profiles.front();
+        return {"RESULT", fmt::format("{}: {}", rule.profile, result_text(rule))};
+    }
+    std::vector<std::pair<std::string, std::vector<std::string>>> ways;
+    std::int64_t answers = 0, signatures = 0;
+    for (const ProfileVerdict& rule : verdict.profiles) {
+        const std::string way = short_outcome(rule);
+        auto known = std::ranges::find(ways, way, [](const auto& one) { return one.first; });
+        if (known == ways.end()) known = ways.insert(ways.end(), {way, {}});
+        known->second.push_back(rule.profile);
+        if (rule.outcome != Outcome::beaten) continue;
+        answers += rule.standing.attestations;
+        signatures = std::max(signatures, rule.standing.signatures);
+    }
+    std::vector<std::string> said;
+    for (const auto& [way, rules] : ways)
+        said.push_back(
+            fmt::format("{} ({})", way,
+                        rules.size() == verdict.profiles.size() ? "all of them" : listed(rules)));
+    return {"RESULT", fmt::format("{} rules: {}.{}", verdict.profiles.size(), fmt::join(said, "; "),
+                                  due_text(answers, signatures))};
+}
+
+AnswerLine answer_next(const Verdict& verdict, const std::string& run_folder,
+                       const std::string& page) {
+    const ProfileVerdict& rule = leading(verdict);
+    const std::string run = shell_word(run_folder);
+    if (rule.outcome == Outcome::beaten)
+        return {"NEXT", fmt::format("read {}; what is due and from whom: runcert attest {}",
+                                    shell_word(page), run)};
+    const std::string clause = deciding_clause(rule);
+    return {"NEXT", fmt::format("read {}; why, and what helps: runcert explain {} {}",
+                                shell_word(page), run,
+                                clause.empty() ? "decision --profile " + shell_word(rule.profile)
+                                               : shell_word(rule.profile + "/" + clause))};
+}
+
+std::string answer_text(const std::vector<AnswerLine>& lines, std::size_t columns) {
+    std::string text;
+    for (const AnswerLine& line : lines) {
+        text += fmt::format("{:<{}}", line.label, label_columns);
+        text += line.is_row ? plain_text(line.says) + "\n"
+                            : wrapped(line.says, label_columns, label_columns, columns);
+    }
+    return text;
+}
+
+std::string answer_text(const std::vector<AnswerLine>& lines, std::size_t columns,
+                        std::size_t most_lines, const std::string& run_folder) {
+    std::string text;
+    std::size_t used = 0;
+    for (const AnswerLine& line : lines) {
+        const std::string next = answer_text({line}, columns);
+        used += static_cast<std::size_t>(std::ranges::count(next, '\n'));
+        if (used + (&line == &lines.back() ? 0 : 1) > most_lines)
+            return text + answer_text({{"...", "more: runcert explain " + shell_word(run_folder)}},
+                                      columns);
+        text += next;
+    }
+    return text;
+}
+
+}  // namespace runcert

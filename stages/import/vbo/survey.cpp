@@ -1,10 +1,9 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/angle.h"
+#include "core/decimal.h"
 #include "core/text.h"
 #include "stages/import/vbo/vbo.h"
 
@@ -30,242 +29,162 @@ struct Place {
     double longitude_deg;
 };
 
-std::optional<Place> place_of(const Row& fields, Coordinates coordinates) {
-    const auto latitude = parse_double(fields.text(Column::latitude));
-    const auto longitude = parse_double(fields.text(Column::longitude));
-    if (!latitude || !longitude || (*latitude == 0.0 && *longitude == 0.0)) return std::nullopt;
-    const auto latitude_deg = degrees_of(*latitude, coordinates);
-    const auto longitude_deg = degrees_of(*longitude, coordinates);
-    if (!latitude_deg || !longitude_deg || std::abs(*latitude_deg) > 90.0 ||
-        std::abs(*longitude_deg) > 360.0)
-        return std::nullopt;
-    return Place{*latitude_deg, *longitude_deg};
-}
-
-std::optional<double> speed_of(const Row& fields, const Layout& layout) {
-    if (!layout.velocity_m_s) return std::nullopt;
-    const auto velocity = parse_double(fields.text(Column::velocity));
-    if (!velocity) return std::nullopt;
-    return *velocity * *layout.velocity_m_s;
-}
-
-/// The eastward part of the unit vector along the heading; nothing where the craft hardly moves.
-std::optional<double> eastward_of(const Row& fields, const Layout& layout) {
-    const auto speed_m_s = speed_of(fields, layout);
-    const auto heading_deg = parse_double(fields.text(Column::heading));
-    if (!speed_m_s || !heading_deg || !(*speed_m_s >= least_speed_m_s)) return std::nullopt;
-    return std::sin(std::fmod(*heading_deg, 360.0) * radians_per_degree);
-}
-
-/// Gathers the way along growing longitudes, and how much of it the headings call eastward.
-class Headings {
-  public:
-    void add(const Place& from, const Place& to, double eastward) {
-        const double step_m = (to.longitude_deg - from.longitude_deg) * metres_per_degree *
-                              std::cos(to.latitude_deg * radians_per_degree);
-        if (!(std::abs(step_m) <= longest_step_m)) return;
-        agreeing_m_ += step_m * eastward;
-        way_m_ += std::abs(step_m * eastward);
-    }
-
-    LongitudeSense sense() const {
-        if (way_m_ < enough_way_m) return LongitudeSense::assumed_west;
-        if (agreeing_m_ >= least_agreement * way_m_) return LongitudeSense::east_positive;
-        if (agreeing_m_ <= -least_agreement * way_m_) return LongitudeSense::west_positive;
-        return LongitudeSense::assumed_west;
-    }
-
-  private:
-    double agreeing_m_ = 0.0, way_m_ = 0.0;
-};
-
 /// The way that coordinates make where they are written in one of the kinds.
 struct Candidate {
     Coordinates coordinates;
+    bool stated = false;  ///< by the header, or the rule of the format
     std::size_t rows = 0, impossible = 0;
     std::size_t leaps = 0;  ///< steps that no craft makes, as of minutes from 8759.9 to 8800.0
     double way_m = 0.0;
-    double highest_latitude_deg = 0.0;
-    double highest_longitude_deg = 0.0;
-    std::optional<Place> before = {};
+    double highest_latitude_deg = 0.0, highest_longitude_deg = 0.0;
+    /// Along longitudes, and how much of it the headings call eastward where these grow.
+    double headed_m = 0.0, agreeing_m = 0.0;
+    std::optional<bool> east_positive = {};
+    std::optional<Place> first = {}, before = {};
 
+    /// Some rows may be damaged: of what the header says half, of anything else a fiftieth.
+    bool is_possible() const { return (stated ? 2 : 50) * impossible <= rows; }
     /// Logarithm of the way over that of the speeds.
     double misfit(double recorded_m) const { return std::abs(std::log(way_m / recorded_m)); }
-    /// Some rows may be damaged: of what the header says half, of anything else a fiftieth.
-    bool possible(bool stated) const { return (stated ? 2 : 50) * impossible <= rows; }
-    bool fits(double recorded_m, bool stated) const {
-        return possible(stated) && misfit(recorded_m) < most_misfit;
+    bool fits(double recorded_m) const {
+        return recorded_m >= enough_way_m && is_possible() && misfit(recorded_m) < most_misfit;
+    }
+
+    /// Takes in a place as written. `moves`: the step from the row before is one of the way;
+    /// `eastward`: the part of the unit vector along the heading, 0 where there is none.
+    void add(double latitude, double longitude, bool moves, double eastward) {
+        const auto latitude_deg = degrees_of(latitude, coordinates);
+        const auto longitude_deg = degrees_of(longitude, coordinates);
+        std::optional<Place> here;
+        if (latitude_deg && longitude_deg && std::abs(*latitude_deg) <= 90.0 &&
+            std::abs(*longitude_deg) <= 360.0)
+            here = {*latitude_deg, *longitude_deg};
+        const std::optional<Place> from = std::exchange(before, here);
+        ++rows;
+        impossible += here ? 0 : 1;
+        if (!here) return;
+        if (!first) first = here;
+        highest_latitude_deg = std::max(highest_latitude_deg, std::abs(here->latitude_deg));
+        highest_longitude_deg = std::max(highest_longitude_deg, std::abs(here->longitude_deg));
+        if (!from) return;
+        const double north_m = metres_per_degree * (here->latitude_deg - from->latitude_deg);
+        const double east_m = metres_per_degree * (here->longitude_deg - from->longitude_deg) *
+                              std::cos(here->latitude_deg * radians_per_degree);
+        const double step_m = std::hypot(north_m, east_m);
+        if (moves && step_m <= longest_step_m) way_m += step_m;
+        if (moves && step_m > longest_step_m) ++leaps;
+        if (east_positive || std::abs(east_m) > longest_step_m) return;
+        headed_m += std::abs(east_m * eastward);
+        agreeing_m += east_m * eastward;
+        if (headed_m >= enough_way_m && std::abs(agreeing_m) >= least_agreement * headed_m)
+            east_positive = agreeing_m > 0.0;
     }
 };
 
 /// Ways of the candidates and of the recorded speeds, over the beginning of the rows.
 class Ways {
   public:
-    void add(const Row& fields, const Layout& layout) {
+    explicit Ways(const Layout& layout)
+        : layout_(layout),
+          candidates_{{{layout.coordinates, true},
+                       {layout.coordinates == Coordinates::degrees ? Coordinates::minutes
+                                                                   : Coordinates::degrees},
+                       {Coordinates::packed}}} {}
+
+    void add(const Row& fields) {
         const auto time_ns = time_of_day_ns(fields.text(Column::time));
-        const auto speed_m_s = speed_of(fields, layout);
+        const auto velocity = parse_double(fields.text(Column::velocity));
+        const double speed_m_s = velocity ? *velocity * *layout_.velocity_m_s : 0.0;
         const double step_s =
             time_ns && before_ns_ ? static_cast<double>(*time_ns - *before_ns_) * 1e-9 : 0.0;
+        const bool runs = speed_m_s >= least_speed_m_s;
         const bool moves =
-            speed_m_s && *speed_m_s >= least_speed_m_s && step_s > 0.0 && step_s <= longest_step_s;
-        if (moves) recorded_m_ += *speed_m_s * step_s;
-        for (Candidate& each : candidates_)
-            add(fields, moves, each);
+            runs && step_s > 0.0 && step_s <= longest_step_s && recorded_m_ < least_way_m;
+        if (moves) recorded_m_ += speed_m_s * step_s;
         before_ns_ = time_ns;
-    }
-
-    bool is_enough() const { return recorded_m_ >= least_way_m; }
-
-    /// Fills in what the ways show of coordinates that the header says to be `stated`.
-    void decide(Coordinates stated, Survey& result) const {
-        const Candidate& said = of(stated);
-        const Candidate& packed = of(Coordinates::packed);
-        result.coordinates = stated;
-        if (!(recorded_m_ >= enough_way_m)) {
-            result.coordinates = without_speeds(stated);
-            return;
-        }
-        const Candidate* best = &said;
-        for (const Candidate& each : candidates_)
-            if (each.fits(recorded_m_, &each == &said) && !best->fits(recorded_m_, best == &said))
-                best = &each;
-        const bool polar = said.highest_latitude_deg > polar_latitude_deg;
-        if (best == &said && stated == Coordinates::minutes && packed.fits(recorded_m_, false) &&
-            (polar || packed.leaps < said.leaps ||
-             packed.misfit(recorded_m_) + clear_misfit < said.misfit(recorded_m_)))
-            best = &packed;
-        result.speeds_fit = best->fits(recorded_m_, best == &said);
-        result.misfit = best->misfit(recorded_m_);
-        result.coordinates = *result.speeds_fit ? best->coordinates : without_speeds(stated);
-        result.coordinates_by_speeds = *result.speeds_fit;
-    }
-
-  private:
-    static void add(const Row& fields, bool moves, Candidate& each) {
+        if (!first_ns_) first_ns_ = time_ns;
         const auto latitude = parse_double(fields.text(Column::latitude));
         const auto longitude = parse_double(fields.text(Column::longitude));
         if (!latitude || !longitude || (*latitude == 0.0 && *longitude == 0.0)) return;
-        const auto here = place_of(fields, each.coordinates);
-        ++each.rows;
-        each.impossible += here ? 0 : 1;
-        if (here) {
-            each.highest_latitude_deg =
-                std::max(each.highest_latitude_deg, std::abs(here->latitude_deg));
-            each.highest_longitude_deg =
-                std::max(each.highest_longitude_deg, std::abs(here->longitude_deg));
-        }
-        if (moves && here && each.before) {
-            const double step_m = metres_per_degree *
-                                  std::hypot(here->latitude_deg - each.before->latitude_deg,
-                                             (here->longitude_deg - each.before->longitude_deg) *
-                                                 std::cos(here->latitude_deg * radians_per_degree));
-            if (step_m <= longest_step_m)
-                each.way_m += step_m;
-            else
-                ++each.leaps;
-        }
-        each.before = here;
+        const auto heading_deg = parse_double(fields.text(Column::heading));
+        const double eastward = runs && heading_deg
+                                    ? std::sin(std::fmod(*heading_deg, 360.0) * radians_per_degree)
+                                    : 0.0;
+        for (Candidate& each : candidates_)
+            each.add(*latitude, *longitude, moves, eastward);
     }
 
-    const Candidate& of(Coordinates coordinates) const {
-        return candidates_[static_cast<std::size_t>(coordinates)];
+    bool is_enough() const {
+        return recorded_m_ >= least_way_m && first_ns_ && best().east_positive;
     }
 
-    Coordinates without_speeds(Coordinates stated) const {
-        const Candidate& minutes = of(Coordinates::minutes);
-        const bool at_zero =
-            minutes.highest_latitude_deg <= 1.5 && minutes.highest_longitude_deg <= 3.0;
-        if (stated == Coordinates::minutes && at_zero && of(Coordinates::degrees).possible(false))
-            return Coordinates::degrees;
-        if (of(stated).possible(true)) return stated;
+    Survey result() const {
+        const Candidate& chosen = best();
+        const double sign = chosen.east_positive.value_or(false) ? 1.0 : -1.0;
+        Survey result{chosen.coordinates,   {}, chosen.misfit(recorded_m_), first_ns_,
+                      chosen.east_positive, {}};
+        if (recorded_m_ >= enough_way_m) result.speeds_fit = chosen.fits(recorded_m_);
+        if (chosen.first) result.first_longitude_deg = sign * chosen.first->longitude_deg;
+        return result;
+    }
+
+  private:
+    /// By the speeds; without them, by what the places can be.
+    const Candidate& best() const {
+        const auto& [said, other, packed] = candidates_;
+        const bool by_rule = said.coordinates == Coordinates::minutes;
+        const bool rather_packed =
+            by_rule && packed.fits(recorded_m_) &&
+            (said.highest_latitude_deg > polar_latitude_deg || packed.leaps < said.leaps ||
+             packed.misfit(recorded_m_) + clear_misfit < said.misfit(recorded_m_));
         for (const Candidate& each : candidates_)
-            if (each.possible(false)) return each.coordinates;
-        return stated;
+            if (each.fits(recorded_m_)) return &each == &said && rather_packed ? packed : each;
+        const bool at_zero = said.highest_latitude_deg <= 1.5 && said.highest_longitude_deg <= 3.0;
+        if (by_rule && at_zero && other.is_possible()) return other;
+        for (const Candidate& each : candidates_)
+            if (each.is_possible()) return each;
+        return said;
     }
 
-    std::array<Candidate, 3> candidates_{
-        {{Coordinates::minutes}, {Coordinates::degrees}, {Coordinates::packed}}};
-    double recorded_m_ = 0.0;
-    std::optional<std::int64_t> before_ns_;
+    const Layout& layout_;
+    std::array<Candidate, 3> candidates_;  ///< the stated one first, packed degrees last
+    double recorded_m_ = 0.0;              ///< up to least_way_m, or one step more
+    std::optional<std::int64_t> first_ns_, before_ns_;
 };
-
-/// Calls `look` with each row that has as many fields as the layout, until it says so.
-template <class Look>
-void each_row(LineReader lines, const RecordingBytes& recording, const Layout& layout,
-              const Look& look) {
-    while (const auto line = lines.next()) {
-        const std::vector<Cell> cells = split(*line, recording);
-        if (cells.size() == layout.fields && look(Row(cells, layout))) return;
-    }
-}
 
 }  // namespace
 
-Survey survey(const LineReader& lines, const RecordingBytes& recording, const Layout& layout) {
-    Survey result;
-    Ways ways;
-    each_row(lines, recording, layout, [&](const Row& fields) {
-        ways.add(fields, layout);
-        return ways.is_enough();
-    });
-    ways.decide(layout.coordinates, result);
-    Headings headings;
-    std::optional<Place> first, before;
-    each_row(lines, recording, layout, [&](const Row& fields) {
-        if (!result.first_time_ns) result.first_time_ns = time_of_day_ns(fields.text(Column::time));
-        const std::optional<Place> here = place_of(fields, result.coordinates);
-        if (!first) first = here;
-        if (const auto eastward = eastward_of(fields, layout); eastward && before && here)
-            headings.add(*before, *here, *eastward);
-        before = here;
-        result.longitudes = headings.sense();
-        return result.first_time_ns && result.longitudes != LongitudeSense::assumed_west;
-    });
-    if (first)
-        result.first_longitude_deg = result.longitudes == LongitudeSense::east_positive
-                                         ? first->longitude_deg
-                                         : -first->longitude_deg;
-    return result;
+std::optional<double> degrees_of(double written, Coordinates coordinates) {
+    if (coordinates == Coordinates::degrees) return written;
+    if (coordinates == Coordinates::minutes) return written / 60.0;
+    const double degrees = std::trunc(written / 100.0);
+    const double minutes = written - 100.0 * degrees;
+    if (std::abs(minutes) >= 60.0) return std::nullopt;
+    return degrees + minutes / 60.0;
 }
 
-std::string coordinates_note(const Survey& survey, const Layout& layout) {
-    if (survey.coordinates == layout.coordinates) return {};
-    constexpr std::array<std::string_view, 3> words{"minutes of arc", "decimal degrees",
-                                                    "degrees and minutes (DDMM.MMMM)"};
-    const auto word = [&](Coordinates coordinates) {
-        return words[static_cast<std::size_t>(coordinates)];
-    };
-    return fmt::format("Coordinates were taken as {}, not as {}: {}.", word(survey.coordinates),
-                       word(layout.coordinates),
-                       survey.coordinates_by_speeds
-                           ? "the recorded speeds fit the positions so"
-                           : "the positions lie so on the Earth, and no speeds confirm it");
+std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
+    const std::string_view decimals = text.substr(std::min(text.find('.'), text.size()));
+    std::string whole(text.substr(0, text.size() - decimals.size()));
+    if (whole.size() == 8 && whole[2] == ':' && whole[5] == ':') whole.erase(5, 1).erase(2, 1);
+    if (whole.empty() || whole.size() > 6) return std::nullopt;
+    whole.insert(0, 6 - whole.size(), '0');
+    const auto hour = digits_at(whole, 0, 2), minute = digits_at(whole, 2, 2);
+    const auto second = digits_at(whole, 4, 2);
+    const auto fraction_ns = decimals.size() > 1 ? parse_decimal_nanoseconds(decimals) : 0;
+    if (!hour || !minute || !second || !fraction_ns || *hour > 23 || *minute > 59 ||
+        *second > (*hour == 23 && *minute == 59 ? 60 : 59))
+        return std::nullopt;
+    return ((*hour * 60 + *minute) * 60 + *second) * GpsTime::nanoseconds_per_second + *fraction_ns;
 }
 
-std::string longitude_note(LongitudeSense sense, double latitude_deg, double longitude_deg) {
-    const std::string place = fmt::format(
-        "{} {}, {} {}", format_fixed(std::abs(latitude_deg), 5), latitude_deg < 0.0 ? "S" : "N",
-        format_fixed(std::abs(longitude_deg), 5), longitude_deg < 0.0 ? "W" : "E");
-    switch (sense) {
-        case LongitudeSense::west_positive:
-            return fmt::format(
-                "Longitudes are recorded positive to the west, as the headings "
-                "confirm; the first position is {}.",
-                place);
-        case LongitudeSense::east_positive:
-            return fmt::format(
-                "Longitudes are recorded positive to the east, as the headings "
-                "show, though the format has them positive to the west; the first "
-                "position is {}.",
-                place);
-        case LongitudeSense::assumed_west:
-            break;
+Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& layout) {
+    Ways ways(layout);
+    for (auto line = lines.next(); line && !ways.is_enough(); line = lines.next()) {
+        const std::vector<Cell> cells = split(*line, recording);
+        if (cells.size() == layout.fields) ways.add(Row(cells, layout));
     }
-    return fmt::format(
-        "Longitudes were taken as positive to the west, the rule of the format, which nothing in "
-        "the recording confirms: look whether the first position, {}, is on the right side of the "
-        "world.",
-        place);
+    return ways.result();
 }
 
 }  // namespace runcert::vbo

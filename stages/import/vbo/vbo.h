@@ -7,13 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include "schemas/attempt/attempt.h"
 #include "stages/import/cell.h"
 #include "stages/import/row_collector.h"
 
 /// Racelogic VBO files. Layout: "VBO file structure" of Racelogic's developers' portal, "VBO File
 /// Format" of its support centre, and the VBOX manuals.
 namespace runcert::vbo {
+
+inline constexpr const char* as_written = "Take the recording as the logger wrote it";
 
 /// The columns that are read.
 enum class Column : std::size_t {
@@ -31,12 +32,14 @@ enum class Column : std::size_t {
 
 /// What stands before the data.
 struct Header {
-    std::string_view created;                ///< after "File created on"
-    std::vector<std::string_view> channels;  ///< the lines of [header]
-    std::vector<std::string_view> units;     ///< the lines of [channel units]
-    std::vector<std::string_view> columns;   ///< the words of [column names]
-    std::vector<std::string_view> comments;  ///< the first lines of [comments]
-    std::int64_t names_line = 1;             ///< of the first of `columns`, or of [header]
+    std::string_view created;    ///< after "File created on"
+    std::vector<Cell> channels;  ///< the lines of [header]
+    std::vector<Cell> units;     ///< the lines of [channel units]
+    std::vector<Cell> columns;   ///< the words of [column names]
+    std::vector<Cell> comments;  ///< the first lines of [comments]
+
+    /// The beginning of the line that names the columns.
+    std::string names_place(const RecordingBytes& recording) const;
 };
 
 /// What coordinates are written in.
@@ -52,9 +55,8 @@ std::optional<double> degrees_of(double written, Coordinates coordinates);
 /// How a row of data is laid out.
 struct Layout : ColumnPlaces<Column> {
     Coordinates coordinates = Coordinates::minutes;
-    std::size_t named = 0;  ///< columns that the header names, of `fields`
-    /// Before which of these the fields without a name stand, from 0; empty where behind all.
-    std::optional<std::size_t> unnamed_at;
+    std::size_t named = 0;       ///< columns that the header names, of `fields`
+    std::size_t unnamed_at = 0;  ///< before which of these those without a name stand, from 0
     std::optional<double> velocity_m_s;           ///< of one unit; empty without such a column
     std::optional<double> vertical_velocity_m_s;  ///< the same; also empty for an unknown unit
 };
@@ -69,11 +71,9 @@ Header read_header(LineReader& lines, const RecordingBytes& recording);
 /// latitude or longitude is not named, or stands behind the fields.
 Layout find_layout(const Header& header, std::size_t fields, const RecordingBytes& recording);
 
-/// Type, serial number and firmware, where a comment of that name says it.
-Instrument instrument_of(const Header& header);
-
-/// The device that the comments name, with its serial number and firmware.
-std::string device_of(const Header& header);
+/// Says type, serial number and firmware, where a comment of that name says it, and what device
+/// the comments name.
+void set_device(Observations& observations, const Header& header);
 
 /// The words of a line, which blanks separate.
 std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording);
@@ -84,26 +84,14 @@ using Row = RowCells<Column>;
 /// "06:23:45.04"; nothing for any other text. Second 60 at the end of the day only.
 std::optional<std::int64_t> time_of_day_ns(std::string_view text);
 
-/// Reads everything of a row but its time. `east_positive`: which way longitudes count. Failure at
-/// the field that cannot be read.
-TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive);
-
-/// Which way longitudes count, and how that is known.
-enum class LongitudeSense {
-    west_positive,  ///< Racelogic's rule, and the headings agree
-    east_positive,  ///< the headings show it
-    assumed_west    ///< Racelogic's rule; the headings show nothing
-};
-
 /// What must be known before the rows are read.
 struct Survey {
     Coordinates coordinates = Coordinates::minutes;
-    bool coordinates_by_speeds = false;  ///< the recorded speeds show what they are written in
     /// Whether the recorded speeds are those of the positions; nothing where there is too little.
     std::optional<bool> speeds_fit;
     double misfit = 0.0;  ///< of the two ways, where speeds_fit is there: logarithm of their ratio
     std::optional<std::int64_t> first_time_ns;  ///< of the first row with a time; since midnight
-    LongitudeSense longitudes = LongitudeSense::assumed_west;
+    std::optional<bool> east_positive;  ///< longitudes; nothing where the headings do not show it
     std::optional<double> first_longitude_deg;  ///< east positive
 };
 
@@ -119,13 +107,7 @@ struct Survey {
 /// file says so. But the rows hold a heading, clockwise from north, beside the longitude: a craft
 /// that heads east moves to greater longitudes where they count to the east, to smaller ones
 /// otherwise. Over the first 100 m of way to the east or west, three quarters of it must agree.
-Survey survey(const LineReader& lines, const RecordingBytes& recording, const Layout& layout);
-
-/// A note on what coordinates are written in, and how that is known; empty for the format's rule.
-std::string coordinates_note(const Survey& survey, const Layout& layout);
-
-/// A note on how the longitudes were taken, with the first position for a person to check.
-std::string longitude_note(LongitudeSense sense, double latitude_deg, double longitude_deg);
+Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& layout);
 
 /// The day of the first epoch, and how it was found, as a note for the report.
 struct FirstDay {
@@ -134,14 +116,10 @@ struct FirstDay {
     bool by_start_gps = false;  ///< the attempt's start_gps was needed
 };
 
-/// Finds the UTC date of a first epoch of which the recording gives the time of day alone.
-///
-/// The attempt's start_date decides. Else the header's `created` ("01/08/2025 @ 14:00:12", day
-/// first) is the local time at which the recording began: of the dates by which it differs from
-/// the first epoch by at most 14 h, that whose difference is nearest to the attempt's
-/// utc_offset_h; without one, nearest to the sun's time at the place (longitude / 15, in hours);
-/// without a position, nearest to zero. Else the date nearest to the attempt's start_gps.
-FirstDay find_first_day(const Receiver& receiver, std::string_view created,
-                        std::int64_t time_of_day_ns, std::optional<double> longitude_deg);
+/// Finds the UTC date of the first epoch, of which the recording gives the time of day alone: that
+/// of the attempt's start_date; else by the header's local date and time, with the attempt's
+/// utc_offset_h or else the sun's time at the first place (longitude / 15, in hours); else the one
+/// nearest to the attempt's start_gps.
+FirstDay find_first_day(const Receiver& receiver, const Header& header, const Survey& surveyed);
 
 }  // namespace runcert::vbo

@@ -264,6 +264,19 @@ std::int64_t DayCount::next(std::int64_t time_of_day_ns) {
     return days_;
 }
 
+std::optional<std::int64_t> nanoseconds_of_day(std::string_view text) {
+    const auto hour = digits_at(text, 0, 2), minute = digits_at(text, 2, 2);
+    const auto second = digits_at(text, 4, 2);
+    if (!hour || !minute || !second || *hour > 23 || *minute > 59 ||
+        *second > (*hour == 23 && *minute == 59 ? 60 : 59))
+        return std::nullopt;
+    const std::string_view decimals = text.substr(6);
+    if (!decimals.empty() && decimals.front() != '.') return std::nullopt;
+    const auto fraction_ns = decimals.size() > 1 ? parse_decimal_nanoseconds(decimals) : 0;
+    if (!fraction_ns) return std::nullopt;
+    return ((*hour * 60 + *minute) * 60 + *second) * GpsTime::nanoseconds_per_second + *fraction_ns;
+}
+
 bool is_near_midnight(std::int64_t time_of_day_ns) {
     return time_of_day_ns < near_midnight_ns || time_of_day_ns >= day_ns - near_midnight_ns;
 }

@@ -104,6 +104,10 @@ class DayCount {
     std::int64_t days_ = 0;
 };
 
+/// Nanoseconds since midnight of "hhmmss" or "hhmmss.ss", exact; nothing for any other text. Digits
+/// after the ninth decimal must be zero. A second 60 is one at 23:59 only.
+std::optional<std::int64_t> nanoseconds_of_day(std::string_view text);
+
 /// Whether a time of day is within a minute of midnight, where a date that stands beside it may be
 /// that of the other side: loggers write some a few records early or late.
 bool is_near_midnight(std::int64_t time_of_day_ns);

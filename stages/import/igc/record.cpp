@@ -236,17 +236,14 @@ bool is_fix(std::string_view line) {
 }
 
 std::int64_t read_time_of_day(const Cell& record, const Layout& layout) {
-    const std::int64_t hour = digits(record, time_at, 2, "hour");
-    const std::int64_t minute = digits(record, time_at + 2, 2, "minute");
-    const std::int64_t second = digits(record, time_at + 4, 2, "second");
-    const bool leap = hour == 23 && minute == 59 && second == 60;
-    if (hour > 23 || minute > 59 || (second > 59 && !leap))
+    const std::string_view written = record.text.substr(time_at, 6);
+    const auto whole_ns = nanoseconds_of_day(written);
+    if (!whole_ns)
         from_byte(record, time_at)
-            .fail(fmt::format("\"{}\" is not a time of day",
-                              escape_for_message(record.text.substr(time_at, 6))),
+            .fail(fmt::format("\"{}\" is not a time of day", escape_for_message(written)),
                   take_whole);
     const Extension decimals = Extension::decimal_seconds;
-    return ((hour * 60 + minute) * 60 + second) * GpsTime::nanoseconds_per_second +
+    return *whole_ns +
            further_decimals(record, layout, decimals) * powers_of_ten[9 - layout.of(decimals).size];
 }
 

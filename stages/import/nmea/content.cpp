@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <optional>
 
-#include "core/gps_time.h"
+#include "core/decimal.h"
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
@@ -15,51 +15,6 @@ namespace runcert::nmea {
 namespace {
 
 constexpr const char* as_written = "Take the recording as the receiver wrote it";
-
-/// Nanoseconds of the decimals of a second, from their point on.
-std::optional<std::int64_t> fraction_ns(std::string_view text) {
-    if (text.empty()) return 0;
-    if (text.front() != '.' || text.size() > 10) return std::nullopt;
-    std::int64_t value = 0;
-    for (std::size_t i = 1; i < 10; ++i) {
-        const char c = i < text.size() ? text[i] : '0';
-        if (!is_digit(c)) return std::nullopt;
-        value = value * 10 + (c - '0');
-    }
-    return value;
-}
-
-/// The whole number and the decimals of a text of digits and one point at most.
-struct Decimal {
-    std::uint64_t whole = 0;
-    std::uint64_t scaled_fraction = 0;  ///< in units of 1 / scale
-    double scale = 1.0;
-    std::uint64_t scale_integer = 1;
-};
-
-std::optional<Decimal> read_decimal(std::string_view text, std::size_t most_whole_digits) {
-    /// Further decimals of a minute are less than a picometre.
-    constexpr std::size_t decimals_used = 12;
-    const std::size_t point = text.find('.');
-    const std::string_view whole = text.substr(0, point);
-    if (whole.empty() || whole.size() > most_whole_digits) return std::nullopt;
-    Decimal decimal;
-    for (const char c : whole) {
-        if (!is_digit(c)) return std::nullopt;
-        decimal.whole = decimal.whole * 10 + static_cast<std::uint64_t>(c - '0');
-    }
-    if (point == std::string_view::npos) return decimal;
-    const std::string_view fraction = text.substr(point + 1);
-    for (std::size_t i = 0; i < fraction.size(); ++i) {
-        if (!is_digit(fraction[i])) return std::nullopt;
-        if (i >= decimals_used) continue;
-        decimal.scaled_fraction =
-            decimal.scaled_fraction * 10 + static_cast<std::uint64_t>(fraction[i] - '0');
-        decimal.scale_integer *= 10;
-    }
-    decimal.scale = static_cast<double>(decimal.scale_integer);
-    return decimal;
-}
 
 [[noreturn]] void refuse_date(const Cell& cell) {
     cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(cell.text)), as_written);
@@ -84,9 +39,21 @@ std::int64_t read_date(const Cell& cell) {
 /// `negative` are the letters of its hemispheres. From 0 to `most_degrees` either way.
 Angle read_angle(const Cell& cell, const Cell& hemisphere, char positive, char negative,
                  int most_degrees) {
-    const auto decimal = read_decimal(cell.text, most_degrees > 90 ? 5 : 4);
-    const std::uint64_t degrees = decimal ? decimal->whole / 100 : 0;
-    const std::uint64_t minutes = decimal ? decimal->whole % 100 : 60;
+    const std::size_t point = std::min(cell.text.find('.'), cell.text.size());
+    // Further decimals of a minute are less than a picometre.
+    constexpr std::size_t decimals_used = 12;
+    const bool is_plain =
+        point > 0 && point <= (most_degrees > 90 ? 5 : 4) && is_digit(cell.text[0]) &&
+        cell.text.find_first_not_of("0123456789", point + 1) == std::string_view::npos;
+    const auto number = is_plain
+                            ? read_plain_decimal(cell.text.substr(0, point + 1 + decimals_used))
+                            : std::nullopt;
+    const std::uint64_t scale =
+        number ? static_cast<std::uint64_t>(
+                     exact_powers_of_ten[static_cast<std::size_t>(number->decimals)])
+               : 1;
+    const std::uint64_t degrees = number ? number->digits / scale / 100 : 0;
+    const std::uint64_t minutes = number ? number->digits / scale % 100 : 60;
     if (minutes >= 60 || degrees > static_cast<std::uint64_t>(most_degrees))
         cell.fail(fmt::format("\"{}\" is not an angle, degrees and minutes as {}mm.mmmm",
                               escape_for_message(cell.text), most_degrees > 90 ? "ddd" : "dd"),
@@ -97,9 +64,9 @@ Angle read_angle(const Cell& cell, const Cell& hemisphere, char positive, char n
                                     escape_for_message(hemisphere.text), positive, negative),
                         as_written);
     // A quotient of whole numbers below 2^53, where the minutes have at most eleven decimals.
-    const std::uint64_t scaled_minutes =
-        (degrees * 60 + minutes) * decimal->scale_integer + decimal->scaled_fraction;
-    const double magnitude_deg = static_cast<double>(scaled_minutes) / (60.0 * decimal->scale);
+    const std::uint64_t scaled_minutes = number->digits - 40 * degrees * scale;
+    const double magnitude_deg =
+        static_cast<double>(scaled_minutes) / (60.0 * static_cast<double>(scale));
     return Angle::from_degrees(north_or_east ? magnitude_deg : -magnitude_deg);
 }
 
@@ -111,11 +78,9 @@ WrittenNumber read_written(const Cell& cell, std::string_view meaning, double le
         cell.fail(fmt::format("the {} {} is not from {} to {}", meaning,
                               escape_for_message(cell.text), least, most),
                   as_written);
-    constexpr std::array<double, 10> steps{1.0,  1e-1, 1e-2, 1e-3, 1e-4,
-                                           1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
-    const std::size_t point = cell.text.find('.');
-    const std::size_t decimals = point == std::string_view::npos ? 0 : cell.text.size() - point - 1;
-    return {value, steps[std::min(decimals, steps.size() - 1)]};
+    const std::size_t point = std::min(cell.text.find('.'), cell.text.size() - 1);
+    const std::size_t decimals = std::min(cell.text.size() - point - 1, std::size_t{9});
+    return {value, 1.0 / exact_powers_of_ten[decimals]};
 }
 
 /// The fix type of GGA's quality, 0 to 9; unknown for an empty one. 3 is PPS: the precise code,
@@ -204,47 +169,13 @@ bool rmc_is_valid(const Sentence& rmc) {
                      as_written);
 }
 
-}  // namespace
-
-std::int64_t read_time_of_day(const Cell& cell) {
-    const auto hour = digits_at(cell.text, 0, 2);
-    const auto minute = digits_at(cell.text, 2, 2);
-    const auto second = digits_at(cell.text, 4, 2);
-    const auto fraction =
-        cell.text.size() >= 6 ? fraction_ns(cell.text.substr(6)) : std::optional<std::int64_t>();
-    if (!hour || !minute || !second || !fraction || *hour > 23 || *minute > 59 ||
-        *second > (*hour == 23 && *minute == 59 ? 60 : 59))
-        cell.fail(
-            fmt::format("\"{}\" is not a time of day, hhmmss.ss", escape_for_message(cell.text)),
-            as_written);
-    return ((*hour * 60 + *minute) * 60 + *second) * GpsTime::nanoseconds_per_second + *fraction;
-}
-
+/// The day of separate day, month and full year.
 std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year) {
     const auto found = day_number(static_cast<int>(read_whole(year, "year", 0, 9999)),
                                   static_cast<int>(read_whole(month, "month", 0, 99)),
                                   static_cast<int>(read_whole(day, "day", 0, 99)));
     if (!found) refuse_date(year);
     return *found;
-}
-
-WrittenNumber WrittenNumber::times(double factor) const {
-    if (!value) return {};
-    return {*value * factor, step * factor};
-}
-
-const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b) {
-    return b.step < a.step ? b : a;
-}
-
-void require_whole(const Sentence& sentence) {
-    const SentenceKind& kind = sentence_kinds[static_cast<std::size_t>(sentence.type)];
-    const std::size_t needed = sentence.has_checksum ? kind.least : kind.full;
-    if (sentence.size < needed)
-        sentence.cell(sentence.size)
-            .fail(fmt::format("the sentence \"{}\" ends after {} fields of {}",
-                              escape_for_message(sentence[0]), sentence.size, needed),
-                  "It is cut off; take the recording as the receiver wrote it");
 }
 
 Solution read_gga(const Sentence& gga) {
@@ -264,6 +195,7 @@ Solution read_gns(const Sentence& gns) {
     return solution;
 }
 
+/// All or nothing.
 void take_in_rmc(const Sentence& rmc, Epoch& epoch) {
     OptionalInteger date;
     if (!rmc[9].empty()) date = read_date(rmc.cell(9));
@@ -280,6 +212,7 @@ void take_in_rmc(const Sentence& rmc, Epoch& epoch) {
     if (date) epoch.date = date;
 }
 
+/// Empty where the receiver says that it is not valid.
 GroundVelocity read_vtg(const Sentence& vtg) {
     if (vtg[9] == "N") return {};
     for (const auto& [field, letter] :
@@ -313,6 +246,55 @@ void take_in_gsa(const Sentence& gsa, Epoch& epoch) {
     ++epoch.satellite_lists;
     if (mode == 1) ++epoch.satellite_lists_without_fix;
     if (mode == 2) ++epoch.satellite_lists_in_plane;
+}
+
+}  // namespace
+
+std::int64_t read_time_of_day(const Cell& cell) {
+    constexpr std::size_t longest = std::string_view("hhmmss.").size() + 9;
+    const auto time_ns = cell.text.size() > longest ? std::nullopt : nanoseconds_of_day(cell.text);
+    if (!time_ns)
+        cell.fail(
+            fmt::format("\"{}\" is not a time of day, hhmmss.ss", escape_for_message(cell.text)),
+            as_written);
+    return *time_ns;
+}
+
+void require_whole(const Sentence& sentence) {
+    const SentenceKind& kind = sentence_kinds[static_cast<std::size_t>(sentence.type)];
+    const std::size_t needed = sentence.has_checksum ? kind.least : kind.full;
+    if (sentence.size < needed)
+        sentence.cell(sentence.size)
+            .fail(fmt::format("the sentence \"{}\" ends after {} fields of {}",
+                              escape_for_message(sentence[0]), sentence.size, needed),
+                  "It is cut off; take the recording as the receiver wrote it");
+}
+
+void take_in(const Sentence& sentence, Epoch& epoch) {
+    switch (sentence.type) {
+        case SentenceType::gga:
+            epoch.gga = read_gga(sentence);
+            return;
+        case SentenceType::gns:
+            epoch.gns = read_gns(sentence);
+            return;
+        case SentenceType::rmc:
+            return take_in_rmc(sentence, epoch);
+        case SentenceType::vtg:
+            epoch.vtg_velocity = read_vtg(sentence);
+            return;
+        case SentenceType::gst:
+            epoch.errors = read_gst(sentence);
+            return;
+        case SentenceType::gsa:
+            return take_in_gsa(sentence, epoch);
+        case SentenceType::zda:
+            if (!sentence[2].empty() && !epoch.date)
+                epoch.date = read_date(sentence.cell(2), sentence.cell(3), sentence.cell(4));
+            return;
+        case SentenceType::txt:
+            return;
+    }
 }
 
 }  // namespace runcert::nmea

@@ -23,20 +23,21 @@ namespace runcert::nmea {
 /// 60 is one at 23:59 only.
 std::int64_t read_time_of_day(const Cell& cell);
 
-/// The day of separate day, month and full year.
-std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year);
-
 /// A number, and the step of its last decimal: how finely it is written.
 struct WrittenNumber {
     OptionalReal value;
     double step = std::numeric_limits<double>::infinity();
 
     /// The same in another unit.
-    WrittenNumber times(double factor) const;
+    WrittenNumber times(double factor) const {
+        return value ? WrittenNumber{*value * factor, step * factor} : WrittenNumber();
+    }
 };
 
 /// The more finely written of two; the first of equals.
-const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b);
+inline const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b) {
+    return b.step < a.step ? b : a;
+}
 
 /// A position and what was said of it, of a GGA, GNS or RMC sentence.
 struct Solution {
@@ -142,7 +143,6 @@ class EpochReader {
     bool is_of_other_talker(const Sentence& sentence) const;
     bool begins_next_epoch(const Sentence& sentence);
     void take_in(const Sentence& sentence);
-    void take_in_timed(const Sentence& sentence);
     bool is_repeated(const Sentence& sentence);
     void count_bad(const Sentence& sentence, const Failure& why);
     void count_damaged(const Sentence& sentence);
@@ -160,21 +160,10 @@ class EpochReader {
 /// no checksum shows that it is whole.
 void require_whole(const Sentence& sentence);
 
-/// A position only where the quality says that there is one.
-Solution read_gga(const Sentence& gga);
-
-Solution read_gns(const Sentence& gns);
-
-/// Position (without height), velocity and date of an RMC sentence, all or nothing.
-void take_in_rmc(const Sentence& rmc, Epoch& epoch);
-
-/// Empty where the receiver says that it is not valid.
-GroundVelocity read_vtg(const Sentence& vtg);
-
-ErrorStatistics read_gst(const Sentence& gst);
-
-/// Counts one of an epoch's lists of satellites by its mode.
-void take_in_gsa(const Sentence& gsa, Epoch& epoch);
+/// Takes in what a sentence says, one that is whole. A position only where GGA, GNS or RMC says
+/// that there is one; position (without height), velocity and date of RMC all or nothing; of VTG
+/// nothing where the receiver says that it is not valid; of GSA the count of lists by their modes.
+void take_in(const Sentence& sentence, Epoch& epoch);
 
 /// Whether an epoch has a sentence that says where the receiver is, or that it does not know.
 bool says_position(const Epoch& epoch);
@@ -182,39 +171,8 @@ bool says_position(const Epoch& epoch);
 /// Whether every sentence that speaks of it says that there is a solution.
 bool has_fix(const Epoch& epoch);
 
-/// Where the row of an epoch comes from: the sentence that gives its position, or could.
-RecordPlace place_of(const Epoch& epoch);
-
-/// Counts of what the rows of a recording were made of.
-struct RowTally {
-    std::int64_t above_sea_level = 0;
-    std::int64_t separation_of_another = 0;
-    std::int64_t without_height = 0;
-    std::int64_t in_plane = 0;
-    std::int64_t velocities_disagree = 0;
-    std::int64_t ellipses_disagree = 0;
-};
-
-/// Makes rows of epochs, and counts what the notes say of them.
-class RowMaker {
-  public:
-    explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
-
-    /// The row of an epoch that says_position. A height without a geoid separation, or with one of
-    /// zero where others have one, gets that of the epoch before it, or else of the first.
-    TimedRow row(const Epoch& epoch, GpsTime instant);
-    const RowTally& tally() const { return tally_; }
-
-  private:
-    std::optional<double> known_separation_m();
-    void set_solution(TimedRow& row, const Solution& solution);
-    void set_ground_velocity(Observation& row, const Epoch& epoch);
-    void set_errors(Observation& row, const ErrorStatistics& errors);
-
-    const RecordingBytes& recording_;
-    std::optional<double> separation_m_;  ///< the last that is not zero, or the first to come
-    bool looked_for_ = false;             ///< whether the first to come was
-    RowTally tally_;
-};
+/// Of GGA, GNS and RMC, in this order, the first with a position, else the first that is there: the
+/// row's place is its own.
+const Solution& solution_of(const Epoch& epoch);
 
 }  // namespace runcert::nmea

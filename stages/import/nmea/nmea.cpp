@@ -1,9 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <utility>
+#include <vector>
 
 #include "stages/import/clock.h"
+#include "stages/import/earth.h"
 #include "stages/import/format.h"
 #include "stages/import/nmea/epoch.h"
 
@@ -44,10 +49,9 @@ std::optional<FirstDay> find_first_day(const RecordingBytes& recording) {
         ++first_days[first];
     }
     if (first_days.empty()) return without_fix;
-    return FirstDay{
-        .day = std::max_element(first_days.begin(), first_days.end(),
-                                [](const auto& a, const auto& b) { return a.second < b.second; })
-                   ->first};
+    return FirstDay{.day = std::ranges::max_element(first_days, {}, [](const auto& day) {
+                               return day.second;
+                           })->first};
 }
 
 /// The day that an epoch says it is on, days since 1980-01-06; nothing where it says none that
@@ -57,17 +61,132 @@ std::optional<std::int64_t> day_of(const Epoch& epoch, const std::optional<First
     return *epoch.date;
 }
 
+/// Whether the velocities of VTG, which has no time, and RMC can be of the same moment.
+bool agree(const WrittenNumber& a_m_s, const WrittenNumber& b_m_s) {
+    return std::abs(*a_m_s.value - *b_m_s.value) <= a_m_s.step + b_m_s.step;
+}
+
+/// The correlation of east and north errors by an error ellipse, where it says the same of north
+/// and east as the standard deviations do, to within how both are written.
+OptionalReal correlation_of_ellipse(const ErrorStatistics& errors) {
+    const double major_m = *errors.semi_major_m.value, minor_m = *errors.semi_minor_m.value;
+    const double azimuth_rad = Angle::from_degrees(*errors.orientation_deg).radians();
+    const double north = std::cos(azimuth_rad), east = std::sin(azimuth_rad);
+    const double sigma_north_m = std::hypot(major_m * north, minor_m * east);
+    const double sigma_east_m = std::hypot(major_m * east, minor_m * north);
+    const auto same = [&](double sigma_m, const WrittenNumber& stated) {
+        const double rounding_m = stated.step + errors.semi_major_m.step;
+        return std::abs(sigma_m - *stated.value) <= rounding_m + 0.05 * *stated.value;
+    };
+    if (!same(sigma_north_m, errors.sigma_north_m) || !same(sigma_east_m, errors.sigma_east_m))
+        return std::nullopt;
+    return (major_m - minor_m) * (major_m + minor_m) * north * east /
+           (sigma_north_m * sigma_east_m);
+}
+
+/// Counts of what the rows of a recording were made of.
+struct RowTally {
+    std::int64_t above_sea_level = 0;
+    std::int64_t separation_of_another = 0;
+    std::int64_t without_height = 0;
+    std::int64_t in_plane = 0;
+    std::int64_t velocities_disagree = 0;
+    std::int64_t ellipses_disagree = 0;
+};
+
+/// Makes rows of epochs, and counts what the notes say of them.
+class RowMaker {
+  public:
+    explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
+
+    /// The row of an epoch that says_position. A height without a geoid separation, or with one of
+    /// zero where others have one, gets that of the epoch before it, or else of the first.
+    TimedRow row(const Epoch& epoch, GpsTime instant) {
+        const Solution& solution = solution_of(epoch);
+        TimedRow row;
+        row.instant = instant;
+        row.written.time = epoch.time_text;
+        const Solution& counts = epoch.gga.given ? epoch.gga : epoch.gns;
+        row.observation.satellites = counts.satellites;
+        row.observation.fix = FixType::none;
+        if (!has_fix(epoch)) return row;
+        row.observation.fix = solution.fix;
+        row.observation.age_s = counts.age_s;
+        if (epoch.satellite_lists_in_plane > 0) ++tally_.in_plane;
+        set_solution(row, solution);
+        set_ground_velocity(row.observation, epoch);
+        set_errors(row.observation, epoch.errors);
+        return row;
+    }
+
+    const RowTally& tally() const { return tally_; }
+
+  private:
+    std::optional<double> known_separation_m() {
+        if (separation_m_ || std::exchange(looked_for_, true)) return separation_m_;
+        EpochReader epochs(recording_, nullptr);
+        while (const auto epoch = epochs.next())
+            for (const Solution* solution : {&epoch->gga, &epoch->gns})
+                if (solution->has_height && solution->separation_m.value_or(0.0) != 0.0)
+                    return separation_m_ = *solution->separation_m;
+        return std::nullopt;
+    }
+
+    void set_solution(TimedRow& row, const Solution& solution) {
+        set_position(row.observation, *solution.position);
+        if (solution.has_height && solution.separation_m.value_or(0.0) != 0.0) {
+            separation_m_ = *solution.separation_m;
+        } else if (const auto separation_m =
+                       solution.has_height ? known_separation_m() : std::nullopt;
+                   separation_m && (solution.above_sea_level || std::abs(*separation_m) > 1.0)) {
+            row.observation.height_m = *row.observation.height_m + *separation_m;
+            ++tally_.separation_of_another;
+        } else if (solution.above_sea_level) {
+            ++tally_.above_sea_level;
+        }
+        if (!solution.has_height) {
+            row.observation.height_m.reset();
+            ++tally_.without_height;
+        }
+        row.written.unit = CoordinateUnit::arc_minute;
+        row.written.coordinates = {solution.coordinates[0], solution.coordinates[1], {}};
+    }
+
+    void set_ground_velocity(Observation& row, const Epoch& epoch) {
+        const GroundVelocity &vtg = epoch.vtg_velocity, &rmc = epoch.rmc_velocity;
+        const bool both = vtg.speed_m_s.value && rmc.speed_m_s.value;
+        const bool disagree = both && !agree(vtg.speed_m_s, rmc.speed_m_s);
+        if (disagree) ++tally_.velocities_disagree;
+        const WrittenNumber& speed_m_s =
+            disagree ? rmc.speed_m_s : finer(vtg.speed_m_s, rmc.speed_m_s);
+        const WrittenNumber& course_deg =
+            disagree ? rmc.course_deg : finer(vtg.course_deg, rmc.course_deg);
+        if (speed_m_s.value) set_speed(row, *speed_m_s.value, course_of(course_deg.value));
+    }
+
+    void set_errors(Observation& row, const ErrorStatistics& errors) {
+        row.sigma_north_m = errors.sigma_north_m.value;
+        row.sigma_east_m = errors.sigma_east_m.value;
+        if (row.height_m) row.sigma_up_m = errors.sigma_up_m;
+        if (!row.sigma_north_m || !row.sigma_east_m || !errors.semi_major_m.value ||
+            !errors.semi_minor_m.value || !errors.orientation_deg)
+            return;
+        row.correlation_east_north = correlation_of_ellipse(errors);
+        if (!row.correlation_east_north) ++tally_.ellipses_disagree;
+    }
+
+    const RecordingBytes& recording_;
+    std::optional<double> separation_m_;  ///< the last that is not zero, or the first to come
+    bool looked_for_ = false;             ///< whether the first to come was
+    RowTally tally_;
+};
+
 /// "NMEA 0183 with GGA, RMC, GST".
 std::string variant_of(unsigned sentences) {
-    std::string text = "NMEA 0183 with ";
-    std::string_view separator;
-    for (std::size_t i = 0; i < sentence_kinds.size(); ++i) {
-        if (!((sentences >> i) & 1U)) continue;
-        text += separator;
-        text += sentence_kinds[i].word;
-        separator = ", ";
-    }
-    return text;
+    std::vector<std::string_view> words;
+    for (std::size_t i = 0; i < sentence_kinds.size(); ++i)
+        if ((sentences >> i) & 1U) words.push_back(sentence_kinds[i].word);
+    return fmt::format("NMEA 0183 with {}", fmt::join(words, ", "));
 }
 
 /// A note that counts something, where there was any: "Sentences ...: 3."
@@ -188,7 +307,7 @@ Observations read_talker(const Receiver& receiver, const RecordingBytes& recordi
             ++without_position;
             continue;
         }
-        const RecordPlace place = place_of(*epoch);
+        const RecordPlace place = *solution_of(*epoch).place;
         try {
             const GpsTime instant = instant_of_record(recording, place, [&] {
                 return clock.next(epoch->time_of_day_ns, day_of(*epoch, first));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 
 #include "core/text.h"
@@ -49,19 +50,13 @@ unsigned exclusive_or(std::string_view bytes) {
     return static_cast<unsigned>(eight & 0xff);
 }
 
-std::optional<unsigned> hexadecimal_digit(char c) {
-    if (c >= '0' && c <= '9') return static_cast<unsigned>(c - '0');
-    if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A') + 10;
-    if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a') + 10;
-    return std::nullopt;
-}
-
 /// The checksum written after the *; nothing where its two digits are not there.
 std::optional<unsigned> written_checksum(std::string_view after_star) {
     if (after_star.size() < 2) return std::nullopt;
-    const auto high = hexadecimal_digit(after_star[0]), low = hexadecimal_digit(after_star[1]);
-    if (!high || !low) return std::nullopt;
-    return *high * 16 + *low;
+    unsigned value = 0;
+    const char* const end = after_star.data() + 2;
+    if (std::from_chars(after_star.data(), end, value, 16).ptr != end) return std::nullopt;
+    return value;
 }
 
 /// `text`: from $ to the next sentence or the end of the line. `may_be_cut`: something else than

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "core/angle.h"
-#include "core/decimal.h"
 #include "core/text.h"
+#include "stages/import/clock.h"
 #include "stages/import/vbo/vbo.h"
 
 namespace runcert::vbo {
@@ -164,18 +164,14 @@ std::optional<double> degrees_of(double written, Coordinates coordinates) {
 }
 
 std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
-    const std::string_view decimals = text.substr(std::min(text.find('.'), text.size()));
-    std::string whole(text.substr(0, text.size() - decimals.size()));
-    if (whole.size() == 8 && whole[2] == ':' && whole[5] == ':') whole.erase(5, 1).erase(2, 1);
-    if (whole.empty() || whole.size() > 6) return std::nullopt;
-    whole.insert(0, 6 - whole.size(), '0');
-    const auto hour = digits_at(whole, 0, 2), minute = digits_at(whole, 2, 2);
-    const auto second = digits_at(whole, 4, 2);
-    const auto fraction_ns = decimals.size() > 1 ? parse_decimal_nanoseconds(decimals) : 0;
-    if (!hour || !minute || !second || !fraction_ns || *hour > 23 || *minute > 59 ||
-        *second > (*hour == 23 && *minute == 59 ? 60 : 59))
-        return std::nullopt;
-    return ((*hour * 60 + *minute) * 60 + *second) * GpsTime::nanoseconds_per_second + *fraction_ns;
+    std::size_t whole = std::min(text.find('.'), text.size());
+    std::string time(text);
+    if (whole == 8 && text[2] == ':' && text[5] == ':') {
+        time.erase(5, 1).erase(2, 1);
+        whole = 6;
+    }
+    if (whole == 0 || whole > 6) return std::nullopt;
+    return nanoseconds_of_day(time.insert(0, 6 - whole, '0'));
 }
 
 Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& layout) {

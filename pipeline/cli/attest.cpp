@@ -20,6 +20,7 @@
 #include "store/atomic_file.h"
 #include "store/sha256.h"
 #include "trust/attestation.h"
+#include "trust/bundle.h"
 #include "trust/roster.h"
 #include "trust/signing.h"
 #include "trust/ssh_signature.h"
@@ -34,7 +35,7 @@ struct AttestOptions {
     std::string run_dir;
     std::vector<std::string> clauses;
     std::string profile, role, key, statement, paper, roster;
-    std::vector<std::string> evidence;
+    std::vector<std::string> evidence, take;
     bool no = false, withdraw = false, recomputed = false, close = false, yes = false;
     bool render = false, no_render = false;
 
@@ -236,18 +237,64 @@ int sign_answers(const AttestOptions& options) {
     return options.no_render ? 0 : render_pages(run_dir, options.roster, "the answer is signed");
 }
 
-int attest(const AttestOptions& options) {
+/// Brings in what others answered on copies of the run.
+int take(const AttestOptions& options) {
+    const ReportFacts report = read_report_facts(options.run_dir);
+    std::vector<std::string> brought;
+    {
+        const RunLock lock(options.run_dir);
+        for (const std::string& one : options.take) {
+            const GivenRun copy(one);
+            for (std::string& name : take_answers(options.run_dir, copy.folder()))
+                brought.push_back(std::move(name));
+        }
+        const RunStanding standing = standing_now(options, report);
+        if (!standing.given.faults.empty()) {
+            for (const std::string& name : brought)
+                fs::remove(fs::path(options.run_dir) / name);
+            throw Failure(options.run_dir, standing.given.faults.front(),
+                          "Nothing was taken. Ask for the answer again");
+        }
+        for (const std::string& line : standing_lines(standing, true))
+            fmt::print("{}\n", plain_text(line));
+    }
+    fmt::print("taken   {}\n", brought.empty() ? "nothing: all of it is there already"
+                                               : plain_text(listed(brought)));
+    return options.no_render || brought.empty()
+               ? 0
+               : render_pages(options.run_dir, options.roster, "the answers are taken");
+}
+
+/// The run, unpacked to stay where a bundle is answered in.
+fs::path folder_of(const AttestOptions& options, GivenRun& given) {
+    if (!given.is_bundle() || (!options.signs() && options.take.empty() && !options.render))
+        return given.folder();
+    const fs::path kept = given.kept();
+    fmt::print("unpacked to {}: send that, or `runcert bundle` of it, back to who holds the run\n",
+               kept.string());
+    return kept;
+}
+
+int attest(AttestOptions options) {
+    const std::string known_as = options.run_dir;
+    GivenRun given(options.run_dir);
+    options.run_dir = folder_of(options, given).string();
     require_known_versions(options.run_dir);
-    require_own_roster(
-        options.roster, options.run_dir,
-        options.signs() ? !options.no_render : options.render && options.roster.empty());
+    require_own_roster(options.roster, options.run_dir,
+                       options.signs() || !options.take.empty()
+                           ? !options.no_render
+                           : options.render && options.roster.empty());
+    if (!options.take.empty()) return take(options);
     if (options.signs()) return sign_answers(options);
     if (options.render) return render_pages(options.run_dir, options.roster, "nothing is lost");
-    return list_clauses(options.run_dir, options.roster);
+    return list_clauses(options.run_dir, known_as, options.roster);
 }
 
 void add_options(CLI::App& command, AttestOptions& options) {
-    command.add_option("RUN_DIR", options.run_dir, "the folder of a certified run")->required();
+    command
+        .add_option("RUN_DIR", options.run_dir,
+                    "the folder of a certified run, or a bundle, which is unpacked here")
+        ->required();
     CLI::Option* clauses =
         command.add_option("CLAUSE", options.clauses,
                            "observers, or nalsa/observers; none: list what is to be attested");
@@ -276,6 +323,15 @@ void add_options(CLI::App& command, AttestOptions& options) {
                   "sign the list of all answers and signatures: only then is a run complete")
         ->excludes(clauses, no, withdraw)
         ->excludes("--recomputed");
+    command
+        .add_option(
+            "--take", options.take,
+            "a copy of this run, or a bundle of it, whose answers and signatures are brought "
+            "in; may be repeated")
+        ->allow_extra_args(false)
+        ->excludes(clauses, no, withdraw)
+        ->excludes("--recomputed")
+        ->excludes("--close");
     command.add_flag("--yes", options.yes, "do not ask before signing");
     command.add_option("--roster", options.roster,
                        "whose answers and signatures list and pages count; verify with it too");

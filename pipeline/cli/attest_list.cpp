@@ -38,8 +38,7 @@ std::vector<std::string> names_of(const std::vector<DueClause>& clauses) {
 }
 
 /// What one role answers for.
-void print_role(const RunStanding& standing, const std::string& role,
-                const std::filesystem::path& run_dir) {
+void print_role(const RunStanding& standing, const std::string& role, const std::string& run) {
     std::string open;
     std::set<std::string> named;
     fmt::print("{} answers:\n", plain_text(role));
@@ -53,8 +52,8 @@ void print_role(const RunStanding& standing, const std::string& role,
                 open += " " + shell_word(plain_text(clause.due.clause));
         }
     if (!open.empty())
-        fmt::print("  to answer: runcert attest {}{} --role {} --key KEY\n",
-                   shell_word(run_dir.string()), open, plain_text(role));
+        fmt::print("  to answer: runcert attest {}{} --role {} --key KEY\n", shell_word(run), open,
+                   plain_text(role));
     fmt::print("\n");
 }
 
@@ -95,7 +94,8 @@ std::vector<DueClause> chosen_clauses(const ReportFacts& report,
     return chosen;
 }
 
-int list_clauses(const std::filesystem::path& run_dir, const std::string& roster) {
+int list_clauses(const std::filesystem::path& run_dir, const std::string& known_as,
+                 const std::string& roster) {
     const ReportFacts report = read_report_facts(run_dir);
     const RunStanding standing = stated_standing(run_dir, report, read_roster(roster));
     std::vector<std::string> roles;
@@ -104,7 +104,7 @@ int list_clauses(const std::filesystem::path& run_dir, const std::string& roster
             roles.push_back(clause.answered_by.role);
     fmt::print("report  {} of {}\n\n", report.report_id, report.attempt_id);
     for (const std::string& role : roles)
-        print_role(standing, role, run_dir);
+        print_role(standing, role, known_as);
     for (const GivenAnswer& one : standing.given.whole)
         fmt::print("{}\n", plain_text(answer_words(one)));
     for (const std::string& fault : standing.given.faults)

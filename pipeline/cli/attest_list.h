@@ -21,7 +21,8 @@ std::vector<DueClause> chosen_clauses(const ReportFacts& report,
                                       const std::string& profile, const std::string& role);
 
 /// Prints what is to be attested, by role, with figures and who answered; then where each rule
-/// stands. The exit status.
-int list_clauses(const std::filesystem::path& run_dir, const std::string& roster);
+/// stands. Commands name the run as `known_as`. The exit status.
+int list_clauses(const std::filesystem::path& run_dir, const std::string& known_as,
+                 const std::string& roster);
 
 }  // namespace runcert

@@ -14,11 +14,11 @@ struct AuditOptions {
 };
 
 int audit(const AuditOptions& options) {
-    std::vector<std::string> arguments{options.run_dir};
+    std::vector<std::string> arguments;
     if (options.all) arguments.emplace_back("--all");
     for (const std::string& stage : options.stages)
         arguments.insert(arguments.end(), {"--stage", stage});
-    return run_companion("audit", arguments,
+    return run_companion("audit", options.run_dir, arguments,
                          {{"--receiver", options.receiver}, {"--html", options.html}});
 }
 
@@ -28,7 +28,9 @@ void add_audit(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<AuditOptions>();
     CLI::App* command = app.add_subcommand(
         "audit", "A walk through a run: every input, decision and result, with its evidence");
-    command->add_option("RUN_DIR", options->run_dir, "folder that certify wrote")->required();
+    command
+        ->add_option("RUN_DIR", options->run_dir, "folder that certify wrote, or a bundle of one")
+        ->required();
     command
         ->add_option("--stage", options->stages,
                      "import, enu, screen, smooth, window or check alone (may be repeated)")

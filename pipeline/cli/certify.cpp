@@ -37,6 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* run_times_name = "run.yaml";
+constexpr std::size_t stage_columns = 62;  ///< of what a stage says on its line
 
 struct CertifyOptions {
     std::string attempt;
@@ -68,7 +69,8 @@ struct Answer {
     std::string details = {}, result = {}, next = {};
 };
 
-Answer answer_of(const Verdict& verdict, const fs::path& run_dir, const CertifyOptions& options) {
+Answer answer_of(const Verdict& verdict, const std::vector<StageDone>& done,
+                 const fs::path& run_dir, const CertifyOptions& options) {
     constexpr std::size_t screen = 24, stages = 8, blank = 2;
     const std::string page = options.no_render ? "report.json"
                              : options.no_pdf  ? "report.html"
@@ -81,9 +83,16 @@ Answer answer_of(const Verdict& verdict, const fs::path& run_dir, const CertifyO
     std::vector<AnswerLine> details = answer_details(verdict);
     if (const std::string missing = missing_sandbox(); !missing.empty())
         details.push_back({"note", missing});
+    // What a stage's line has no room for, such as a witness that says nothing, and why.
+    for (const StageDone& stage : done)
+        for (std::size_t i = 0; i < stage.said.size() && stage.name != "check"; ++i)
+            if (i > 0 || characters_in(stage.said[i]) > stage_columns)
+                details.push_back({"note", stage.said[i]});
     const std::size_t used = stages + blank + 2 * lines_in(answer.result) + lines_in(answer.next);
     answer.details =
-        answer_text(details, columns, screen - std::min(screen - 3, used), run_dir.string());
+        columns == std::string::npos
+            ? answer_text(details, columns)
+            : answer_text(details, columns, screen - std::min(screen - 3, used), run_dir.string());
     return answer;
 }
 
@@ -98,10 +107,10 @@ void print_json(const Verdict& verdict, const fs::path& run_dir, bool is_signed,
 }
 
 void print_stage(const StageDone& stage) {
-    constexpr std::size_t columns = 62;
-    const std::string said = stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, columns);
-    fmt::print("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')), columns,
-               stage.seconds);
+    const std::string said =
+        stage.said.empty() ? "" : wrapped(stage.said.front(), 0, 0, stage_columns);
+    fmt::print("{:<8}{:<{}} {:>6.2f} s\n", stage.name, said.substr(0, said.find('\n')),
+               stage_columns, stage.seconds);
     std::fflush(stdout);
 }
 
@@ -177,7 +186,7 @@ int certify(const CertifyOptions& options) {
         if (says_stages) print_stage(shown);
         // The answer is there before anything is drawn; where time may run out, at the end.
         if (stage.name == (time_is_limited() ? "report" : "check") && !options.json) {
-            answer = answer_of(verdict, run_dir, options);
+            answer = answer_of(verdict, stages, run_dir, options);
             fmt::print("\n{}", answer.details);
             if (!options.no_render && !time_is_limited()) fmt::print("{}", answer.result);
             fmt::print("\n");

@@ -12,6 +12,7 @@
 #include "store/atomic_file.h"
 #include "store/process.h"
 #include "store/sha256.h"
+#include "trust/bundle.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
 
@@ -19,14 +20,21 @@ namespace runcert {
 
 namespace fs = std::filesystem;
 
-int run_companion(const std::string& name, const std::vector<std::string>& arguments,
-                  const PassedOptions& options) {
-    if (!arguments.empty()) require_known_versions(arguments.front());
+int run_companion(const std::string& name, const std::string& run,
+                  const std::vector<std::string>& arguments, const PassedOptions& options) {
     std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
+    const GivenRun given(run);
+    if (!run.empty()) {
+        require_known_versions(given.folder());
+        command.push_back(given.folder().string());
+    }
     command.insert(command.end(), arguments.begin(), arguments.end());
     for (const auto& [option, value] : options)
         if (!value.empty()) command.insert(command.end(), {option, value});
-    const ProcessResult result = run_process(command);
+    ProcessResult result = run_process(command);
+    if (given.is_bundle())
+        for (std::string* const said : {&result.output, &result.errors})
+            replace_all(*said, given.folder().string(), run);
     fmt::print("{}", result.output);
     fmt::print(stderr, "{}", result.errors);
     return result.exit_status;

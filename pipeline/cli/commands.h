@@ -40,10 +40,11 @@ void add_seal(CLI::App& app, Command& chosen);
 /// Options of a companion program, each passed on where its value is not empty.
 using PassedOptions = std::vector<std::pair<std::string, std::string>>;
 
-/// Runs the companion program `runcert-NAME`, prints what it says on standard output and standard
-/// error, and gives its exit status. Failure where the program is not there.
-int run_companion(const std::string& name, const std::vector<std::string>& arguments,
-                  const PassedOptions& options = {});
+/// Runs the companion program `runcert-NAME` on a run, a folder or a bundle (empty: on none), prints
+/// what it says on standard output and standard error, and gives its exit status. Failure where the
+/// program is not there.
+int run_companion(const std::string& name, const std::string& run,
+                  const std::vector<std::string>& arguments, const PassedOptions& options = {});
 
 /// Renders the pages of a run again, which show who signed and answered, with the keys of a roster
 /// where one is named. A sealed PDF goes to superseded/, since a seal is of the page as it was. The

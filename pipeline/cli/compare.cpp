@@ -12,7 +12,7 @@ struct CompareOptions {
 };
 
 int compare(const CompareOptions& options) {
-    return run_companion("compare", {options.run_dir},
+    return run_companion("compare", options.run_dir, {},
                          {{"--truth", options.truth}, {"--receiver", options.receiver}});
 }
 

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "reports/diff/run_difference.h"
 #include "reports/document/document_text.h"
+#include "trust/bundle.h"
 #include "trust/verification.h"
 
 namespace runcert {
@@ -19,9 +20,10 @@ struct DiffOptions {
 };
 
 int diff(const DiffOptions& options) {
-    require_known_versions(options.run_a);
-    require_known_versions(options.run_b);
-    const RunDifference difference = difference_of_runs(options.run_a, options.run_b);
+    const GivenRun a(options.run_a), b(options.run_b);
+    require_known_versions(a.folder());
+    require_known_versions(b.folder());
+    const RunDifference difference = difference_of_runs(a.folder(), b.folder());
     if (options.json)
         fmt::print("{}\n",
                    difference_json(difference)
@@ -38,7 +40,8 @@ int diff(const DiffOptions& options) {
 void add_diff(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<DiffOptions>();
     CLI::App* command = app.add_subcommand("diff", "What differs between two run folders");
-    command->add_option("RUN_A", options->run_a, "folder that certify wrote")->required();
+    command->add_option("RUN_A", options->run_a, "folder that certify wrote, or a bundle of it")
+        ->required();
     command->add_option("RUN_B", options->run_b, "another")->required();
     command->add_flag("--all", options->all, "list every epoch and value, not the first 20");
     command->add_flag("--json", options->json, "one JSON document, complete, instead of text");

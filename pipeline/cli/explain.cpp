@@ -21,9 +21,8 @@ int explain(const ExplainOptions& options) {
     if (options.profiles) arguments.emplace_back("--profiles");
     if (options.clauses) arguments.emplace_back("--clauses");
     if (options.inputs) arguments.emplace_back("--inputs");
-    for (const std::string& word : {options.run_dir, options.clause})
-        if (!word.empty()) arguments.push_back(word);
-    return run_companion("explain", arguments,
+    if (!options.clause.empty()) arguments.push_back(options.clause);
+    return run_companion("explain", options.run_dir, arguments,
                          {{"--profile", options.profile}, {"--roster", options.roster}});
 }
 
@@ -33,7 +32,8 @@ void add_explain(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<ExplainOptions>();
     CLI::App* command =
         app.add_subcommand("explain", "What decides a verdict, clause by clause, in plain words");
-    command->add_option("RUN_DIR", options->run_dir, "folder that certify wrote");
+    command->add_option("RUN_DIR", options->run_dir,
+                        "folder that certify wrote, or a bundle of one");
     command->add_option("CLAUSE", options->clause,
                         "flat-course, nalsa/flat-course, or outcome (default: all in short)");
     command->add_option("--profile", options->profile, "id of the profile (default: all)");

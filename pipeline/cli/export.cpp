@@ -16,9 +16,9 @@ struct ExportOptions {
 };
 
 int export_run(const ExportOptions& options) {
-    std::vector<std::string> arguments{options.run_dir, "--format", options.format};
+    std::vector<std::string> arguments{"--format", options.format};
     if (options.force) arguments.emplace_back("--force");
-    return run_companion("export", arguments,
+    return run_companion("export", options.run_dir, arguments,
                          {{"--out", options.out},
                           {"--table", options.table},
                           {"--receiver", options.receiver},
@@ -30,7 +30,9 @@ int export_run(const ExportOptions& options) {
 void add_export(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<ExportOptions>();
     CLI::App* command = app.add_subcommand("export", "A run for maps (KML) and spreadsheets (CSV)");
-    command->add_option("RUN_DIR", options->run_dir, "folder that certify wrote")->required();
+    command
+        ->add_option("RUN_DIR", options->run_dir, "folder that certify wrote, or a bundle of one")
+        ->required();
     command->add_option("--format", options->format, "kml or csv")->required();
     command->add_option("--out", options->out,
                         "file to write, - for standard output (default: the attempt's id with "

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "recompute.h"
 #include "run/run_lock.h"
+#include "trust/bundle.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
@@ -26,7 +27,8 @@ constexpr const char* bring_back =
     "Bring back the original files and move others away, or certify again";
 
 int sign_run(const SignOptions& options) {
-    const std::filesystem::path run_dir = options.run_dir;
+    GivenRun given(options.run_dir);
+    const std::filesystem::path run_dir = given.kept();
     {
         const RunLock clears(run_dir);  // what a killed call of this user's left half written
     }
@@ -58,7 +60,10 @@ void add_sign(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<SignOptions>();
     CLI::App* command = app.add_subcommand(
         "sign", "Sign the report of a run folder, in addition to existing signatures");
-    command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
+    command
+        ->add_option("RUN_DIR", options->run_dir,
+                     "the folder of a certified run, or a bundle, which is unpacked here")
+        ->required();
     command
         ->add_option("--key", options->key,
                      "secret key (runcert keygen, minisign -G); its password is asked for, or read "

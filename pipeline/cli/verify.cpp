@@ -108,6 +108,27 @@ struct VerificationResult {
         };
         return std::ranges::any_of(unchecked(), decides) ? 2 : 0;
     }
+    /// What does not hold first, and what to do; empty where all does.
+    std::string fault() const {
+        const auto fails = [](const VerificationStep& step) {
+            return step.is(LayerAnswer::not_verified);
+        };
+        const auto first = std::ranges::find_if(layers, fails);
+        if (first == layers.end()) return {};
+        const bool of_signatures = first->what == "signatures" || first->what == "attestations";
+        const bool lacks_keys = of_signatures && standing && standing->roster_sha256.empty() &&
+                                !signers.empty() && std::ranges::none_of(signers, &Signer::valid) &&
+                                std::ranges::none_of(signers, &Signer::broken);
+        return fmt::format(
+            "{}. {}.{}",
+            lacks_keys ? std::string("nobody vouches for the keys of its signers")
+            : of_signatures || first->details.empty() ? first->finding
+                                                      : first->details.front(),
+            lacks_keys      ? "Add --roster FILE, the body's list of keys"
+            : of_signatures ? "Ask for the run as its officials signed it"
+                            : "Ask whoever sent it for the original",
+            std::ranges::count_if(layers, fails) == 1 ? " All else that was checked holds." : "");
+    }
     /// "VERIFIED", "SIGNED, NOT RECOMPUTED" or "NOT VERIFIED"; of the first two, what was not
     /// checked: "VERIFIED; pages not checked here".
     std::string verdict() const {
@@ -193,7 +214,8 @@ std::string verification_text(const VerificationResult& result) {
         text += fmt::format(
             "The signatures hold. Whether the figures follow from the recording was not checked{}",
             asked_to_recompute(result) ? ".\n" : ": add --recompute.\n");
-    return text + result.verdict() + "\n";
+    const std::string fault = result.fault();
+    return text + result.verdict() + (fault.empty() ? "" : ": " + plain_text(fault)) + "\n";
 }
 
 std::string exit_meaning(const VerificationResult& result) {
@@ -274,7 +296,7 @@ int verify(const VerifyOptions& options) {
     std::filesystem::path run_dir = given;
     std::optional<UnpackedBundle> bundle;
     if (std::filesystem::is_regular_file(given)) {
-        bundle = unpack_bundle(given);
+        bundle = unpack_bundle(given, options.run_dir);
         run_dir = bundle->run_dir;
     }
     require_within_limits(run_dir);

@@ -179,6 +179,12 @@ std::string escape_for_message(std::string_view bytes, std::size_t max) {
     return escaped;
 }
 
+void replace_all(std::string& text, std::string_view name, std::string_view by) {
+    for (std::size_t at = text.find(name); at != std::string::npos;
+         at = text.find(name, at + by.size()))
+        text.replace(at, name.size(), by);
+}
+
 std::string shell_word(std::string_view text) {
     const bool plain = !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
         return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||

@@ -68,6 +68,9 @@ std::string escape_for_message(std::string_view bytes, std::size_t max = 40);
 /// As `escape_for_message`, with a larger limit, for the name of a file or a title.
 std::string shown(std::string_view name);
 
+/// Writes `by` for each `name` in a text. The name must not be empty.
+void replace_all(std::string& text, std::string_view name, std::string_view by);
+
 /// A text as one word of a shell command line: in single quotes unless it consists of letters,
 /// digits and . _ - / alone. The caller must first remove what would steer a terminal.
 std::string shell_word(std::string_view text);

@@ -24,12 +24,6 @@ double seconds_since(Clock::time_point begin) {
     return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-void replace_all(std::string& text, const std::string& name, const std::string& by) {
-    for (std::size_t at = text.find(name); at != std::string::npos;
-         at = text.find(name, at + by.size()))
-        text.replace(at, name.size(), by);
-}
-
 /// Runs a step's program on the attempt as the claim brought it in, and not on the file, which may
 /// change meanwhile. What is wrong with it is for its author to find in the original.
 StageDone run_program(const Step& step, const RunInMaking& run) {

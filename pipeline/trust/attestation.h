@@ -130,6 +130,13 @@ std::set<std::string> attestation_names(const std::filesystem::path& run_dir);
 std::string write_attestation(const std::filesystem::path& run_dir, const Attestation& attestation,
                               const std::vector<std::string>& evidence, const SecretKey& key);
 
+/// Brings answers, with their evidence, signatures and time stamps that another copy of the same
+/// run has into this one, and gives the names of what was not there. Failure, with nothing brought,
+/// where that copy is of another report, or a file of one name has other bytes there. The caller
+/// holds the run's lock, and judges what was brought.
+std::vector<std::string> take_answers(const std::filesystem::path& run_dir,
+                                      const std::filesystem::path& copy);
+
 /// Brings the attestations of a run into the one that takes its place: into its attestations where
 /// the report is the same, else into its superseded/.
 void carry_attestations(const Folder& run, const Folder& made, bool report_unchanged);

@@ -39,6 +39,18 @@ std::vector<EvidenceFile> evidence_of(const EnvelopeFile& file) {
     }
 }
 
+/// The name of a signature in a run where another may have its own: "report.json.judge-2.minisig".
+std::string free_signature_name(const fs::path& run_dir, const SignatureFile& signature) {
+    const std::size_t end = signature.name.rfind('.');
+    std::string name = signature.name;
+    for (int number = 2; fs::exists(run_dir / name) && read_file(run_dir / name) != signature.text;
+         ++number)
+        name = fmt::format("{}{}{}{}", signature.name.substr(0, end),
+                           signature.name == "report.json.minisig" ? "." : "-", number,
+                           signature.name.substr(end));
+    return name;
+}
+
 }  // namespace
 
 std::string envelope_name(std::string_view id) {
@@ -81,6 +93,39 @@ std::string write_attestation(const fs::path& run_dir, const Attestation& attest
     const std::string name = envelope_name(attestation_id(payload));
     folder.write(name, sign_envelope(payload, key));
     return in_folder(name);
+}
+
+std::vector<std::string> take_answers(const fs::path& run_dir, const fs::path& copy) {
+    if (read_file(copy / "report.json") != read_file(run_dir / "report.json"))
+        throw Failure(copy.string(),
+                      "this is a run of another report, whose answers are not of this one",
+                      "Ask for answers to this report, or take them into the run that they are of");
+    // The name there, and its bytes.
+    std::vector<std::pair<std::string, std::string>> brought;
+    const auto bring = [&](const std::string& name, std::string text) {
+        if (!fs::exists(run_dir / name))
+            brought.emplace_back(name, std::move(text));
+        else if (read_file(run_dir / name) != text)
+            throw Failure((copy / name).string(),
+                          "a file of that name with other bytes is in the run",
+                          "Find out which of them is right, and move the other away");
+    };
+    for (const std::string& name : attestation_names(copy))
+        bring(name, read_file(copy / name));
+    for (const SignatureFile& signature : signature_files(copy)) {
+        const std::string name = free_signature_name(run_dir, signature);
+        bring(name, signature.text);
+        for (const auto& name_of : {time_stamp_name, time_stamp_query_name})
+            if (const fs::path stamp = copy / name_of(signature.name); fs::is_regular_file(stamp))
+                bring(name_of(name), read_file(stamp));
+    }
+    std::vector<std::string> written;
+    for (const auto& [name, text] : brought) {
+        fs::create_directories((run_dir / name).parent_path());
+        write_file_atomically(run_dir / name, text);
+        written.push_back(name);
+    }
+    return written;
 }
 
 void carry_attestations(const Folder& run, const Folder& made, bool report_unchanged) {

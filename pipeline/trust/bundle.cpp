@@ -244,7 +244,49 @@ UnpackedBundle unpack_bytes(std::string_view bytes, const std::string& where) {
     return bundle;
 }
 
+/// Failure for a page that shows a report: it cannot be checked alone.
+void refuse_page(const std::string& file, std::string_view bytes) {
+    constexpr std::string_view title = "Measurement report ";
+    constexpr std::size_t digits = 16, longest_name = 100;
+    const bool is_page = bytes.starts_with("%PDF") || bytes.starts_with("<!DOCTYPE html");
+    const std::size_t at = is_page ? bytes.find(title) : std::string_view::npos;
+    if (at == std::string_view::npos) return;
+    const std::string_view rest = bytes.substr(at + title.size(), longest_name);
+    const std::string_view id = rest.substr(0, digits);
+    if (id.find_first_not_of("0123456789abcdef") != std::string_view::npos) return;
+    std::string_view attempt = rest.substr(std::min(rest.size(), digits + 2));
+    attempt = attempt.substr(0, attempt.find_first_of(")<"));
+    throw Failure(
+        file,
+        fmt::format("this is the readable copy of report {} (attempt \"{}\"), and cannot be "
+                    "checked alone",
+                    id, escape_for_message(attempt)),
+        fmt::format("Ask whoever sent it for the bundle or the run folder, and check that: runcert "
+                    "verify {}.zip --roster ROSTER --recompute",
+                    shell_word(plain_text(attempt))));
+}
+
 }  // namespace
+
+GivenRun::GivenRun(const fs::path& given) : folder_(given) {
+    if (!fs::is_regular_file(given)) return;
+    bundle_ = unpack_bundle(given);
+    folder_ = bundle_->run_dir;
+}
+
+fs::path GivenRun::kept() {
+    if (!bundle_) return folder_;
+    const fs::path kept = bundle_->run_dir.filename();
+    if (fs::exists(fs::symlink_status(kept)))
+        throw Failure(
+            kept.string(), "the bundle is unpacked to a folder of that name, which is there",
+            "Name that folder in place of the bundle if it is of the same run, or move it "
+            "away");
+    fs::copy(bundle_->run_dir, kept, fs::copy_options::recursive);
+    folder_ = kept;
+    bundle_.reset();
+    return kept;
+}
 
 std::vector<std::string> unknown_files(const std::filesystem::path& run_dir) {
     return contents_of(run_dir, bundled_report(run_dir)).unknown;
@@ -289,9 +331,11 @@ Bundle make_bundle(const BundleInput& input) {
     return bundle;
 }
 
-UnpackedBundle unpack_bundle(const std::filesystem::path& file) {
+UnpackedBundle unpack_bundle(const std::filesystem::path& file, const std::string& known_as) {
     const FileView view(file);
-    return unpack_bytes(view.bytes(), file.string());
+    const std::string name = known_as.empty() ? file.string() : known_as;
+    refuse_page(name, view.bytes());
+    return unpack_bytes(view.bytes(), name);
 }
 
 std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file,

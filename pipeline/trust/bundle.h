@@ -94,8 +94,26 @@ struct UnpackedBundle {
 };
 
 /// Unpacks a bundle as `unpack_archive` does, within `bundle_limits`. Failure also where it does
-/// not hold exactly one folder with a report.json in it.
-UnpackedBundle unpack_bundle(const std::filesystem::path& file);
+/// not hold exactly one folder with a report.json in it, and for a page of a report (HTML, PDF), of
+/// which it says what to ask for. Messages call the file `known_as`, where that is
+/// not empty.
+UnpackedBundle unpack_bundle(const std::filesystem::path& file, const std::string& known_as = {});
+
+/// A run as a reader is given it: a folder, or a bundle, which is unpacked for as long as this
+/// lives. Failure as of `unpack_bundle`.
+class GivenRun {
+  public:
+    explicit GivenRun(const std::filesystem::path& given);
+    const std::filesystem::path& folder() const { return folder_; }
+    bool is_bundle() const { return bundle_.has_value(); }
+    /// Of a bundle, the folder in the current one that it is unpacked to for good, so that it can
+    /// be written to; else the folder as given. Failure where a file of that name is there.
+    std::filesystem::path kept();
+
+  private:
+    std::optional<UnpackedBundle> bundle_;
+    std::filesystem::path folder_;
+};
 
 // How much a run may hold to be bundled and verified: far more than any that is certified, far less
 // than fills a disk.

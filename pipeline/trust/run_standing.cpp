@@ -1,6 +1,8 @@
 #include "trust/run_standing.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -13,6 +15,7 @@
 #include "schemas/verdict/declared.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
+#include "store/utc_second.h"
 #include "trust/signature_files.h"
 #include "trust/verification.h"
 
@@ -106,11 +109,15 @@ void set_closing(RunStanding& standing, const std::vector<Signer>& signers, cons
             words.push_back(shown(file.name) +
                             " is listed by the close, but is missing, changed or not counted.");
     standing.closed = words.empty();
-    if (standing.closed)
+    if (standing.closed) {
+        constexpr std::size_t date = 10;
+        standing.closed_by =
+            fmt::format("Closed by {} ({}), {}.", by.role, by.who, by.time.substr(0, date));
         words = {
             fmt::format("Closed by {} ({}), {}, with the key {}. Later answers show only where "
                         "the body keeps them.",
                         by.role, by.who, by.time, by.key)};
+    }
 }
 
 /// Sets whose keys fill which roles. Returns by whose roster they do, for the headline.
@@ -133,9 +140,8 @@ std::string set_roles(RunStanding& standing, const std::vector<Signer>& signers)
         if (roles.size() > 1)
             shared += fmt::format("; one key is {}", listed({roles.begin(), roles.end()}));
     standing.roles += shared;
-    return fmt::format("by the roster {} {}: compare it with your body's{}",
-                       standing.roster_sha256.substr(0, 4), standing.roster_sha256.substr(4, 4),
-                       shared);
+    return fmt::format("by the roster {}: compare it with your body's{}",
+                       short_fingerprint(standing.roster_sha256), shared);
 }
 
 Standing summed(const std::vector<ClauseStanding>& clauses, const SignaturesLeft& signatures,
@@ -262,6 +268,12 @@ VerificationStep step_of(const fs::path& run_dir, const RunStanding& standing) {
     return step;
 }
 
+/// "28 Nov" of "2026-11-28T...".
+std::string day_and_month(const std::string& time) {
+    const auto at = parse_iso_utc(time);
+    return at ? fmt::format("{:%d %b}", *at) : time;
+}
+
 }  // namespace
 
 std::vector<std::string> clause_words(const ClauseStanding& clause) {
@@ -282,6 +294,31 @@ std::vector<std::string> clause_words(const ClauseStanding& clause) {
     for (const GivenAnswer& answer : clause.answers)
         words.push_back(answer_words(answer));
     return words;
+}
+
+std::string clause_mark_text(const ClauseStanding& clause) {
+    const RoleSignatures& needed = clause.due.answered_by;
+    if (clause.missing > 0 && !clause.refused)
+        return fmt::format("☐ open: {}", needed.count > 1
+                                             ? fmt::format("{} of {} {}s", clause.missing,
+                                                           needed.count, needed.role)
+                                             : needed.role);
+    const std::string_view counted_answer = clause.refused ? answer_no : answer_yes;
+    std::set<std::string> roles, keys;
+    const GivenAnswer* latest = nullptr;
+    for (const GivenAnswer& answer : clause.answers) {
+        if (!answer.counts || answer.answer != counted_answer) continue;
+        roles.insert(answer.on_paper ? answer.role + " on paper" : answer.role);
+        keys.insert(answer.key);
+        if (latest == nullptr || latest->time < answer.time) latest = &answer;
+    }
+    if (latest == nullptr) return fmt::format("☐ open: {}", needed.role);
+    const std::string by = fmt::format("{}{}, {}", fmt::join(roles, ", "),
+                                       keys.size() > 1 ? fmt::format(" ({})", keys.size()) : "",
+                                       day_and_month(latest->time));
+    if (clause.contradicted) return "✗ yes and no: " + by;
+    if (clause.refused) return "✗ no by " + by;
+    return clause.vouched ? "✓ " + by : "? " + by + ": nobody vouches for the key";
 }
 
 RunStanding run_standing(const ReportFacts& report, const Attestations& attestations,
@@ -345,6 +382,10 @@ std::vector<std::string> standing_lines(const RunStanding& standing, bool all_ho
     lines.push_back(vouched_words(standing));
     lines.insert(lines.end(), standing.closing.begin(), standing.closing.end());
     return lines;
+}
+
+std::string short_fingerprint(const std::string& sha256) {
+    return fmt::format("{} {}", sha256.substr(0, 4), sha256.substr(4, 4));
 }
 
 std::string vouched_words(const RunStanding& standing) {

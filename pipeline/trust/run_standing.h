@@ -88,6 +88,10 @@ struct ClauseStanding {
 /// "open: judge answers", "attested", "answered no" and so on, with what was answered.
 std::vector<std::string> clause_words(const ClauseStanding& clause);
 
+/// The same in a few words for a first page: "✓ judge, 28 Nov", "☐ open: judge", "✗ no by judge, 28
+/// Nov".
+std::string clause_mark_text(const ClauseStanding& clause);
+
 struct RuleStanding {
     std::string profile{};
     OutcomeState state{};  ///< of the outcome, with the standing as it is now
@@ -105,6 +109,7 @@ struct RunStanding {
     /// envelopes by keys of the roster, and signatures that count.
     std::vector<EvidenceFile> to_close{};
     bool closed = false;
+    std::string closed_by{};             ///< "Closed by board (B), 2026-11-28."; empty where not
     std::vector<std::string> closing{};  ///< by which key, or why not, and what does not count
     std::string roles{};  ///< whose keys fill which: ": board B, judge A and C; one key is ..."
 };
@@ -133,6 +138,9 @@ struct AttestationLayer {
 AttestationLayer verify_attestations(const std::filesystem::path& run_dir,
                                      const ReportFacts& report, const std::vector<Signer>& signers,
                                      const SignatureRules& rules);
+
+/// "4a84 9c1e": what people compare of a roster's SHA-256.
+std::string short_fingerprint(const std::string& sha256);
 
 /// Where each rule stands, a line each, whose keys count, and what closes the run. Where
 /// `all_holds` is false, no standing is called complete.

@@ -8,6 +8,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/certificate_document.h"
+#include "reports/words/answer.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
 #include "reports/words/recording.h"
@@ -267,9 +268,15 @@ void add_overview(Section& page, const std::vector<RuleView>& rules) {
                 column.head.clear();
         add(page, std::move(outcome));
         add(page, std::move(row));
+        const std::string refused = rule.verdict.outcome == Outcome::not_certifiable
+                                        ? capitalised(refusal_text(rule.verdict))
+                                        : "";
+        const std::string record =
+            rule.verdict.record ? "Record to beat: " + record_text(*rule.verdict.record) + "." : "";
+        if (std::string more = joined({refused, record, witnesses_text(rule)}, " "); !more.empty())
+            add(page, paragraph(std::move(more), "note"));
     }
-    add(page,
-        paragraph("Reasons, requirements, witnesses and uncertainty of each rule follow.", "note"));
+    add(page, paragraph("Reasons, requirements and uncertainty of each rule follow.", "note"));
 }
 
 void add_small_plots(Section& page, const Json& figures) {
@@ -303,7 +310,8 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
     add(page, paragraph("Neither answered nor closed when this report was made.", "note"));
     page.blocks.back().slot = "closing";
     add_identity(page, inputs);
-    add_small_plots(page, figures);
+    constexpr std::size_t fills_the_page = 3;
+    if (rules.size() < fills_the_page) add_small_plots(page, figures);
     if (rules.size() == 1) {
         add_requirements(page, rules.front());
         if (std::string words = witnesses_text(rules.front()); !words.empty())

@@ -55,11 +55,36 @@ Json answered(Json block, const RuleStanding& rule) {
             one["mark"] = mark_of(clause);
             const std::vector<std::string> words = clause_words(clause);
             if (are_facts)
-                one["value"] = fmt::format("{}", fmt::join(words, "; "));
+                one["value"] = clause_mark_text(clause);
             else
                 for (const std::string& line : words)
                     one["further"].push_back(line);
         }
+    return block;
+}
+
+/// Clauses that all rules have, with what was answered under each: once where it is the same.
+Json answered_under_all(Json block, const std::vector<RuleStanding>& rules) {
+    for (Json& row : block["rows"]) {
+        std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> said;
+        std::string mark;
+        for (const RuleStanding& rule : rules)
+            for (const ClauseStanding& clause : rule.clauses) {
+                if (row.value("clause", "") != clause.due.clause) continue;
+                const std::string here = mark_of(clause);
+                if (mark.empty() || mark == "answered" || here == "not_met") mark = here;
+                auto same = std::ranges::find(said, clause_words(clause),
+                                              [](const auto& one) { return one.first; });
+                if (same == said.end()) same = said.insert(said.end(), {clause_words(clause), {}});
+                same->second.push_back(rule.profile);
+            }
+        if (said.empty()) continue;
+        row["mark"] = mark;
+        for (const auto& [words, profiles] : said)
+            for (const std::string& line : words)
+                row["further"].push_back(
+                    said.size() == 1 ? line : fmt::format("{}: {}", listed(profiles), line));
+    }
     return block;
 }
 
@@ -99,14 +124,22 @@ Json standing_json(const RunStanding& standing, const Json& predicate) {
         set_rule(json["slots"], rule, shown);
         add_answers(facts, rule);
     }
+    if (const Json* block = block_of(shown, "clauses"))
+        json["slots"]["clauses"] = answered_under_all(*block, standing.rules);
     for (const GivenAnswer& one : standing.given.whole)
         facts.push_back(fact("Of the whole report", answer_words(one)));
+    if (!standing.closing.empty())
+        facts.push_back(fact("Closing", fmt::format("{}", fmt::join(standing.closing, " "))));
     for (const std::string& fault : standing.given.faults)
         facts.push_back(fact("Fault", fault));
     if (const Json* block = block_of(shown, "closing")) {
         json["slots"]["closing"] = *block;
         json["slots"]["closing"]["text"] =
-            fmt::format("{} {}", vouched_words(standing), fmt::join(standing.closing, " "));
+            standing.closed
+                ? fmt::format("Keys of the roster {} count{}. {}",
+                              short_fingerprint(standing.roster_sha256), standing.roles,
+                              standing.closed_by)
+                : fmt::format("{} {}", vouched_words(standing), fmt::join(standing.closing, " "));
     }
     if (const Json* block = block_of(shown, "answers")) {
         Json& answers = json["slots"]["answers"] = *block;

@@ -163,13 +163,28 @@ Block files_table(const std::vector<ReportSubject>& subjects) {
 void add_sheet(Section& section, const ReportInputs& inputs, const std::string& report_id) {
     add(section, heading("Attestation and signatures"));
     Block sheet = table({"Report, attested|24", "Requirement|52", "Signed for by|24"}, {}, "sheet");
+    // What several rules ask alike is signed for once.
+    std::vector<std::pair<const Requirement*, std::vector<std::string>>> asked;
     for (const ProfileVerdict& verdict : inputs.verdict.profiles)
-        for (const Requirement& requirement : verdict.requirements)
-            if (requirement.status == RequirementStatus::attest)
-                add_row(sheet, {report_id + "  ☐ yes  ☐ no",
-                                fmt::format("{}, {}: {}", verdict.profile, requirement.clause,
-                                            requirement.text),
-                                answerer_text(requirement)});
+        for (const Requirement& requirement : verdict.requirements) {
+            if (requirement.status != RequirementStatus::attest) continue;
+            auto same = std::ranges::find_if(asked, [&](const auto& one) {
+                return one.first->clause == requirement.clause &&
+                       one.first->text == requirement.text &&
+                       answerer_text(*one.first) == answerer_text(requirement);
+            });
+            if (same == asked.end()) same = asked.insert(asked.end(), {&requirement, {}});
+            same->second.push_back(verdict.profile);
+        }
+    for (const auto& [requirement, rules] : asked)
+        add_row(sheet,
+                {report_id + "  ☐ yes  ☐ no",
+                 fmt::format("{}, {}: {}",
+                             rules.size() > 1 && rules.size() == inputs.verdict.profiles.size()
+                                 ? std::string("all rules")
+                                 : listed(rules),
+                             requirement->clause, requirement->text),
+                 answerer_text(*requirement)});
     if (!sheet.rows.empty()) {
         add(section, paragraph("The recording cannot decide what follows. Whoever signs for it "
                                "answers for it, with runcert attest, or by hand on this sheet."));

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/text.h"
 #include "reports/certificate/certificate_document.h"
 #include "reports/words/recording.h"
 #include "schemas/verdict/outcome.h"
@@ -44,6 +45,28 @@ void add_window(Section& section, const RuleView& rule, const Json& figures) {
     add(section, window_blocks(rule, *rule.verdict.window));
 }
 
+/// From so many rules on, windows and budgets are shown beside each other.
+constexpr std::size_t shown_together = 3;
+
+/// The windows of several rules, two figures beside each other.
+void add_windows(Section& section, const std::vector<RuleView>& rules, const Json& figures) {
+    add(section, windows_of_all(rules));
+    constexpr std::size_t beside = 2;
+    std::vector<Block> blocks;
+    for (const RuleView& rule : rules)
+        for (std::size_t i = 0; i < figures.size(); ++i) {
+            if (figures[i].value("figure_profile", "") != rule.profile.id ||
+                figures[i]["figure"] != "window")
+                continue;
+            if (blocks.empty() || blocks.back().plots.size() == beside)
+                blocks.push_back({.kind = BlockKind::plots, .look = "small"});
+            blocks.back().plots.push_back({.plot = static_cast<std::int64_t>(i),
+                                           .plot_title = rule.profile.id,
+                                           .caption = capitalised(rule.verdict.title) + "."});
+        }
+    add(section, std::move(blocks));
+}
+
 /// Names the receiver of what follows, where there are several.
 void add_receiver_heading(Section& section, const ReportInputs& inputs,
                           const ReceiverResults& results) {
@@ -83,16 +106,23 @@ std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
 
 Section requirements_section(const ReportInputs& inputs) {
     Section section{.anchor = "requirements", .title = "Requirements of the rules"};
-    for (const RuleView& rule : rule_views(inputs)) {
+    const std::vector<RuleView> rules = rule_views(inputs);
+    std::vector<std::string> said;
+    if (rules.size() > 1) {
+        add(section, requirements_of_all(rules));
+        said = said_of_all(rules);
+        if (!said.empty()) add(section, list_of(said));
+    }
+    for (const RuleView& rule : rules) {
         if (rule.several)
             add(section, heading(fmt::format("Rule “{}”: {}, {}", rule.verdict.profile,
                                              rule.verdict.title, rule.verdict.body)));
-        add(section, verdict_blocks(rule, requirements_table(rule)));
+        add(section, verdict_blocks(rule, rule.several ? Block{} : requirements_table(rule), said));
     }
-    Block said = facts({}, "Who says what the figures rest on");
+    Block origins = facts({}, "Who says what the figures rest on");
     for (const InputsOfOrigin& one : inputs_by_origin(inputs.verdict.origins))
-        add_fact(said, one.label, one.text);
-    if (!said.facts.empty()) add(section, std::move(said));
+        add_fact(origins, one.label, one.text);
+    if (!origins.facts.empty()) add(section, std::move(origins));
     Block answers = facts({}, "Answers");
     answers.slot = "answers";
     add_fact(answers, "Given", "none when this report was made");
@@ -102,8 +132,11 @@ Section requirements_section(const ReportInputs& inputs) {
 
 Section window_section(const ReportInputs& inputs, const Json& figures) {
     Section section{.anchor = "window", .title = "Window"};
-    for (const RuleView& rule : rule_views(inputs)) {
-        add_window(section, rule, figures);
+    const std::vector<RuleView> rules = rule_views(inputs);
+    const bool in_one = rules.size() >= shown_together;
+    if (in_one) add_windows(section, rules, figures);
+    for (const RuleView& rule : rules) {
+        if (!in_one) add_window(section, rule, figures);
         add_receivers(section, inputs, rule);
         add(section, refused_blocks(rule));
     }
@@ -113,8 +146,11 @@ Section window_section(const ReportInputs& inputs, const Json& figures) {
 
 Section uncertainty_section(const ReportInputs& inputs) {
     Section section{.anchor = "uncertainty", .title = "Uncertainty"};
-    for (const RuleView& rule : rule_views(inputs)) {
-        if (rule.best() == nullptr) continue;
+    const std::vector<RuleView> rules = rule_views(inputs);
+    const bool in_one = rules.size() >= shown_together;
+    if (in_one) add(section, budgets_of_all(rules));
+    for (const RuleView& rule : rules) {
+        if (in_one || rule.best() == nullptr) continue;
         if (rule.several) add(section, heading(rule.titled("Uncertainty")));
         add(section,
             paragraph(fmt::format("Measured speed: {}",
@@ -183,8 +219,8 @@ Section run_section(const ReportInputs& inputs, const Json& figures) {
                                "estimated."));
     for (const RuleView& rule : rule_views(inputs)) {
         add(section, course_blocks(rule));
-        add(section, run_blocks(rule));
     }
+    add(section, run_blocks(rule_views(inputs)));
     add_sources(section, inputs.attempt);
     return section;
 }

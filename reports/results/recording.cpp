@@ -146,8 +146,7 @@ void add_stated(Block& list, const Receiver& receiver, bool heights_measured) {
     add_one("Vertical accuracy stated", accuracy.vertical_m);
     add_one("Accuracy of velocities stated by the attempt", accuracy.velocity_m_s, "m/s");
     add_one("Antenna above the ground", receiver.antenna_height_m);
-    if (const auto& arm = receiver.lever_arm)
-        add_fact(list, "Lever arm stated", arm_text(*arm));
+    if (const auto& arm = receiver.lever_arm) add_fact(list, "Lever arm stated", arm_text(*arm));
     add_fact(list, "Date of the beginning, stated", receiver.start_date);
     if (receiver.start_gps) add_fact(list, "Beginning stated, UTC", utc_text(*receiver.start_gps));
     add_one("Offset to UTC stated", receiver.utc_offset_h, "h");

@@ -125,15 +125,20 @@ Block requirements_table(const RuleView& rule) {
     return block;
 }
 
-std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements) {
+std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements,
+                                  const std::vector<std::string>& said) {
     const ProfileVerdict& verdict = rule.verdict;
     std::vector<Block> blocks{paragraph(verdict.reason)};
     if (verdict.decision) blocks.push_back(paragraph(decision_words(rule)));
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         blocks.push_back(paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
     blocks.push_back(standing_block(verdict));
-    blocks.push_back(std::move(requirements));
-    if (!verdict.notes.empty()) blocks.push_back(list_of(verdict.notes));
+    if (!requirements.rows.empty()) blocks.push_back(std::move(requirements));
+    std::vector<std::string> notes = verdict.notes;
+    std::erase_if(notes, [&](const std::string& note) {
+        return std::ranges::find(said, note) != said.end();
+    });
+    if (!notes.empty()) blocks.push_back(list_of(std::move(notes)));
     if (!verdict.overrides.empty()) blocks.push_back(overrides_table(verdict));
     if (auto items = unconfirmed(verdict); !items.empty())
         blocks.push_back(titled_list("What could not be confirmed of the rule", std::move(items)));

@@ -68,8 +68,9 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names = {});
 /// The requirements in a table as wide as a page.
 Block requirements_table(const RuleView& rule);
-/// Reason, decision, these requirements, replaced figures and notes.
-std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements);
+/// Reason, decision, these requirements, replaced figures, and notes other than those said already.
+std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements,
+                                  const std::vector<std::string>& said = {});
 
 // Of a window, and of the run that it is in.
 
@@ -88,7 +89,19 @@ std::vector<Block> budget_blocks(const RuleView& rule);
 /// What witnesses say of the speed; what the data say of course and craft; the runs of the craft.
 std::vector<Block> witness_blocks(const RuleView& rule);
 std::vector<Block> course_blocks(const RuleView& rule);
-std::vector<Block> run_blocks(const RuleView& rule);
+/// Runs that several rules cut alike are one table.
+std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
+
+// Of several rules together, what is alike once.
+
+/// The requirements of all rules, each once, with what differs between the rules beneath it.
+Block requirements_of_all(const std::vector<RuleView>& rules);
+/// The notes that all verdicts have.
+std::vector<std::string> said_of_all(const std::vector<RuleView>& rules);
+/// The certified windows, their speeds by each definition, and by each rule's own arithmetic.
+std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
+/// The budgets beside each other, as contributions to each rule's speed.
+std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);
 
 // Of a receiver.
 

@@ -52,6 +52,36 @@ bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {
            end_ns(*window) <= end_ns(run);
 }
 
+/// The runs that several rules cut alike.
+Block runs_table(const std::vector<RuleView>& rules, bool named) {
+    const SpeedUnit& unit = rules.front().unit();
+    std::vector<std::string> names;
+    for (const RuleView& rule : rules)
+        names.push_back(fmt::format("“{}”", rule.profile.id));
+    Block block = table({">Run|7", ">Begins at|12", ">Time|12", ">Path|12", ">Largest speed|16",
+                         ">Direction|12", "How it begins and ends|29"},
+                        "Runs of the craft" + (named ? ": rule " + listed(names) : ""));
+    std::int64_t number = 0;
+    for (const RunSummary& run : rules.front().verdict.runs) {
+        std::vector<std::string> windows;
+        for (std::size_t i = 0; i < rules.size(); ++i)
+            if (holds(run.span, rules[i].verdict.window)) windows.push_back(names[i]);
+        const std::string held =
+            windows.empty()
+                ? ""
+                : "; holds the window" + (rules.front().several ? " of " + listed(windows) : "");
+        add_row(block,
+                {counted(++number), seconds_text(run.span.start), seconds_text(run.span.duration),
+                 format_fixed(run.length_m, 1) + " m",
+                 fmt::format("{} {}", speed_text(run.top_speed_m_s, std::nullopt, unit), unit.name),
+                 format_fixed(run.heading_deg, 1) + "°",
+                 fmt::format("begins {}, ends {}{}", began_words(run.began), ended_words(run.ended),
+                             held)},
+                windows.empty() ? "" : "chosen");
+    }
+    return block;
+}
+
 }  // namespace
 
 std::vector<Block> witness_blocks(const RuleView& rule) {
@@ -67,25 +97,23 @@ std::vector<Block> witness_blocks(const RuleView& rule) {
     return {std::move(list)};
 }
 
-std::vector<Block> run_blocks(const RuleView& rule) {
-    if (rule.verdict.runs.empty()) return {};
-    const SpeedUnit& unit = rule.unit();
-    Block block = table({">Run|7", ">Begins at|12", ">Time|12", ">Path|12", ">Largest speed|16",
-                         ">Direction|12", "How it begins and ends|29"},
-                        rule.titled("Runs of the craft"));
-    std::int64_t number = 0;
-    for (const RunSummary& run : rule.verdict.runs) {
-        const bool holds_window = holds(run.span, rule.verdict.window);
-        add_row(block,
-                {counted(++number), seconds_text(run.span.start), seconds_text(run.span.duration),
-                 format_fixed(run.length_m, 1) + " m",
-                 fmt::format("{} {}", speed_text(run.top_speed_m_s, std::nullopt, unit), unit.name),
-                 format_fixed(run.heading_deg, 1) + "°",
-                 fmt::format("begins {}, ends {}{}", began_words(run.began), ended_words(run.ended),
-                             holds_window ? "; holds the window" : "")},
-                holds_window ? "chosen" : "");
+std::vector<Block> run_blocks(const std::vector<RuleView>& rules) {
+    std::vector<Block> blocks;
+    std::vector<std::vector<RuleView>> alike;
+    for (const RuleView& rule : rules) {
+        if (rule.verdict.runs.empty()) continue;
+        const auto same = std::ranges::find_if(alike, [&](const std::vector<RuleView>& group) {
+            return group.front().verdict.runs == rule.verdict.runs &&
+                   group.front().unit().name == rule.unit().name;
+        });
+        if (same == alike.end())
+            alike.push_back({rule});
+        else
+            same->push_back(rule);
     }
-    return {std::move(block)};
+    for (const std::vector<RuleView>& group : alike)
+        blocks.push_back(runs_table(group, alike.size() > 1));
+    return blocks;
 }
 
 std::vector<Block> course_blocks(const RuleView& rule) {

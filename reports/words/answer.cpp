@@ -31,18 +31,15 @@ std::string first_sentences(const std::string& text, std::size_t most) {
 
 /// The clause that the reason of what cannot be certified is about; empty for another reason.
 std::string deciding_clause(const ProfileVerdict& verdict) {
-    if (!verdict.reason.starts_with(not_met)) return {};
-    const std::string rest = verdict.reason.substr(not_met.size());
-    return rest.substr(0, rest.find(": "));
+    for (const Requirement& requirement : verdict.requirements)
+        if (verdict.reason.starts_with(fmt::format("{}{}: ", not_met, requirement.clause)))
+            return requirement.clause;
+    return {};
 }
 
-/// Why a speed cannot be certified, without the id of a clause.
-std::string why_refused(const ProfileVerdict& verdict) {
-    const std::string clause = deciding_clause(verdict);
-    const std::string why =
-        clause.empty() ? verdict.reason : verdict.reason.substr(not_met.size() + clause.size() + 2);
-    constexpr std::size_t most = 240;
-    return first_sentences(why, most);
+/// What every sentence says of a speed that was not judged by the body's own rule.
+std::string under(const ProfileVerdict& verdict) {
+    return state_of(verdict).rule_altered ? " under altered rules" : "";
 }
 
 /// "58.70 ± 0.19 km/h, required 55.67".
@@ -71,14 +68,14 @@ std::string due_text(const ProfileVerdict& verdict) {
 std::string exceeding_text(const ProfileVerdict& verdict) {
     const Figure* const craft = slower_craft(verdict);
     if (craft == nullptr)
-        return fmt::format("{}: exceeds the record{}.{}", speeds_text(verdict),
-                           verdict.overrides.empty() ? "" : " under altered rules",
+        return fmt::format("{}: exceeds the record{}.{}", speeds_text(verdict), under(verdict),
                            due_text(verdict));
     const ShownFigures shown = shown_of(verdict, "km/h");
     return fmt::format(
-        "The craft was too slow: {}, required {}. Its antenna did {} ± {}. The rule does not say "
+        "The craft was too slow{}: {}, required {}. Its antenna did {} ± {}. The rule does not say "
         "whose speed counts: the body must.",
-        craft->shown, shown.required_speed, shown.speed, shown.expanded_uncertainty);
+        under(verdict), craft->shown, shown.required_speed, shown.speed,
+        shown.expanded_uncertainty);
 }
 
 std::string window_text(const WindowSpan& span) {
@@ -118,12 +115,10 @@ void add_refused(const ProfileVerdict& verdict, std::vector<AnswerLine>& lines) 
 /// What a reader must know: of the recording, such as that it was simulated, or of the measurement.
 /// What the body is asked stands in the report.
 void add_notes(const ProfileVerdict& verdict, bool of_recording, std::vector<AnswerLine>& lines) {
-    constexpr std::size_t most = 3, longest = 200;
-    std::size_t said = 0;
     for (const std::string& note : verdict.notes)
         if (!note.starts_with("Question for the body:") &&
-            note.starts_with("The recording of receiver") == of_recording && said++ < most)
-            lines.push_back({"note", first_sentences(note, longest)});
+            note.starts_with("The recording of receiver") == of_recording)
+            lines.push_back({"note", note});
 }
 
 std::string short_outcome(const ProfileVerdict& verdict) {
@@ -163,7 +158,7 @@ void add_reasons(const Verdict& verdict, std::vector<AnswerLine>& lines) {
     std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
     for (const ProfileVerdict& rule : verdict.profiles) {
         if (rule.outcome != Outcome::not_certifiable) continue;
-        const std::string why = why_refused(rule);
+        const std::string why = refusal_text(rule);
         auto known = std::ranges::find(reasons, why, [](const auto& one) { return one.first; });
         if (known == reasons.end()) known = reasons.insert(reasons.end(), {why, {}});
         known->second.push_back(rule.profile);
@@ -188,20 +183,30 @@ const ProfileVerdict& leading(const Verdict& verdict) {
 
 }  // namespace
 
+std::string refusal_text(const ProfileVerdict& verdict) {
+    const std::string clause = deciding_clause(verdict);
+    const std::string why =
+        clause.empty() ? verdict.reason : verdict.reason.substr(not_met.size() + clause.size() + 2);
+    constexpr std::size_t most = 240;
+    return first_sentences(why, most);
+}
+
 std::string result_text(const ProfileVerdict& verdict) {
     switch (verdict.outcome) {
         case Outcome::beaten:
             return exceeding_text(verdict);
         case Outcome::not_beaten:
-            return speeds_text(verdict) + ": below the required speed. Record not beaten.";
+            return speeds_text(verdict) + ": below the required speed" + under(verdict) +
+                   ". Record not beaten.";
         case Outcome::not_proven:
             return speeds_text(verdict) +
-                   (verdict.record ? ": not proven, the required speed is within the uncertainty."
+                   (verdict.record ? ": not proven" + under(verdict) +
+                                         ", the required speed is within the uncertainty."
                                    : ": measured. The attempt names no record.");
         case Outcome::not_certifiable:
             break;
     }
-    return "Not certifiable. " + capitalised(why_refused(verdict));
+    return "Not certifiable" + under(verdict) + ". " + capitalised(refusal_text(verdict));
 }
 
 std::vector<AnswerLine> answer_details(const Verdict& verdict) {
@@ -240,13 +245,15 @@ AnswerLine answer_result(const Verdict& verdict) {
         answers += rule.standing.attestations;
         signatures = std::max(signatures, rule.standing.signatures);
     }
+    const std::string due = due_text(answers, signatures);
+    if (ways.size() == 1)
+        return {"RESULT", fmt::format("all {} rules: {}.{}", verdict.profiles.size(),
+                                      ways.front().first, due)};
     std::vector<std::string> said;
     for (const auto& [way, rules] : ways)
-        said.push_back(
-            fmt::format("{} ({})", way,
-                        rules.size() == verdict.profiles.size() ? "all of them" : listed(rules)));
-    return {"RESULT", fmt::format("{} rules: {}.{}", verdict.profiles.size(), fmt::join(said, "; "),
-                                  due_text(answers, signatures))};
+        said.push_back(fmt::format("{} ({})", way, listed(rules)));
+    return {"RESULT",
+            fmt::format("{} rules: {}.{}", verdict.profiles.size(), fmt::join(said, "; "), due)};
 }
 
 AnswerLine answer_next(const Verdict& verdict, const std::string& run_folder,
@@ -257,10 +264,11 @@ AnswerLine answer_next(const Verdict& verdict, const std::string& run_folder,
         return {"NEXT", fmt::format("read {}; what is due and from whom: runcert attest {}",
                                     shell_word(page), run)};
     const std::string clause = deciding_clause(rule);
-    return {"NEXT", fmt::format("read {}; why, and what helps: runcert explain {} {}",
-                                shell_word(page), run,
-                                clause.empty() ? "decision --profile " + shell_word(rule.profile)
-                                               : shell_word(rule.profile + "/" + clause))};
+    return {
+        "NEXT",
+        fmt::format("read {}; why, and what helps: runcert explain {} {}", shell_word(page), run,
+                    clause.empty() ? "decision --profile " + shell_word(plain_text(rule.profile))
+                                   : shell_word(plain_text(rule.profile + "/" + clause)))};
 }
 
 std::string answer_text(const std::vector<AnswerLine>& lines, std::size_t columns) {
@@ -275,17 +283,14 @@ std::string answer_text(const std::vector<AnswerLine>& lines, std::size_t column
 
 std::string answer_text(const std::vector<AnswerLine>& lines, std::size_t columns,
                         std::size_t most_lines, const std::string& run_folder) {
-    std::string text;
-    std::size_t used = 0;
-    for (const AnswerLine& line : lines) {
-        const std::string next = answer_text({line}, columns);
-        used += static_cast<std::size_t>(std::ranges::count(next, '\n'));
-        if (used + (&line == &lines.back() ? 0 : 1) > most_lines)
-            return text + answer_text({{"...", "more: runcert explain " + shell_word(run_folder)}},
-                                      columns);
-        text += next;
-    }
-    return text;
+    const std::string text = answer_text(lines, columns);
+    std::size_t end = 0;
+    for (std::size_t line = 0; end < text.size() && line < most_lines; ++line)
+        end = text.find('\n', end) + 1;
+    if (end == text.size()) return text;
+    end = text.rfind('\n', end - 2) + 1;  // one line less, for where the rest is
+    return text.substr(0, end) +
+           answer_text({{"...", "more: runcert explain " + shell_word(run_folder)}}, columns);
 }
 
 }  // namespace runcert

@@ -20,6 +20,9 @@ struct AnswerLine {
 /// Not yet beaten: 9 answers are due." Of what cannot be certified the reason.
 std::string result_text(const ProfileVerdict& verdict);
 
+/// Why a speed cannot be certified, in the first sentences of the reason, without a clause's id.
+std::string refusal_text(const ProfileVerdict& verdict);
+
 /// What stands behind the answer. Of one rule: window, speeds, witnesses, what was refused, and the
 /// first notes; of several a row for each, and reasons that they share once.
 std::vector<AnswerLine> answer_details(const Verdict& verdict);

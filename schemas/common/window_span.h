@@ -16,6 +16,8 @@ struct WindowSpan {
     ElapsedTime start;
     ElapsedTime duration;
     std::optional<GpsTime> start_gps;  ///< empty where the recording's time is relative
+
+    bool operator==(const WindowSpan&) const = default;
 };
 
 /// "20.100 s": three decimals.

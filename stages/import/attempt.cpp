@@ -135,8 +135,8 @@ void require_accuracy(const Receiver& receiver, const StatedAccuracies& stated, 
     const bool heights_alone = stated.horizontal > 0;
     if (stated.positions == 0 || (heights_alone && (stated.vertical > 0 || !with_heights))) return;
     throw Failure(receiver.place,
-                  fmt::format("the recording states no accuracy of its {}, and neither does the "
-                              "attempt: no rule can be decided",
+                  fmt::format("the recording states no accuracy of its {} that can be used, nor "
+                              "does the attempt: no rule can be decided",
                               heights_alone ? "heights" : "positions"),
                   fmt::format("Write in the receiver what the device's manual says (a watch 2 to 5 "
                               "m, a logger 1 to 2 m, RTK 0.02 m): accuracy: {{{}}}",

@@ -285,7 +285,7 @@ class Advice : public testing::TestWithParam<Given> {
 
     /// Whether a speed was measured.
     bool is_measured(const ProcessResult& result) const {
-        return result.exit_status != 2 && result.output.find("\n  speed  ") != std::string::npos;
+        return result.exit_status != 2 && result.output.find("\nspeed  ") != std::string::npos;
     }
 
     Keys keys_ = GetParam().begun;

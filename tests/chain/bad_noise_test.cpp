@@ -101,16 +101,14 @@ TEST(BadNoise, ConstantPositions) {
     EXPECT_EQ(outcome.profile()["outcome"].text(), "not_beaten");
 }
 
-TEST(BadNoise, StatedAccuraciesOfZeroAreNotCertifiable) {
+TEST(BadNoise, StatedAccuraciesOfZeroEndBeforeAnythingIsComputed) {
     std::vector<Epoch> recording = on_a_curve(200);
     for (Epoch& epoch : recording)
         epoch.sigma_m = 0.0;
     const Outcome outcome = certified(recording);
-    EXPECT_EQ(outcome.exit_status, 1) << outcome.errors;
-    EXPECT_EQ(outcome.profile()["outcome"].text(), "not_certifiable");
-    EXPECT_NE(outcome.profile()["reason"].text().find("accuracy not stated"), std::string::npos)
-        << outcome.profile()["reason"].text();
-    EXPECT_FALSE(outcome.profile()["speed_km_h"].exists());
+    EXPECT_EQ(outcome.exit_status, 2) << outcome.statements;
+    for (const char* words : {"states no accuracy of its positions", "accuracy: {horizontal_m: 3"})
+        EXPECT_NE(outcome.errors.find(words), std::string::npos) << outcome.errors;
 }
 
 TEST(BadNoise, StatedAccuraciesThatAreAllEqual) {

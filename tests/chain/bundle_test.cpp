@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "handover_support.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
@@ -108,6 +109,121 @@ TEST_F(BundleTest, ABundleUnpackedAndBundledAgainIsTheSame) {
     EXPECT_TRUE(make_bundle({.run_dir = unpacked.run_dir}).bytes == read_file(file()));
     write_quickly(unpacked.run_dir / "VERIFY.txt", "Believe me.");
     EXPECT_THROW(make_bundle({.run_dir = unpacked.run_dir}), Failure);
+}
+
+TEST_F(BundleTest, EveryReaderTakesABundleAsItTakesTheFolder) {
+    const TemporaryFolder there;
+    const std::string run = signed_->run().string(), packed = file().string();
+    const auto out = [&](const char* name) { return (there.path() / name).string(); };
+    for (const std::vector<std::string>& command :
+         std::vector<std::vector<std::string>>{{"explain"},
+                                               {"explain", "nalsa/accuracy"},
+                                               {"audit"},
+                                               {"audit", "--stage", "screen"},
+                                               {"attest"},
+                                               {"export", "--format", "csv", "--out", "-"},
+                                               {"export", "--format", "kml", "--out", "-"}}) {
+        const auto said_of = [&](const std::string& given) {
+            std::vector<std::string> line{command.front(), given};
+            line.insert(line.end(), command.begin() + 1, command.end());
+            const ProcessResult result = runcert(line);
+            EXPECT_EQ(result.exit_status, 0) << command.front() << result.errors;
+            std::string said = result.output;
+            replace_all(said, given, "RUN");
+            return said;
+        };
+        std::string of_folder = said_of(run);
+        // A bundle leaves out when the run was made.
+        if (command.front() != "audit")
+            EXPECT_EQ(said_of(packed), of_folder) << command.front();
+        else
+            EXPECT_TRUE(holds(said_of(packed), "3-screened.ecsv"));
+    }
+    EXPECT_EQ(runcert({"diff", run, packed}).exit_status, 0);
+    const ProcessResult changed =
+        runcert({"explain", packed, "--roster", (signed_->run() / "report.json").string()});
+    EXPECT_EQ(changed.exit_status, 2) << changed.output;
+    // What is no bundle is refused by its own name.
+    write_quickly(out("note.txt"), "no bundle");
+    const ProcessResult refused = runcert({"audit", out("note.txt")});
+    EXPECT_EQ(refused.exit_status, 2);
+    EXPECT_TRUE(holds(refused.errors, out("note.txt"))) << refused.errors;
+}
+
+TEST_F(BundleTest, APageSaysWhichReportItShowsAndWhatToAskFor) {
+    const TemporaryFolder there;
+    ASSERT_EQ(certify(examples / "salt_lake" / "attempt.yaml", there.path() / "run").exit_status,
+              0);
+    const nlohmann::json report =
+        nlohmann::json::parse(read_file(there.path() / "run" / "report.json"));
+    const std::string id = report["predicate"]["report_id"].get<std::string>();
+    for (const char* name : {"report.html", "report.pdf"})
+        for (const char* command : {"verify", "explain", "sign"}) {
+            const fs::path page = there.path() / "run" / name;
+            std::vector<std::string> line{command, page.string()};
+            if (line.front() == "sign") line.insert(line.end(), {"--key", "k", "--role", "judge"});
+            const ProcessResult result = runcert(line);
+            EXPECT_EQ(result.exit_status, 2);
+            for (const std::string& words :
+                 {"readable copy of report " + id, std::string("(attempt \"salt-lake\")"),
+                  page.string(), std::string("runcert verify salt-lake.zip --roster ROSTER")})
+                EXPECT_TRUE(holds(result.errors, words)) << command << result.errors;
+        }
+    // Another page is no bundle, and no report.
+    write_quickly(there.path() / "other.pdf", "%PDF-1.7 Measurement report of a bridge");
+    EXPECT_FALSE(
+        holds(runcert({"verify", (there.path() / "other.pdf").string()}).errors, "readable copy"));
+}
+
+TEST_F(BundleTest, WhatWasAnsweredOnCopiesIsTakenIn) {
+    const TemporaryFolder there;
+    const auto in_it = [&](const std::string& line) {
+        return shell(there.path(), "export PATH='" RUNCERT_PROGRAMS "':$PATH; " + line);
+    };
+    const fs::path run = there.path() / "run";
+    fs::copy(signed_->run(), run);
+    for (const char* who : {"a", "b"})
+        ASSERT_EQ(in_it(std::string("runcert keygen --no-password --role judge --out ") + who)
+                      .exit_status,
+                  0);
+    ASSERT_EQ(in_it("runcert bundle run --out a.zip --zip && mkdir a b && cp a.zip b").exit_status,
+              0);
+    for (const char* who : {"a", "b"}) {
+        const ProcessResult answered =
+            in_it(std::string("cd ") + who +
+                  " && runcert attest ../a.zip flat-course --role judge --key ../" + who +
+                  ".key --yes --no-render && runcert sign salt-lake --role judge --key ../" + who +
+                  ".key --no-render --no-recompute");
+        EXPECT_EQ(answered.exit_status, 0) << answered.output << answered.errors;
+        EXPECT_TRUE(holds(answered.output, "unpacked to salt-lake")) << answered.output;
+    }
+    // Where such a folder is, nothing is unpacked over it.
+    const ProcessResult again =
+        in_it("cd a && runcert attest ../a.zip observers --role judge --key ../a.key --yes");
+    EXPECT_EQ(again.exit_status, 2) << again.output;
+    EXPECT_TRUE(holds(again.errors, "which is there")) << again.errors;
+    const auto before = contents_of(run);
+    const ProcessResult first = in_it("runcert attest run --take a/salt-lake --no-render");
+    EXPECT_EQ(first.exit_status, 0) << first.errors;
+    EXPECT_TRUE(holds(first.output, "attestations/answer-")) << first.output;
+    EXPECT_EQ(contents_of(run).size(), before.size() + 2);
+    EXPECT_TRUE(holds(in_it("runcert attest run --take a/salt-lake --no-render").output,
+                      "all of it is there already"));
+    // The other judge's signature has the same name, and gets another.
+    const ProcessResult second = in_it("runcert attest run --take b/salt-lake --no-render");
+    EXPECT_EQ(second.exit_status, 0) << second.errors;
+    EXPECT_TRUE(fs::exists(run / "report.json.judge.minisig"));
+    EXPECT_TRUE(fs::exists(run / "report.json.judge-2.minisig"));
+    const ProcessResult verified =
+        in_it("runcert verify run --pubkey judge=a.pub --pubkey judge=b.pub --pubkey '" +
+              signed_->public_key() + "'");
+    EXPECT_TRUE(holds(verified.output, "3 signers")) << verified.output;
+    const auto both = contents_of(run);
+    EXPECT_EQ(both.size(), before.size() + 4);
+    // An answer to another report is none to this.
+    write_quickly(there.path() / "b" / "salt-lake" / "report.json", "{}");
+    EXPECT_TRUE(holds(in_it("runcert attest run --take b/salt-lake").errors, "another report"));
+    EXPECT_EQ(contents_of(run), both);
 }
 
 TEST_F(BundleTest, AsAZipItIsTheSameBundle) {

@@ -15,7 +15,8 @@ TEST(Certify, LandYachtIsBeatenAndNotGeoreferenced) {
         certify(examples / "land_yacht" / "attempt.yaml", folder.path() / "run");
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     EXPECT_NE(result.output.find(
-                  "nalsa: Measured speed exceeds the record; 14 requirements still to be attested"),
+                  "RESULT  nalsa: 215.97 ± 0.35 km/h, required 204.51: exceeds the record. Not yet "
+                  "beaten: 14 answers are due.\nNEXT    read "),
               std::string::npos)
         << result.output;
     EXPECT_NE(result.output.find("UNSIGNED"), std::string::npos);

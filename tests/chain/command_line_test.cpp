@@ -57,7 +57,8 @@ TEST(CommandLine, QuietCertifySaysTheVerdictAlone) {
     const ProcessResult result = certify(examples / "land_yacht" / "attempt.yaml",
                                          folder.path() / "run", {"--quiet", "--no-render"});
     EXPECT_EQ(result.exit_status, 0);
-    EXPECT_TRUE(result.output.starts_with("\nnalsa: ")) << result.output;
+    EXPECT_TRUE(result.output.starts_with("\nwindow ")) << result.output;
+    EXPECT_NE(result.output.find("\nRESULT  nalsa: "), std::string::npos) << result.output;
     for (const char* stage : {"\nimport ", "\nsmooth ", "\nreport "})
         EXPECT_EQ(result.output.find(stage), std::string::npos) << stage;
     // Times of the run before that cannot be read are no reason to refuse.
@@ -75,13 +76,14 @@ TEST(CommandLine, ARefusalEndsWithReasonPlaceAndTheCommandThatExplainsIt) {
     const std::string run = (folder.path() / "run").string();
     const ProcessResult result =
         certify(examples / "rejected" / "attempt.yaml", run, {"--no-render"});
-    const std::size_t at = result.output.rfind("\nnalsa: Not certifiable\n");
+    const std::size_t at =
+        result.output.rfind("\nRESULT  nalsa: Not certifiable. The recording shows");
     ASSERT_NE(at, std::string::npos) << result.output;
     const std::string last = result.output.substr(at);
     std::smatch explain;
-    ASSERT_TRUE(std::regex_search(last, explain, std::regex("  explain  runcert (.*)\n"))) << last;
-    EXPECT_NE(last.find("  why      "), std::string::npos) << last;
-    EXPECT_NE(last.find("  where    "), std::string::npos) << last;
+    ASSERT_TRUE(std::regex_search(last, explain, std::regex("\nNEXT .*: runcert (explain .*)\n")))
+        << last;
+    EXPECT_NE(result.output.find("\nrefused 224.32 km/h"), std::string::npos) << result.output;
     const std::string words = explain[1].str();
     const ProcessResult explained =
         run_process({"sh", "-c", std::string(RUNCERT_PROGRAMS) + "/runcert " + words});
@@ -102,11 +104,11 @@ TEST(CommandLine, OnATerminalLinesKeepToItsWidthAndOneMoves) {
     EXPECT_EQ(first.output.find("as the last time"), std::string::npos);
     const std::string again = run_process({"script", "-qec", command, "/dev/null"}).output;
     EXPECT_NE(again.find("as the last time"), std::string::npos) << again;
-    const std::size_t verdict = first.output.find("nalsa: ");
+    const std::size_t verdict = first.output.find("witness ");
     std::istringstream lines(first.output.substr(verdict));
     for (std::string line; std::getline(lines, line) && !line.starts_with("\r\033[K");) {
         if (line.ends_with('\r')) line.pop_back();
-        if (line.starts_with("nalsa: ") || line.find(run) != std::string::npos) continue;
+        if (line.find(run) != std::string::npos) continue;
         EXPECT_LE(line.size(), 62U) << line;  // with the bytes of "±"
     }
 }

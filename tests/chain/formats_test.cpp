@@ -44,6 +44,12 @@ TEST_P(Formats, AreCertifiedOrRefusedWithTheirReason) {
                     given.receiver));
     const fs::path run = folder.path() / "run";
     const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
+    if (given.outcome == std::string("refused")) {
+        EXPECT_EQ(result.exit_status, 2) << result.output;
+        for (const char* words : given.said)
+            EXPECT_NE(result.errors.find(words), std::string::npos) << words << result.errors;
+        return;
+    }
     ASSERT_NE(result.exit_status, 2) << result.errors;
     const Observations observations =
         read_observations(read_file(run / "1-observations.ecsv"), "1-observations");
@@ -84,12 +90,11 @@ INSTANTIATE_TEST_SUITE_P(
                           5.0,
                           0.2,
                           {"the recorded velocities give"}},
-                    // A VBO states no fix type that a car's rule allows; allowed, it states
-                    // no accuracy.
+                    // A VBO states no fix type that a car's rule allows, and no accuracy.
                     Given{"VboOfACar",
                           {"race_car_vbo/run_a.vbo"},
                           "car",
-                          "",
+                          ", accuracy: {horizontal_m: 0.3, vertical_m: 0.6}",
                           "vbo",
                           5675,
                           "not_certifiable",
@@ -102,10 +107,10 @@ INSTANTIATE_TEST_SUITE_P(
                           "",
                           "vbo",
                           5675,
-                          "not_certifiable",
+                          "refused",
                           0.0,
                           0.0,
-                          {"nothing can be certified"}},
+                          {"states no accuracy of its positions"}},
                     Given{"FlySightWithBadAccuracyAndGaps",
                           {"speed_skydive/flysight1_bad_accuracy_gaps.csv"},
                           "skydiver",

@@ -24,7 +24,7 @@ attempts:
   - {id: tokyo, recording: ppk_tokyo_ecef/rover.pos, craft: {name: car, class: car}}
   - {id: walk-pos, recording: ubx_walk/rover.pos, craft: {name: walk, class: board}}
   - {id: walk-ubx, recording: ubx_walk/rover.ubx, craft: {name: walk, class: board}}
-  - {id: race-car, recording: race_car_vbo/run_a.vbo, craft: {name: race car, class: car}}
+  - {id: race-car, recording: race_car_vbo/run_a.vbo, craft: {name: race car, class: car}, accuracy: {horizontal_m: 0.3, vertical_m: 0.6}}
   - {id: standing-f9p, recording: nmea_gst/static_f9p.nmea, craft: {name: standing still, class: board}}
   - {id: standing-skytraq, recording: nmea_gst/static_skytraq.nmea, craft: {name: standing still, class: board}}
   - {id: walk-rinex, recording: rinex_pair/yamatogawa_rover.obs, base: rinex_pair/yamatogawa_master.obs, navigation: rinex_pair/yamatogawa_rover.nav, craft: {name: walk, class: board}}

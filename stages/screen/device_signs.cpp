@@ -79,7 +79,8 @@ std::int64_t rows_between_knots(const std::vector<FourthDifference>& differences
         const auto rows = static_cast<std::size_t>(period);
         std::vector<std::vector<double>> of_phase(rows);
         for (const FourthDifference& one : differences)
-            of_phase[static_cast<std::size_t>(one.row % period)].push_back(one.square);
+            of_phase[static_cast<std::size_t>((one.row % period + period) % period)].push_back(
+                one.square);  // rows may lie before the first epoch
         std::size_t fewest = differences.size(), knot = 0;
         std::vector<double> size(rows);
         for (std::size_t phase = 0; phase < rows; ++phase) {

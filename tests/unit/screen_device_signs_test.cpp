@@ -187,6 +187,18 @@ TEST(DeviceSigns, RowsOnLinesAndSplinesBetweenFixesASecondApartAreCounted) {
         }
 }
 
+TEST(DeviceSigns, RowsBeforeTheFirstEpochCountAsThoseBehindIt) {
+    // A stretch that was written later may lie before the recording's first epoch.
+    const Rows fixes = record({.epochs = 200, .speed_m_s = 150.0, .noise_m = 0.01});
+    Rows rows = resampled(fixes, 10, 0.001, on_a_line);
+    const DeviceSigns behind = signs_of(rows, 0.001);
+    for (ScreenedEpoch& row : rows)
+        row.time.nanoseconds -= 123'400'000'000;
+    const DeviceSigns before = signs_of(rows, 0.001);
+    EXPECT_EQ(before.interpolated, behind.interpolated);
+    EXPECT_EQ(before.by_chance, behind.by_chance);
+}
+
 TEST(DeviceSigns, StepsAtEveryTenthRowOfAnHonestRecordingAreNoSign) {
     // As corrections make them that come once a second, beside coarse coordinates.
     for (const double step_m : {0.01, 0.03, 0.1})

@@ -243,20 +243,23 @@ int take(const AttestOptions& options) {
     std::vector<std::string> brought;
     {
         const RunLock lock(options.run_dir);
-        for (const std::string& one : options.take) {
-            const GivenRun copy(one);
-            for (std::string& name : take_answers(options.run_dir, copy.folder()))
-                brought.push_back(std::move(name));
-        }
-        const RunStanding standing = standing_now(options, report);
-        if (!standing.given.faults.empty()) {
+        try {
+            for (const std::string& one : options.take) {
+                const GivenRun copy(one);
+                for (std::string& name : take_answers(options.run_dir, copy.folder()))
+                    brought.push_back(std::move(name));
+            }
+            const RunStanding standing = standing_now(options, report);
+            if (!standing.given.faults.empty())
+                throw Failure(options.run_dir, standing.given.faults.front(),
+                              "Nothing was taken. Ask for the answer again");
+            for (const std::string& line : standing_lines(standing, true))
+                fmt::print("{}\n", plain_text(line));
+        } catch (const Failure&) {
             for (const std::string& name : brought)
                 fs::remove(fs::path(options.run_dir) / name);
-            throw Failure(options.run_dir, standing.given.faults.front(),
-                          "Nothing was taken. Ask for the answer again");
+            throw;
         }
-        for (const std::string& line : standing_lines(standing, true))
-            fmt::print("{}\n", plain_text(line));
     }
     fmt::print("taken   {}\n", brought.empty() ? "nothing: all of it is there already"
                                                : plain_text(listed(brought)));

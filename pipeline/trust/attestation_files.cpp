@@ -116,7 +116,8 @@ std::vector<std::string> take_answers(const fs::path& run_dir, const fs::path& c
         const std::string name = free_signature_name(run_dir, signature);
         bring(name, signature.text);
         for (const auto& name_of : {time_stamp_name, time_stamp_query_name})
-            if (const fs::path stamp = copy / name_of(signature.name); fs::is_regular_file(stamp))
+            if (const fs::path stamp = copy / name_of(signature.name);
+                fs::is_regular_file(fs::symlink_status(stamp)))
                 bring(name_of(name), read_file(stamp));
     }
     std::vector<std::string> written;

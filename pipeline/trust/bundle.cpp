@@ -9,6 +9,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "run/staging_folder.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -282,7 +283,9 @@ fs::path GivenRun::kept() {
             kept.string(), "the bundle is unpacked to a folder of that name, which is there",
             "Name that folder in place of the bundle if it is of the same run, or move it "
             "away");
-    fs::copy(bundle_->run_dir, kept, fs::copy_options::recursive);
+    StagingFolder staging(kept);
+    fs::copy(bundle_->run_dir, staging.path(), fs::copy_options::recursive);
+    staging.publish();
     folder_ = kept;
     bundle_.reset();
     return kept;

@@ -63,14 +63,23 @@ Json answered(Json block, const RuleStanding& rule) {
     return block;
 }
 
-/// Clauses that all rules have, with what was answered under each: once where it is the same.
+/// Whether a row is of a clause: rules may have others of the same name.
+bool is_of(const Json& row, const DueClause& due) {
+    return row.value("clause", "") == due.clause &&
+           row["cells"][1].get<std::string>().starts_with(due.clause + ": " + due.text);
+}
+
+/// Clauses of several rules, with what was answered under each: once where it is the same. What
+/// the data refuse under one of the rules stays marked so.
 Json answered_under_all(Json block, const std::vector<RuleStanding>& rules) {
     for (Json& row : block["rows"]) {
         std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> said;
-        std::string mark;
+        std::string mark = row.value("mark", "") == "not_met" ? "not_met" : "";
+        bool is_answered = false;
         for (const RuleStanding& rule : rules)
             for (const ClauseStanding& clause : rule.clauses) {
-                if (row.value("clause", "") != clause.due.clause) continue;
+                if (!is_of(row, clause.due)) continue;
+                is_answered = is_answered || !clause.answers.empty();
                 const std::string here = mark_of(clause);
                 if (mark.empty() || mark == "answered" || here == "not_met") mark = here;
                 auto same = std::ranges::find(said, clause_words(clause),
@@ -78,7 +87,7 @@ Json answered_under_all(Json block, const std::vector<RuleStanding>& rules) {
                 if (same == said.end()) same = said.insert(said.end(), {clause_words(clause), {}});
                 same->second.push_back(rule.profile);
             }
-        if (said.empty()) continue;
+        if (!is_answered) continue;
         row["mark"] = mark;
         for (const auto& [words, profiles] : said)
             for (const std::string& line : words)

@@ -148,6 +148,15 @@ std::string monte_carlo_text(const CertifiableWindow& window, const SpeedUnit& u
         interval_words(check, judged, unit));
 }
 
+/// What a source contributes under a rule, in its unit; empty where its budget has no such row.
+std::string contribution_of(const RuleView& rule, const std::string& source) {
+    const auto& budget = rule.best()->budget;
+    const auto row = std::ranges::find(budget, source, &BudgetRow::source);
+    return row == budget.end()
+               ? ""
+               : contribution_text(row->contribution_m_s, *rule.best(), rule.unit());
+}
+
 }  // namespace
 
 std::vector<Block> budget_blocks(const RuleView& rule) {
@@ -167,6 +176,60 @@ std::vector<Block> budget_blocks(const RuleView& rule) {
     if (window.monte_carlo)
         blocks.push_back(paragraph(monte_carlo_text(window, rule.unit()), "note"));
     return blocks;
+}
+
+std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules) {
+    std::vector<RuleView> certified;
+    std::vector<std::string> sources;
+    for (const RuleView& rule : rules) {
+        if (rule.best() == nullptr) continue;
+        certified.push_back(rule);
+        for (const BudgetRow& row : rule.best()->budget)
+            if (std::ranges::find(sources, row.source) == sources.end())
+                sources.push_back(row.source);
+    }
+    if (certified.empty()) return {};
+    constexpr std::size_t of_sources = 30;
+    const std::size_t width = (100 - of_sources) / certified.size();
+    std::vector<std::string> heads{
+        fmt::format("Contribution to the standard uncertainty|{}", of_sources)};
+    Block legend = facts({}, "Budgets", "narrow");
+    for (std::size_t i = 0; i < certified.size(); ++i) {
+        heads.push_back(fmt::format(">Rule {}, {}|{}", i + 1, certified[i].unit().name, width));
+        add_fact(legend, fmt::format("Rule {}", i + 1),
+                 fmt::format("{}: {}", certified[i].profile.id,
+                             measured_speed_text(certified[i].shown(),
+                                                 certified[i].verdict.coverage_factor)));
+    }
+    Block block = table(heads, {}, "small");
+    const auto add_each = [&](const std::string& name, const auto& cell, const char* mark) {
+        std::vector<std::string> cells{name};
+        for (const RuleView& rule : certified)
+            cells.push_back(cell(rule));
+        add_row(block, std::move(cells), mark);
+    };
+    for (const std::string& source : sources)
+        add_each(
+            source, [&](const RuleView& rule) { return contribution_of(rule, source); }, "");
+    add_each(
+        "Combined standard uncertainty",
+        [](const RuleView& rule) {
+            return contribution_text(rule.best()->standard_uncertainty_m_s, *rule.best(),
+                                     rule.unit());
+        },
+        "total");
+    add_each(
+        "Expanded uncertainty, with the limit of the bias of choosing",
+        [](const RuleView& rule) {
+            return uncertainty_rounded_up(
+                expanded_uncertainty_m_s(*rule.best(), rule.verdict.coverage_factor) *
+                rule.unit().per_m_s);
+        },
+        "total");
+    return {std::move(legend), std::move(block),
+            paragraph("Estimates, distributions, sensitivities and undetected errors of each rule: "
+                      "runcert audit RUN_FOLDER.",
+                      "note")};
 }
 
 }  // namespace runcert

@@ -80,6 +80,9 @@ Block span_facts(const WindowSpan& span);
 Block result_table(const RuleView& rule);
 /// The certified window, with its speed by each definition and method.
 std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span);
+/// Speeds of antenna and reference point, where an IMU tells both; the windows that make the figure
+/// together, where it is of several.
+std::vector<Block> points_and_further_blocks(const RuleView& rule);
 /// The fastest window of the raw positions, where it was refused; else none.
 std::vector<Block> refused_blocks(const RuleView& rule);
 /// The uncertainty of the certified window: what it rests on, its budget, what could be missed.
@@ -98,7 +101,8 @@ std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
 Block requirements_of_all(const std::vector<RuleView>& rules);
 /// The notes that all verdicts have.
 std::vector<std::string> said_of_all(const std::vector<RuleView>& rules);
-/// The certified windows, their speeds by each definition, and by each rule's own arithmetic.
+/// The certified windows, their speeds by each definition, by each rule's own arithmetic, of two
+/// points of the craft, and of further windows.
 std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
 /// The budgets beside each other, as contributions to each rule's speed.
 std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include "core/prose.h"
-#include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
 
@@ -31,19 +30,26 @@ std::string speed_of(const RuleView& rule, const std::optional<double>& speed_m_
     return speed_m_s ? shown_speed(SpeedKind::measured, *speed_m_s, rule.shown(), rule.unit()) : "";
 }
 
-/// What a source contributes under a rule, in its unit; empty where its budget has no such row.
-std::string contribution_of(const RuleView& rule, const std::string& source) {
-    const auto& budget = rule.best()->budget;
-    const auto row = std::ranges::find(budget, source, &BudgetRow::source);
-    return row == budget.end() ? ""
-                               : significant_text(row->contribution_m_s * rule.unit().per_m_s, 2);
-}
-
 /// A requirement under a rule.
 struct AskedBy {
     const RuleView* rule = nullptr;
     const Requirement* requirement = nullptr;
 };
+
+/// Where a requirement is known from, by rule where that differs: one rule's text may be quoted,
+/// and another's not be confirmed.
+void add_sources(TableRow& row, const std::vector<AskedBy>& asked) {
+    const auto source_of = [](const AskedBy& one) {
+        return requirement_lines(*one.requirement).back();
+    };
+    const std::string first = source_of(asked.front());
+    if (std::ranges::all_of(asked, [&](const AskedBy& one) { return source_of(one) == first; })) {
+        row.further.push_back(first);
+        return;
+    }
+    for (const AskedBy& one : asked)
+        row.further.push_back(fmt::format("{}: {}", one.rule->profile.id, source_of(one)));
+}
 
 /// A requirement that several rules have: once what is alike, and beneath it what differs.
 void add_clause(Block& block, const std::vector<AskedBy>& asked, std::size_t rules) {
@@ -72,6 +78,8 @@ void add_clause(Block& block, const std::vector<AskedBy>& asked, std::size_t rul
     row.clause = first.clause;
     if (one_state && one_evidence) {
         row.further = requirement_lines(first);
+        row.further.pop_back();
+        add_sources(row, asked);
         return;
     }
     for (const AskedBy& one : asked)
@@ -79,7 +87,7 @@ void add_clause(Block& block, const std::vector<AskedBy>& asked, std::size_t rul
             fmt::format("{}: {}{}", one.rule->profile.id,
                         one_state ? "" : state_text(one.requirement->status) + ": ",
                         one.requirement->evidence));
-    row.further.push_back(requirement_lines(first).back());
+    add_sources(row, asked);
 }
 
 }  // namespace
@@ -144,60 +152,14 @@ std::vector<Block> windows_of_all(const std::vector<RuleView>& rules) {
     for (const RuleView& rule : rules)
         add_fact(own, rule.profile.id, own_arithmetic_text(rule.verdict.own_arithmetic));
     blocks.push_back(std::move(own));
-    return blocks;
-}
-
-std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules) {
-    std::vector<RuleView> certified;
-    std::vector<std::string> sources;
     for (const RuleView& rule : rules) {
         if (rule.best() == nullptr) continue;
-        certified.push_back(rule);
-        for (const BudgetRow& row : rule.best()->budget)
-            if (std::ranges::find(sources, row.source) == sources.end())
-                sources.push_back(row.source);
+        std::vector<Block> more = points_and_further_blocks(rule);
+        if (more.empty()) continue;
+        blocks.push_back(heading(rule.titled("Window")));
+        add(blocks, std::move(more));
     }
-    if (certified.empty()) return {};
-    constexpr std::size_t of_sources = 30;
-    const std::size_t width = (100 - of_sources) / certified.size();
-    std::vector<std::string> heads{
-        fmt::format("Contribution to the standard uncertainty|{}", of_sources)};
-    Block legend = facts({}, "Budgets", "narrow");
-    for (std::size_t i = 0; i < certified.size(); ++i) {
-        heads.push_back(fmt::format(">Rule {}, {}|{}", i + 1, certified[i].unit().name, width));
-        add_fact(legend, fmt::format("Rule {}", i + 1),
-                 fmt::format("{}: {}", certified[i].profile.id,
-                             measured_speed_text(certified[i].shown(),
-                                                 certified[i].verdict.coverage_factor)));
-    }
-    Block block = table(heads, {}, "small");
-    const auto add_each = [&](const std::string& name, const auto& cell, const char* mark) {
-        std::vector<std::string> cells{name};
-        for (const RuleView& rule : certified)
-            cells.push_back(cell(rule));
-        add_row(block, std::move(cells), mark);
-    };
-    for (const std::string& source : sources)
-        add_each(
-            source, [&](const RuleView& rule) { return contribution_of(rule, source); }, "");
-    add_each(
-        "Combined standard uncertainty",
-        [](const RuleView& rule) {
-            return significant_text(rule.best()->standard_uncertainty_m_s * rule.unit().per_m_s, 2);
-        },
-        "total");
-    add_each(
-        "Expanded uncertainty, with the limit of the bias of choosing",
-        [](const RuleView& rule) {
-            return uncertainty_rounded_up(
-                expanded_uncertainty_m_s(*rule.best(), rule.verdict.coverage_factor) *
-                rule.unit().per_m_s);
-        },
-        "total");
-    return {std::move(legend), std::move(block),
-            paragraph("Estimates, distributions, sensitivities and undetected errors of each rule: "
-                      "runcert audit RUN_FOLDER.",
-                      "note")};
+    return blocks;
 }
 
 }  // namespace runcert

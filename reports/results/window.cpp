@@ -181,13 +181,19 @@ Block result_table(const RuleView& rule) {
         rule);
 }
 
+std::vector<Block> points_and_further_blocks(const RuleView& rule) {
+    std::vector<Block> blocks;
+    add_points(blocks, rule);
+    add_further(blocks, rule);
+    return blocks;
+}
+
 std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span) {
     std::vector<Block> blocks{span_facts(span)};
     if (rule.best() == nullptr) return blocks;
     add_best_facts(blocks.back(), rule);
     add_definitions(blocks, rule);
-    add_points(blocks, rule);
-    add_further(blocks, rule);
+    add(blocks, points_and_further_blocks(rule));
     return blocks;
 }
 

@@ -37,11 +37,6 @@ std::string deciding_clause(const ProfileVerdict& verdict) {
     return {};
 }
 
-/// What every sentence says of a speed that was not judged by the body's own rule.
-std::string under(const ProfileVerdict& verdict) {
-    return state_of(verdict).rule_altered ? " under altered rules" : "";
-}
-
 /// "58.70 ± 0.19 km/h, required 55.67".
 std::string speeds_text(const ProfileVerdict& verdict) {
     const ShownFigures shown = shown_of(verdict, "km/h");
@@ -68,13 +63,13 @@ std::string due_text(const ProfileVerdict& verdict) {
 std::string exceeding_text(const ProfileVerdict& verdict) {
     const Figure* const craft = slower_craft(verdict);
     if (craft == nullptr)
-        return fmt::format("{}: exceeds the record{}.{}", speeds_text(verdict), under(verdict),
-                           due_text(verdict));
+        return fmt::format("{}: exceeds the record{}.{}", speeds_text(verdict),
+                           altered_text(state_of(verdict)), due_text(verdict));
     const ShownFigures shown = shown_of(verdict, "km/h");
     return fmt::format(
         "The craft was too slow{}: {}, required {}. Its antenna did {} ± {}. The rule does not say "
         "whose speed counts: the body must.",
-        under(verdict), craft->shown, shown.required_speed, shown.speed,
+        altered_text(state_of(verdict)), craft->shown, shown.required_speed, shown.speed,
         shown.expanded_uncertainty);
 }
 
@@ -196,17 +191,18 @@ std::string result_text(const ProfileVerdict& verdict) {
         case Outcome::beaten:
             return exceeding_text(verdict);
         case Outcome::not_beaten:
-            return speeds_text(verdict) + ": below the required speed" + under(verdict) +
-                   ". Record not beaten.";
+            return speeds_text(verdict) + ": below the required speed" +
+                   altered_text(state_of(verdict)) + ". Record not beaten.";
         case Outcome::not_proven:
             return speeds_text(verdict) +
-                   (verdict.record ? ": not proven" + under(verdict) +
+                   (verdict.record ? ": not proven" + altered_text(state_of(verdict)) +
                                          ", the required speed is within the uncertainty."
                                    : ": measured. The attempt names no record.");
         case Outcome::not_certifiable:
             break;
     }
-    return "Not certifiable" + under(verdict) + ". " + capitalised(refusal_text(verdict));
+    return "Not certifiable" + altered_text(state_of(verdict)) + ". " +
+           capitalised(refusal_text(verdict));
 }
 
 std::vector<AnswerLine> answer_details(const Verdict& verdict) {

@@ -15,11 +15,6 @@
 namespace runcert {
 namespace {
 
-/// What every title says of a speed that was not judged by the body's own rule.
-std::string under(const OutcomeState& state) {
-    return state.rule_altered ? " under altered rules" : "";
-}
-
 /// Answers that do not count.
 std::vector<std::string> answered_otherwise(const Standing& standing) {
     std::vector<std::string> words;
@@ -49,7 +44,7 @@ std::string beaten_title(const OutcomeState& state) {
     if (state.standing.state == StandingState::complete && !state.vouched_by.empty() &&
         !state.rule_altered)
         return "Record beaten, " + state.vouched_by;
-    return "Measured speed exceeds the record" + under(state) + due_text(state.standing);
+    return "Measured speed exceeds the record" + altered_text(state) + due_text(state.standing);
 }
 
 /// Inputs of one part of the attempt that are answered for in the same clauses.
@@ -133,29 +128,33 @@ OutcomeState state_of(const ProfileVerdict& verdict) {
         .rule_altered = !verdict.overrides.empty() || verdict.rule.origin != RuleOrigin::built_in};
 }
 
+std::string altered_text(const OutcomeState& state) {
+    return state.rule_altered ? " under altered rules" : "";
+}
+
 OutcomeWords outcome_words(const OutcomeState& state) {
     switch (state.outcome) {
         case Outcome::beaten:
             if (state.craft_too_slow && state.standing.state != StandingState::complete)
-                return {"The craft was too slow" + under(state) +
+                return {"The craft was too slow" + altered_text(state) +
                             "; its antenna exceeds the record" + due_text(state.standing),
                         "?", "open"};
             return {beaten_title(state), "✓", "yes"};
         case Outcome::not_beaten:
-            return {
-                "Record not beaten" + under(state) + ": measured speed below the required speed",
-                "✗", "no"};
+            return {"Record not beaten" + altered_text(state) +
+                        ": measured speed below the required speed",
+                    "✗", "no"};
         case Outcome::not_proven:
-            return state.record_named ? OutcomeWords{"Not proven" + under(state) +
+            return state.record_named ? OutcomeWords{"Not proven" + altered_text(state) +
                                                          ": required speed within the uncertainty",
                                                      "?", "open"}
-                                      : OutcomeWords{"Speed measured" + under(state) +
+                                      : OutcomeWords{"Speed measured" + altered_text(state) +
                                                          "; the attempt names no record",
                                                      "–", "open"};
         case Outcome::not_certifiable:
             break;
     }
-    return {"Not certifiable" + under(state), "⊘", "refused"};
+    return {"Not certifiable" + altered_text(state), "⊘", "refused"};
 }
 
 std::string source_text(const Requirement& requirement) {

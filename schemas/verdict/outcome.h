@@ -32,6 +32,9 @@ struct OutcomeState {
 };
 OutcomeState state_of(const ProfileVerdict& verdict);
 
+/// " under altered rules" of a speed that was not judged by the body's own rule; else empty.
+std::string altered_text(const OutcomeState& state);
+
 /// An outcome as people read it.
 struct OutcomeWords {
     std::string title;

@@ -273,8 +273,8 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
         std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
         return not_met(
             "{} of {} positions recorded in motion lie on a line or curve through others to the "
-            "last "
-            "digit, where chance makes {:.0f}: they are interpolated, not measured; hand in the "
+            "last digit, where chance makes {:.0f}: they are interpolated, not measured; hand in "
+            "the "
             "recording before it was resampled",
             device.interpolated, device.moving, device.by_chance);
     return to_attest("{}", evidence_of_measuring(context));

@@ -220,6 +220,17 @@ TEST_F(BundleTest, WhatWasAnsweredOnCopiesIsTakenIn) {
     EXPECT_TRUE(holds(verified.output, "3 signers")) << verified.output;
     const auto both = contents_of(run);
     EXPECT_EQ(both.size(), before.size() + 4);
+    // Of several copies all is taken, or nothing.
+    ASSERT_EQ(in_it("rm run/attestations/* run/report.json.judge*").exit_status, 0);
+    const auto bare = contents_of(run);
+    const ProcessResult partly =
+        in_it("runcert attest run --take a/salt-lake --take a.key --no-render");
+    EXPECT_EQ(partly.exit_status, 2) << partly.output;
+    EXPECT_EQ(contents_of(run), bare);
+    ASSERT_EQ(
+        in_it("runcert attest run --take a/salt-lake --take b/salt-lake --no-render").exit_status,
+        0);
+    EXPECT_EQ(contents_of(run).size(), both.size());
     // An answer to another report is none to this.
     write_quickly(there.path() / "b" / "salt-lake" / "report.json", "{}");
     EXPECT_TRUE(holds(in_it("runcert attest run --take b/salt-lake").errors, "another report"));

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
@@ -126,6 +128,40 @@ TEST(Standing, OfANoIsSeen) {
             EXPECT_TRUE(fact["value"].get<std::string>().starts_with("✗ no by judge, ")) << fact;
         }
     EXPECT_NE(slots["outcome/nalsa"], slot_at(report, "outcome/nalsa"));
+}
+
+/// The row of own-start in the one table of two rules' requirements.
+Json own_start_of(const Json& block) {
+    for (const Json& row : block["rows"])
+        if (row["clause"] == "own-start") return row;
+    return {};
+}
+
+TEST(Standing, OfSeveralRulesEachKeepsItsSourceAndWhatTheDataRefuse) {
+    sample::Run run = sample::make_run();
+    auto& rules = run.inputs.verdict.profiles;
+    const auto own_start =
+        std::ranges::find(rules[0].requirements, std::string("own-start"), &Requirement::clause);
+    ASSERT_NE(own_start, rules[0].requirements.end());
+    std::erase_if(rules[1].requirements,
+                  [](const Requirement& one) { return one.clause == "own-start"; });
+    rules[1].requirements.push_back(*own_start);
+    rules[1].requirements.back().source = "another text";
+    const Json alike = own_start_of(slot_at(report_of(run), "clauses"));
+    EXPECT_EQ(alike["cells"][0], "to attest");
+    EXPECT_NE(alike["further"].dump().find("nalsa: "), std::string::npos) << alike;
+    EXPECT_NE(alike["further"].dump().find("fisly: "), std::string::npos) << alike;
+    EXPECT_NE(alike["further"].dump().find("another text"), std::string::npos) << alike;
+    // Where nobody has answered, the row stays as it was.
+    RunStanding standing = answered("yes");
+    standing.rules[0].clauses[0].answers.clear();
+    const Json report = report_of(run);
+    EXPECT_EQ(own_start_of(standing_json(standing, report["predicate"])["slots"]["clauses"]),
+              own_start_of(slot_at(report, "clauses")));
+    EXPECT_EQ(own_start_of(slots_of(report, "yes")["clauses"])["mark"], "answered");
+    // A yes under one rule hides nothing that the data refuse under the other.
+    rules[1].requirements.back().status = RequirementStatus::not_met;
+    EXPECT_EQ(own_start_of(slots_of(report_of(run), "yes")["clauses"])["mark"], "not_met");
 }
 
 TEST(Standing, OfOneRuleOfSeveralLeavesTheOthersAlone) {

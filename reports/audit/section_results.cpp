@@ -9,8 +9,6 @@
 #include "core/text.h"
 #include "reports/audit/sections.h"
 #include "reports/run_speeds/run_speeds.h"
-#include "reports/words/decision.h"
-#include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {
@@ -101,31 +99,16 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& o
     return blocks;
 }
 
-/// Rows that can be read on a terminal.
-Block requirement_rows(const ProfileVerdict& verdict) {
-    Block rows = table({"state", "clause", "decided by"}, "Requirements");
-    for (const Requirement& requirement : verdict.requirements) {
-        TableRow& row = rows.rows.emplace_back(requirement_row(requirement));
-        row.cells.emplace_back(to_text(requirement.decided_by));
-        std::ranges::move(requirement_lines(requirement), std::back_inserter(row.further));
-    }
-    return rows;
-}
-
 std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& verdict) {
     std::vector<Block> blocks{
         heading(fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body))};
     const auto rule = rule_view(record, verdict.profile, nullptr);
     if (!rule) return {blocks.front(), rule_is_missing(verdict.profile)};
-    Block told = facts({{.name = "Outcome", .value = outcome_words(state_of(verdict)).title},
-                        {.name = "Rule",
-                         .value = fmt::format("{}; SHA-256 of its text {}",
-                                              rule_identity_text(verdict), verdict.rule.sha256)}});
-    if (verdict.record) add_fact(told, "Record", record_text(*verdict.record));
-    blocks.push_back(std::move(told));
+    blocks.push_back(outcome_facts(verdict));
+    add(blocks, verdict_blocks(*rule, Level::page, Level::record));
+    blocks.push_back(requirement_rows(verdict, Level::record));
     if (verdict.window) blocks.push_back(span_facts(*verdict.window));
     if (verdict.speed_m_s) blocks.push_back(result_table(*rule));
-    add(blocks, verdict_blocks(*rule, requirement_rows(verdict)));
     add(blocks, refused_blocks(*rule));
     add(blocks, course_blocks(*rule));
     return blocks;

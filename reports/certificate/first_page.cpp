@@ -68,74 +68,6 @@ void add_large_words(Section& page, const RuleView& rule) {
     add(page, paragraph(rule.verdict.reason, "reason"));
 }
 
-/// "13:50:57 at UTC+10:30".
-std::string local_time(GpsTime time, const Attempt& attempt) {
-    if (!attempt.utc_offset_minutes) return {};
-    std::string text = to_utc_iso(
-        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
-        3);
-    text.pop_back();
-    std::ranges::replace(text, 'T', ' ');
-    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
-}
-
-std::string window_line(const RuleView& rule) {
-    const WindowSpan& span = *rule.verdict.window;
-    if (!span.start_gps)
-        return fmt::format("{} from {} after the first epoch; the recording's time is relative",
-                           seconds_text(span.duration), seconds_text(span.start));
-    return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
-}
-
-/// Of which point of the craft the speed is, and what the other one did; empty where neither rule
-/// nor IMU says anything of points.
-std::string point_words(const RuleView& rule) {
-    const auto& counted_point = rule.profile.speed_of;
-    if (rule.best() == nullptr) return {};
-    const CraftSpeeds& points = rule.best()->points;
-    if (!counted_point && !points.antenna_speed_m_s) return {};
-    const std::string point(words_of(counted_point.value_or(SpeedOf::antenna)));
-    if (!points.reference_point_speed_m_s) return point;
-    if (counted_point == SpeedOf::reference_point)
-        return fmt::format("{}; the antenna made {}", point,
-                           speed_beside(rule.verdict, *points.antenna_speed_m_s, rule.unit().name));
-    const auto beside = [&](double speed_m_s, SafeSide side) {
-        return speed_beside(rule.verdict, speed_m_s, rule.unit().name, side);
-    };
-    return fmt::format("{}; the craft's reference point made {} ± {}", point,
-                       beside(*points.reference_point_speed_m_s, SafeSide::down),
-                       beside(*points.reference_point_expanded_uncertainty_m_s, SafeSide::up));
-}
-
-void add_result(Section& page, const RuleView& rule) {
-    const ProfileVerdict& verdict = rule.verdict;
-    const ShownFigures shown = rule.shown();
-    Block list = facts({}, {}, "narrow");
-    if (verdict.speed_m_s && verdict.outcome != Outcome::beaten)
-        add_fact(list,
-                 verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
-                 measured_speed_text(shown, verdict.coverage_factor));
-    const auto with_unit = [&](const std::string& figure) {
-        return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
-    };
-    if (const std::string of = point_words(rule); !of.empty()) add_fact(list, "Speed of", of);
-    if (verdict.speed_m_s) add_fact(list, "Required speed", with_unit(shown.required_speed));
-    if (verdict.speed_m_s) add_fact(list, "Acceptance limit", with_unit(shown.acceptance_limit));
-    if (verdict.record) add_fact(list, "Record to beat", record_text(*verdict.record));
-    if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        add_fact(list, "Conformance probability", conformance_text(*verdict.decision));
-    const std::string& by_body = verdict.own_arithmetic.shown;
-    add_fact(list, "By the body's arithmetic", by_body.empty() ? "not known" : by_body);
-    if (verdict.window) {
-        add_fact(list, "Window", window_line(rule));
-        if (verdict.window->start_gps)
-            add_fact(list, "Local time", local_time(*verdict.window->start_gps, rule.attempt));
-        if (rule.profile.margin_kind == MarginKind::elapsed_time)
-            add_fact(list, "Elapsed time", seconds_text(verdict.window->duration));
-    }
-    add(page, std::move(list));
-}
-
 /// "31.6000° S, 136.0000° E", to some ten metres.
 std::string coordinates_text(const Geodetic& place) {
     const auto degrees = [](Angle angle, const char* positive, const char* negative) {
@@ -261,7 +193,7 @@ void add_overview(Section& page, const std::vector<RuleView>& rules) {
              rule.verdict.speed_m_s ? measured_speed_text(shown) : "none",
              shown.required_speed.empty() ? "no record"
                                           : fmt::format("{} {}", shown.required_speed, shown.unit),
-             rule.verdict.window ? window_line(rule) : "none"},
+             rule.verdict.window ? window_line(*rule.verdict.window) : "none"},
             outcome_words(state_of(rule.verdict)).tone);
         if (&rule != &rules.front())
             for (TableColumn& column : row.columns)
@@ -298,7 +230,10 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
         add(page, paragraph(rule_line(rule), "note"));
         add(page, outcome_block(rule));
         add_large_words(page, rule);
-        add_result(page, rule);
+        add(page, decision_facts(rule, Level::page, Level::page));
+        if (rule.verdict.outcome == Outcome::beaten)  // the headline has it
+            std::erase_if(page.blocks.back().facts,
+                          [](const Fact& fact) { return fact.name == "Measured speed"; });
     } else {
         add_overview(page, rules);
     }

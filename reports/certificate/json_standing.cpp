@@ -46,19 +46,13 @@ const char* mark_of(const ClauseStanding& clause) {
     return clause.missing == 0 ? "answered" : "attest";
 }
 
-/// Clauses with what was answered: the facts of a first page, or the rows of a table.
+/// The facts of a first page with what was answered.
 Json answered(Json block, const RuleStanding& rule) {
-    const bool are_facts = block.contains("facts");
-    for (Json& one : block[are_facts ? "facts" : "rows"])
+    for (Json& one : block["facts"])
         for (const ClauseStanding& clause : rule.clauses) {
             if (one.value("clause", "") != clause.due.clause || clause.answers.empty()) continue;
             one["mark"] = mark_of(clause);
-            const std::vector<std::string> words = clause_words(clause);
-            if (are_facts)
-                one["value"] = clause_mark_text(clause);
-            else
-                for (const std::string& line : words)
-                    one["further"].push_back(line);
+            one["value"] = clause_mark_text(clause);
         }
     return block;
 }
@@ -69,8 +63,8 @@ bool is_of(const Json& row, const DueClause& due) {
            row["cells"][1].get<std::string>().starts_with(due.clause + ": " + due.text);
 }
 
-/// Clauses of several rules, with what was answered under each: once where it is the same. What
-/// the data refuse under one of the rules stays marked so.
+/// The clauses of all rules with what was answered under each, once where it is the same. What the
+/// data refuse under one of the rules stays marked so.
 Json answered_under_all(Json block, const std::vector<RuleStanding>& rules) {
     for (Json& row : block["rows"]) {
         std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> said;
@@ -116,7 +110,6 @@ void set_rule(Json& slots, const RuleStanding& rule, const Json& predicate) {
         return block;
     });
     set("requirements", [&](const Json& block) { return answered(block, rule); });
-    set("clauses", [&](const Json& block) { return answered(block, rule); });
 }
 
 }  // namespace

@@ -107,22 +107,21 @@ std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
 Section requirements_section(const ReportInputs& inputs) {
     Section section{.anchor = "requirements", .title = "Requirements of the rules"};
     const std::vector<RuleView> rules = rule_views(inputs);
-    std::vector<std::string> said;
-    if (rules.size() > 1) {
-        add(section, requirements_of_all(rules));
-        said = said_of_all(rules);
-        if (!said.empty()) add(section, list_of(said));
-    }
+    const std::vector<std::string> said =
+        rules.size() > 1 ? said_of_all(rules) : std::vector<std::string>();
     for (const RuleView& rule : rules) {
         if (rule.several)
             add(section, heading(fmt::format("Rule “{}”: {}, {}", rule.verdict.profile,
                                              rule.verdict.title, rule.verdict.body)));
-        add(section, verdict_blocks(rule, rule.several ? Block{} : requirements_table(rule), said));
+        add(section,
+            verdict_blocks(rule, rule.several ? Level::page : Level::annex, Level::annex, said));
     }
-    Block origins = facts({}, "Who says what the figures rest on");
-    for (const InputsOfOrigin& one : inputs_by_origin(inputs.verdict.origins))
-        add_fact(origins, one.label, one.text);
-    if (!origins.facts.empty()) add(section, std::move(origins));
+    add(section, requirements_table(rules));
+    if (!said.empty()) add(section, list_of(said));
+    if (Block origins = origin_facts(inputs.verdict.origins); !origins.facts.empty()) {
+        origins.text = "Who says what the figures rest on";
+        add(section, std::move(origins));
+    }
     Block answers = facts({}, "Answers");
     answers.slot = "answers";
     add_fact(answers, "Given", "none when this report was made");

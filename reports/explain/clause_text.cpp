@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 
 #include "core/speed_unit.h"
 #include "core/text.h"
@@ -134,8 +133,8 @@ std::string ClauseView::limit() const {
 }
 
 std::vector<std::string> ClauseView::answers() const {
-    const auto found = of.options.answers.find(of.verdict.profile + "/" + requirement.clause);
-    return found == of.options.answers.end() ? std::vector<std::string>() : found->second;
+    const auto found = options.answers.find(of.verdict.profile + "/" + requirement.clause);
+    return found == options.answers.end() ? std::vector<std::string>() : found->second;
 }
 
 Section clause_section(const ClauseView& view) {
@@ -164,12 +163,6 @@ Section clause_section(const ClauseView& view) {
     return {.anchor = name,
             .title = fmt::format("{}: {}", name, upper_case(words_of(requirement.status))),
             .blocks = {std::move(told)}};
-}
-
-TableRow clause_row(const ClauseView& view) {
-    TableRow row = requirement_row(view.requirement);
-    std::ranges::move(view.answers(), std::back_inserter(row.further));
-    return row;
 }
 
 }  // namespace runcert

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
-#include "reports/words/decision.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/outcome.h"
@@ -46,10 +46,9 @@ std::string measures_words(const Profile& profile) {
                        profile.windows == 1 ? "" : fmt::format(", mean of {}", profile.windows));
 }
 
-std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
-                                  const ExplainOptions& options) {
-    const std::string& wanted = options.profile;
-    std::vector<ProfileView> views;
+std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
+                               const std::vector<Profile>& profiles, const std::string& wanted) {
+    std::vector<RuleView> views;
     std::vector<std::string_view> known;
     for (const ProfileVerdict& entry : verdict.profiles) {
         known.push_back(entry.profile);
@@ -61,7 +60,7 @@ std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Prof
                                       "not claim",
                                       escape_for_message(entry.profile)),
                           "Run the stages again, or `runcert certify`");
-        views.push_back({entry, *profile, options});
+        views.push_back({attempt, entry, *profile});
     }
     if (views.empty())
         throw Failure("--profile",
@@ -70,18 +69,19 @@ std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Prof
     return views;
 }
 
-ClauseView clause_view(const ProfileView& view, const Requirement& requirement) {
+ClauseView clause_view(const RuleView& view, const ExplainOptions& options,
+                       const Requirement& requirement) {
     const auto clause = std::ranges::find(view.profile.clauses, requirement.clause, &Clause::id);
-    return {view, requirement, clause == view.profile.clauses.end() ? nullptr : &*clause};
+    return {view, options, requirement, clause == view.profile.clauses.end() ? nullptr : &*clause};
 }
 
-std::string full_name(const ProfileView& view, std::string_view clause) {
+std::string full_name(const RuleView& view, std::string_view clause) {
     return fmt::format("{}/{}", view.verdict.profile, clause);
 }
 
-[[noreturn]] void refuse_clause(const std::vector<ProfileView>& views, const std::string& clause) {
+[[noreturn]] void refuse_clause(const std::vector<RuleView>& views, const std::string& clause) {
     std::vector<std::string> known{"outcome", "decision"};
-    for (const ProfileView& view : views)
+    for (const RuleView& view : views)
         for (const Requirement& requirement : view.verdict.requirements)
             known.push_back(full_name(view, requirement.clause));
     std::vector<std::string_view> candidates;
@@ -95,51 +95,45 @@ std::string full_name(const ProfileView& view, std::string_view clause) {
                               fmt::join(known, ", ")));
 }
 
-bool is_decision(const ProfileView& view, const std::string& name) {
+bool is_decision(const RuleView& view, const std::string& name) {
     return std::ranges::any_of(
         std::array<std::string_view, 2>{"outcome", "decision"},
         [&](std::string_view word) { return name == word || name == full_name(view, word); });
 }
 
-std::vector<Section> one_clause(const std::vector<ProfileView>& views, const std::string& name) {
+/// How a rule was decided: in short with each of its clauses, or in full.
+Section decision_section(const RuleView& view, const ExplainOptions& options, bool in_short) {
+    const ProfileVerdict& verdict = view.verdict;
+    Section section{
+        .anchor = verdict.profile,
+        .title = fmt::format("{}: {}, {}", verdict.profile, verdict.title, verdict.body)};
+    add(section, outcome_facts(verdict, options.vouched_by));
+    add(section, verdict_blocks(view, Level::page, in_short ? Level::page : Level::record));
+    add(section, refused_blocks(view));
+    if (!in_short) return section;
+    Block clauses = requirement_rows(verdict, Level::annex);
+    for (std::size_t i = 0; i < clauses.rows.size(); ++i)
+        std::ranges::move(clause_view(view, options, verdict.requirements[i]).answers(),
+                          std::back_inserter(clauses.rows[i].further));
+    add(section, std::move(clauses));
+    return section;
+}
+
+std::vector<Section> one_clause(const std::vector<RuleView>& views, const ExplainOptions& options) {
+    const std::string& name = options.clause;
     std::vector<Section> sections;
-    for (const ProfileView& view : views) {
-        if (is_decision(view, name)) sections.push_back(decision_section(view));
+    for (const RuleView& view : views) {
+        if (is_decision(view, name)) sections.push_back(decision_section(view, options, false));
         for (const Requirement& requirement : view.verdict.requirements)
             if (requirement.clause == name || full_name(view, requirement.clause) == name)
-                sections.push_back(clause_section(clause_view(view, requirement)));
+                sections.push_back(clause_section(clause_view(view, options, requirement)));
     }
     if (sections.empty()) refuse_clause(views, name);
     return sections;
 }
 
-Section in_short(const ProfileView& view) {
-    Section section = decision_in_short(view);
-    Block& told = section.blocks.back();
-    add_fact(told, "Clauses",
-             fmt::format("{}: {}", counted(std::ssize(view.verdict.requirements), "clause"),
-                         requirement_counts(view.verdict)));
-    for (std::string& words : override_words(view.verdict))
-        add_fact(told, "Replaced", std::move(words));
-    for (std::string& note : notes_of(view.verdict))
-        add_fact(told, "Note", std::move(note));
-    Block clauses = table({"", ""});
-    for (const Requirement& requirement : view.verdict.requirements)
-        clauses.rows.push_back(clause_row(clause_view(view, requirement)));
-    if (!clauses.rows.empty()) add(section, std::move(clauses));
-    return section;
-}
-
-/// Who says what the figures rest on.
-Section origins_section(const std::vector<VerdictInput>& origins) {
-    Block told = facts({});
-    for (const InputsOfOrigin& said : inputs_by_origin(origins))
-        add_fact(told, said.label, sentence(said.text));
-    return {.anchor = "origins", .title = "Who says what", .blocks = {std::move(told)}};
-}
-
 /// How to read on.
-Section further_section(const ProfileView& first) {
+Section further_section(const RuleView& first) {
     const auto& requirements = first.verdict.requirements;
     return {.anchor = "further",
             .title = "In full",
@@ -167,17 +161,19 @@ std::string inputs_table_text() {
     return text;
 }
 
-Document explained(const Verdict& verdict, const std::vector<Profile>& profiles,
-                   const ExplainOptions& options) {
+Document explained(const Attempt& attempt, const Verdict& verdict,
+                   const std::vector<Profile>& profiles, const ExplainOptions& options) {
     Document document{.title = fmt::format("Verdict on the attempt {}", verdict.attempt)};
-    const std::vector<ProfileView> views = views_of(verdict, profiles, options);
+    const std::vector<RuleView> views = views_of(attempt, verdict, profiles, options.profile);
     if (!options.clause.empty()) {
-        document.sections = one_clause(views, options.clause);
+        document.sections = one_clause(views, options);
         return document;
     }
-    for (const ProfileView& view : views)
-        document.sections.push_back(in_short(view));
-    if (!verdict.origins.empty()) document.sections.push_back(origins_section(verdict.origins));
+    for (const RuleView& view : views)
+        document.sections.push_back(decision_section(view, options, true));
+    if (Block told = origin_facts(verdict.origins); !told.facts.empty())
+        document.sections.push_back(
+            {.anchor = "origins", .title = "Who says what", .blocks = {std::move(told)}});
     document.sections.push_back(further_section(views.front()));
     return document;
 }

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "schemas/attempt/declared.h"
+#include "schemas/attempt/attempt.h"
 #include "schemas/document/document.h"
 #include "schemas/profile/profile.h"
 #include "schemas/verdict/declared.h"
@@ -21,8 +20,6 @@ struct ExplainOptions {
     /// Of "PROFILE/CLAUSE", what became of it and who answered, a line each.
     std::map<std::string, std::vector<std::string>> answers = {};
     std::string vouched_by = {};  ///< by whose roster the verdict's standing counts, see outcome.h
-    /// Who agreed on the decision rule, as the attempt states.
-    std::optional<DecisionRuleAgreement> rule_agreed = std::nullopt;
 };
 
 /// The verdict in plain words: one clause of the rules in full, or the decision, or all in short.
@@ -30,8 +27,8 @@ struct ExplainOptions {
 ///
 /// Failure for a clause or profile that the verdict does not have, naming those that it has; and
 /// where a profile of the verdict is not among `profiles`.
-Document explained(const Verdict& verdict, const std::vector<Profile>& profiles,
-                   const ExplainOptions& options = {});
+Document explained(const Attempt& attempt, const Verdict& verdict,
+                   const std::vector<Profile>& profiles, const ExplainOptions& options = {});
 
 /// A table, in Markdown, of every field of an attempt that can change what is certified: who says
 /// it, what it can change, and the clauses in which an official answers for it, with the role. A

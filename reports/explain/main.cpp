@@ -79,8 +79,7 @@ std::string explain_run(const Options& options) {
     const std::vector<std::string> missing = check_inputs(run, verdict);
     ExplainOptions what = options.what;
     add_answers(verdict, options, what);
-    what.rule_agreed = run.attempt().decision_rule_agreed;
-    Document document = explained(verdict, profiles, what);
+    Document document = explained(run.attempt(), verdict, profiles, what);
     if (!missing.empty())
         document.sections.push_back(
             {.anchor = "missing",

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "core/prose.h"
 #include "reports/explain/explain.h"
 #include "reports/results/results.h"
 
@@ -12,16 +10,10 @@
 
 namespace runcert {
 
-/// One profile of the verdict, and its rule.
-struct ProfileView {
-    const ProfileVerdict& verdict;
-    const Profile& profile;
-    const ExplainOptions& options;
-};
-
-/// One of its clauses. `clause` is null where the profile does not have it.
+/// A clause of a rule. `clause` is null where the rule does not have it.
 struct ClauseView {
-    const ProfileView& of;
+    const RuleView& of;
+    const ExplainOptions& options;
     const Requirement& requirement;
     const Clause* clause = nullptr;
 
@@ -33,19 +25,5 @@ struct ClauseView {
 
 /// A clause in full: text, source, computation, figures, limit, outcome.
 Section clause_section(const ClauseView& view);
-/// Its outcome and name; beneath them text, evidence and answers.
-TableRow clause_row(const ClauseView& view);
-
-/// How the outcome of a profile was decided, in full.
-Section decision_section(const ProfileView& view);
-/// Outcome, speed and reason.
-Section decision_in_short(const ProfileView& view);
-
-/// By how much the record must be beaten: "by 1 mph".
-std::string margin_words(const Profile& profile);
-/// How the body rounds the required speed.
-std::string rounding_words(const Profile& profile);
-/// The notes without those on a replaced figure, which `override_words` tells.
-std::vector<std::string> notes_of(const ProfileVerdict& verdict);
 
 }  // namespace runcert

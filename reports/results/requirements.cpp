@@ -1,38 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 
-#include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
-#include "reports/words/attempt.h"
 #include "reports/words/decision.h"
 #include "schemas/verdict/outcome.h"
 
 namespace runcert {
 namespace {
-
-std::string decision_words(const RuleView& rule) {
-    const ProfileVerdict& verdict = rule.verdict;
-    const Decision& decision = *verdict.decision;
-    const SpeedUnit& unit = rule.unit();
-    std::string words = verdict.outcome == Outcome::not_certifiable
-                            ? "The speed cannot be certified, so that no comparison counts. "
-                            : "";
-    words += fmt::format("Conformance probability: {}.", conformance_text(decision));
-    if (decision.required_speed_standard_uncertainty_m_s > 0.0)
-        words += fmt::format(
-            " It includes the standard uncertainty of the record itself, {} {} of the required "
-            "speed.",
-            uncertainty_text(decision.required_speed_standard_uncertainty_m_s * unit.per_m_s),
-            unit.name);
-    if (decision.attempts_made > 1)
-        words += fmt::format(" As the best of {} attempts it needs {}.", decision.attempts_made,
-                             level_text(decision.level));
-    for (const std::string& more : decision_sentences(verdict, unit))
-        words += " " + more;
-    return words;
-}
 
 /// "From a secondary source: press reports", "This program's own requirement".
 std::string source_line(const Requirement& requirement) {
@@ -79,22 +56,45 @@ std::string state_text(RequirementStatus status) {
                                                 : std::string(words_of(status));
 }
 
-TableRow requirement_row(const Requirement& requirement) {
-    const std::string doubt = requirement.certainty == Certainty::unconfirmed
-                                  ? " (Not confirmed that the rule says so.)"
-                                  : "";
-    return {.cells = {state_text(requirement.status), requirement.clause},
-            .mark = std::string(to_text(requirement.status)),
-            .clause = requirement.clause,
-            .further = {sentence(requirement.text) + doubt, sentence(requirement.evidence)}};
-}
-
 std::vector<std::string> requirement_lines(const Requirement& requirement) {
     std::vector<std::string> lines;
     for (const Figure& figure : requirement.figures)
         lines.push_back(figure_text(figure));
     lines.push_back(source_line(requirement));
     return lines;
+}
+
+Block requirement_rows(const ProfileVerdict& verdict, Level level) {
+    const bool whole = level == Level::record;
+    Block rows = whole ? table({"state", "clause", "decided by"}, "Requirements") : table({"", ""});
+    for (const Requirement& requirement : verdict.requirements) {
+        const std::string doubt = requirement.certainty == Certainty::unconfirmed
+                                      ? " (Not confirmed that the rule says so.)"
+                                      : "";
+        TableRow& row = add_row(rows, {state_text(requirement.status), requirement.clause},
+                                std::string(to_text(requirement.status)));
+        row.clause = requirement.clause;
+        row.further = {sentence(requirement.text) + doubt, sentence(requirement.evidence)};
+        if (!whole) continue;
+        row.cells.emplace_back(to_text(requirement.decided_by));
+        std::ranges::move(requirement_lines(requirement), std::back_inserter(row.further));
+    }
+    return rows;
+}
+
+Block outcome_facts(const ProfileVerdict& verdict, const std::string& vouched_by) {
+    OutcomeState state = state_of(verdict);
+    state.vouched_by = vouched_by;
+    return facts({{"Outcome", outcome_words(state).title + "."},
+                  {"By the rule", fmt::format("{}; SHA-256 of its text {}",
+                                              rule_identity_text(verdict), verdict.rule.sha256)}});
+}
+
+Block origin_facts(const std::vector<VerdictInput>& origins) {
+    Block told = facts({});
+    for (const InputsOfOrigin& said : inputs_by_origin(origins))
+        add_fact(told, said.label, sentence(said.text));
+    return told;
 }
 
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
@@ -110,44 +110,24 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
     return words;
 }
 
-Block requirements_table(const RuleView& rule) {
-    Block block = table({"State|13", "Requirement|47", "Evidence|40"});
-    block.slot = "clauses/" + rule.verdict.profile;
-    for (const Requirement& requirement : rule.verdict.requirements) {
-        TableRow& row = add_row(
-            block,
-            {state_text(requirement.status),
-             fmt::format("{}: {}", requirement.clause, requirement.text), requirement.evidence},
-            std::string(to_text(requirement.status)));
-        row.clause = requirement.clause;
-        row.further = requirement_lines(requirement);
-    }
-    return block;
-}
-
-std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements,
+std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
                                   const std::vector<std::string>& said) {
     const ProfileVerdict& verdict = rule.verdict;
-    std::vector<Block> blocks{paragraph(verdict.reason)};
-    if (verdict.decision) blocks.push_back(paragraph(decision_words(rule)));
+    std::vector<Block> blocks{paragraph(verdict.reason), decision_facts(rule, from, to)};
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         blocks.push_back(paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
     blocks.push_back(standing_block(verdict));
-    if (!requirements.rows.empty()) blocks.push_back(std::move(requirements));
     std::vector<std::string> notes = verdict.notes;
     std::erase_if(notes, [&](const std::string& note) {
-        return std::ranges::find(said, note) != said.end();
+        return std::ranges::find(said, note) != said.end() ||
+               std::ranges::any_of(verdict.overrides, [&](const Override& figure) {
+                   return note.find(figure.figure) != std::string::npos;
+               });
     });
     if (!notes.empty()) blocks.push_back(list_of(std::move(notes)));
     if (!verdict.overrides.empty()) blocks.push_back(overrides_table(verdict));
     if (auto items = unconfirmed(verdict); !items.empty())
         blocks.push_back(titled_list("What could not be confirmed of the rule", std::move(items)));
-    blocks.push_back(
-        paragraph(fmt::format("{} Decision rule: it goes by the conformance probability, that the "
-                              "true speed reaches the required speed. {} {}",
-                              rule_words(rule.profile), decision_rule_text(rule.profile, verdict),
-                              agreement_text(rule.attempt.decision_rule_agreed, verdict.window)),
-                  "note"));
     return blocks;
 }
 

@@ -39,6 +39,10 @@ struct RuleView {
     ShownFigures shown() const;
 };
 
+/// How much is told: the first page, the annex, the whole record. Each holds what the one before
+/// does.
+enum class Level { page, annex, record };
+
 /// Which speed counts, "Speed over 3 s, by the definition: displacement over time."
 std::string rule_words(const Profile& profile);
 
@@ -58,18 +62,30 @@ Block speed_table(const std::string& title, const std::vector<SpeedRow>& rows,
 
 /// The state in words, in capitals where it must be seen: "met", "NOT MET".
 std::string state_text(RequirementStatus status);
-/// A requirement in a row, its name and state; beneath it what it asks, and the evidence.
-TableRow requirement_row(const Requirement& requirement);
+/// A requirement in a row that a terminal can show, its name and state; beneath it what it asks,
+/// and the evidence. Of the record also by what it was decided, its figures and its source.
+Block requirement_rows(const ProfileVerdict& verdict, Level level);
+/// What is certain of it before anything is read: its title, and by which rule.
+Block outcome_facts(const ProfileVerdict& verdict, const std::string& vouched_by = {});
+/// What the figures rest on, by who says it.
+Block origin_facts(const std::vector<VerdictInput>& origins);
+/// By how much the record must be beaten: "1 mph above the record"; how the body rounds the
+/// required speed.
+std::string margin_words(const Profile& profile);
+std::string rounding_words(const Profile& profile);
+/// "3.000 s from 2026-03-26T03:20:57.000Z".
+std::string window_line(const WindowSpan& span);
+/// The speeds of a rule, and how it was decided, of these levels.
+Block decision_facts(const RuleView& rule, Level from, Level to);
+
 /// What else is known of it: its figures, and its source.
 std::vector<std::string> requirement_lines(const Requirement& requirement);
 /// "margin.value is 2 mph in place of the rule's 1 mph. Reason: agreed": the figures whose names
 /// are among these, or all.
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names = {});
-/// The requirements in a table as wide as a page.
-Block requirements_table(const RuleView& rule);
-/// Reason, decision, these requirements, replaced figures, and notes other than those said already.
-std::vector<Block> verdict_blocks(const RuleView& rule, Block requirements,
+/// Reason, decision of these levels, replaced figures, and notes other than those said already.
+std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
                                   const std::vector<std::string>& said = {});
 
 // Of a window, and of the run that it is in.
@@ -97,8 +113,9 @@ std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
 
 // Of several rules together, what is alike once.
 
-/// The requirements of all rules, each once, with what differs between the rules beneath it.
-Block requirements_of_all(const std::vector<RuleView>& rules);
+/// The requirements in a table as wide as a page, each once, with what differs between the rules
+/// beneath it.
+Block requirements_table(const std::vector<RuleView>& rules);
 /// The notes that all verdicts have.
 std::vector<std::string> said_of_all(const std::vector<RuleView>& rules);
 /// The certified windows, their speeds by each definition, by each rule's own arithmetic, of two

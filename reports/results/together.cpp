@@ -92,7 +92,7 @@ void add_clause(Block& block, const std::vector<AskedBy>& asked, std::size_t rul
 
 }  // namespace
 
-Block requirements_of_all(const std::vector<RuleView>& rules) {
+Block requirements_table(const std::vector<RuleView>& rules) {
     std::vector<std::vector<AskedBy>> clauses;
     for (const RuleView& rule : rules)
         for (const Requirement& requirement : rule.verdict.requirements) {

@@ -51,15 +51,6 @@ std::string risk_text(const ProfileVerdict& verdict) {
                             "probability counts them against it.");
 }
 
-std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit) {
-    std::vector<std::string> sentences;
-    if (const std::string guard = guard_band_text(verdict, unit); !guard.empty())
-        sentences.push_back("Guard band " + guard);
-    if (const std::string risk = risk_text(verdict); !risk.empty())
-        sentences.push_back("Risk " + risk);
-    return sentences;
-}
-
 std::string record_text(const RecordToBeat& record) {
     return fmt::format(
         "{}{}: {}", number_text(record.speed, record.unit),

@@ -27,9 +27,6 @@ std::string guard_band_text(const ProfileVerdict& verdict, const SpeedUnit& unit
 /// empty where nothing was decided or proven, or the speed cannot be certified.
 std::string risk_text(const ProfileVerdict& verdict);
 
-/// Both as sentences, as far as there are any: "Guard band w = 0.17 km/h (...). Risk of ...".
-std::vector<std::string> decision_sentences(const ProfileVerdict& verdict, const SpeedUnit& unit);
-
 /// "202.9 km/h ± 0.1 km/h (k = 2): its source".
 std::string record_text(const RecordToBeat& record);
 

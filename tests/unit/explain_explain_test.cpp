@@ -138,7 +138,7 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
 
 std::string explain_text(const Verdict& of, const std::vector<Profile>& profiles,
                          const ExplainOptions& options = {}, std::size_t columns = 80) {
-    return document_text(explained(of, profiles, options), columns);
+    return document_text(explained(Attempt{}, of, profiles, options), columns);
 }
 
 std::string one_explained(const Verdict& of, const std::string& name) {

@@ -1,0 +1,196 @@
+#include "reports/words/decision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/results/results.h"
+#include "reports/words/attempt.h"
+
+namespace runcert {
+namespace {
+
+/// Facts of those levels alone; those without a value are left out.
+class LevelledFacts {
+  public:
+    LevelledFacts(Level from, Level to) : from_(from), to_(to) {}
+
+    void add(Level level, const char* name, std::string value) {
+        if (from_ <= level && level <= to_) add_fact(block_, name, std::move(value));
+    }
+    Block take() && { return std::move(block_); }
+
+  private:
+    Level from_, to_;
+    Block block_ = facts({}, {}, "narrow");
+};
+
+std::string with_unit(const std::string& figure, const ShownFigures& shown) {
+    return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
+}
+
+/// "2026-03-26 13:50:57.000 (UTC+10:30)"; empty where the attempt names no offset.
+std::string local_time(GpsTime time, const Attempt& attempt) {
+    if (!attempt.utc_offset_minutes) return {};
+    std::string text = to_utc_iso(
+        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
+        3);
+    text.pop_back();
+    std::ranges::replace(text, 'T', ' ');
+    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
+}
+
+/// Of which point of the craft the speed is, and what the other one did; empty where neither rule
+/// nor IMU says anything of points.
+std::string point_words(const RuleView& rule) {
+    const auto& counted_point = rule.profile.speed_of;
+    if (rule.best() == nullptr) return {};
+    const CraftSpeeds& points = rule.best()->points;
+    if (!counted_point && !points.antenna_speed_m_s) return {};
+    const std::string point(words_of(counted_point.value_or(SpeedOf::antenna)));
+    if (!points.reference_point_speed_m_s) return point;
+    const auto beside = [&](double speed_m_s, SafeSide side) {
+        return speed_beside(rule.verdict, speed_m_s, rule.unit().name, side);
+    };
+    if (counted_point == SpeedOf::reference_point)
+        return fmt::format("{}; the antenna made {}", point,
+                           beside(*points.antenna_speed_m_s, SafeSide::down));
+    return fmt::format("{}; the craft's reference point made {} ± {}", point,
+                       beside(*points.reference_point_speed_m_s, SafeSide::down),
+                       beside(*points.reference_point_expanded_uncertainty_m_s, SafeSide::up));
+}
+
+void add_window(LevelledFacts& told, const RuleView& rule) {
+    const auto& window = rule.verdict.window;
+    told.add(Level::page, "Window",
+             window                   ? window_line(*window)
+             : rule.verdict.speed_m_s ? ""
+                                      : "none could be certified");
+    if (!window) return;
+    if (window->start_gps) {
+        told.add(Level::page, "Local time", local_time(*window->start_gps, rule.attempt));
+        told.add(Level::record, "From the first epoch", seconds_text(window->start));
+    }
+    if (rule.profile.margin_kind == MarginKind::elapsed_time)
+        told.add(Level::page, "Elapsed time", seconds_text(window->duration));
+}
+
+std::string uncertainty_words(const RuleView& rule) {
+    const ProfileVerdict& verdict = rule.verdict;
+    const SpeedUnit& unit = rule.unit();
+    const auto rounded_up = [&](double uncertainty_m_s) {
+        return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s),
+                           unit.name);
+    };
+    const double limit_m_s = verdict.decision ? verdict.decision->bias_limit_m_s : 0.0;
+    const double standard_m_s =
+        (verdict.expanded_uncertainty_m_s.value_or(0.0) - limit_m_s) / verdict.coverage_factor;
+    std::string text =
+        fmt::format("Expanded {}: {} times the standard uncertainty, {}",
+                    with_unit(rule.shown().expanded_uncertainty, rule.shown()),
+                    coverage_text(verdict.coverage_factor), rounded_up(standard_m_s));
+    if (limit_m_s > 0.0)
+        text +=
+            fmt::format(", and {} for what choosing the fastest window may have left in the speed",
+                        rounded_up(limit_m_s));
+    text += ".";
+    if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
+        text += fmt::format(
+            " The required speed has a standard uncertainty of {}, from the record's own; the two "
+            "are combined.",
+            rounded_up(verdict.decision->required_speed_standard_uncertainty_m_s));
+    return text;
+}
+
+void add_decision(LevelledFacts& told, const RuleView& rule) {
+    const ProfileVerdict& verdict = rule.verdict;
+    if (!verdict.decision) return;
+    const bool counts = verdict.outcome != Outcome::not_certifiable;
+    told.add(counts ? Level::page : Level::annex, "Conformance probability",
+             conformance_text(*verdict.decision) +
+                 (counts ? "" : "; it does not count, since the speed cannot be certified"));
+    const std::int64_t made = verdict.decision->attempts_made;
+    told.add(Level::annex, "Decision rule",
+             (made > 1 ? fmt::format(
+                             "As the best of {} attempts it may take one share of the risk. ", made)
+                       : "") +
+                 decision_rule_text(rule.profile, verdict));
+    told.add(Level::annex, "Agreement",
+             agreement_text(rule.attempt.decision_rule_agreed, verdict.window));
+    told.add(Level::annex, "Guard band", guard_band_text(verdict, rule.unit()));
+    told.add(Level::annex, "Risk", capitalised(risk_text(verdict)));
+}
+
+}  // namespace
+
+std::string margin_words(const Profile& profile) {
+    const std::string above = profile.margin_above == MarginBase::upper_limit
+                                  ? "the record's upper limit, its value plus its own expanded "
+                                    "uncertainty"
+                                  : "the record";
+    if (profile.margin_kind == MarginKind::relative)
+        return fmt::format("{:.6g} % above {}", profile.margin * 100.0, above);
+    if (profile.margin_kind == MarginKind::elapsed_time)
+        return fmt::format("a time over the course that is shorter than that of {} by {}", above,
+                           number_text(profile.margin, "s"));
+    const std::string& unit = profile.margin_unit;
+    return fmt::format(
+        "{} above {}",
+        number_text(profile.margin / (unit.empty() ? 1.0 : metres_per_second(unit)), unit), above);
+}
+
+std::string rounding_words(const Profile& profile) {
+    if (!profile.rounding) return "the required speed is not rounded";
+    return fmt::format("the required speed is {} to {} of {}, as the body does",
+                       profile.rounding->mode == DecimalMode::truncate
+                           ? "cut off"
+                           : "rounded to the nearest figure",
+                       counted(profile.rounding->decimals, "decimal"), profile.rounding->unit);
+}
+
+std::string window_line(const WindowSpan& span) {
+    if (!span.start_gps)
+        return fmt::format("{} from {} after the first epoch; the recording's time is relative",
+                           seconds_text(span.duration), seconds_text(span.start));
+    return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
+}
+
+Block decision_facts(const RuleView& rule, Level from, Level to) {
+    const ProfileVerdict& verdict = rule.verdict;
+    const ShownFigures shown = rule.shown();
+    LevelledFacts told(from, to);
+    if (verdict.speed_m_s)
+        told.add(Level::page,
+                 verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
+                 measured_speed_text(shown, verdict.coverage_factor));
+    told.add(Level::page, "Speed of", point_words(rule));
+    told.add(Level::annex, "Rule", rule_words(rule.profile));
+    if (verdict.speed_m_s) {
+        told.add(Level::page, "Required speed", with_unit(shown.required_speed, shown));
+        told.add(Level::page, "Acceptance limit", with_unit(shown.acceptance_limit, shown));
+    }
+    told.add(Level::page, "Record to beat",
+             verdict.record ? record_text(*verdict.record) : std::string());
+    if (verdict.required_speed_m_s)
+        told.add(Level::annex, "Margin",
+                 fmt::format("The rule asks for {}; {}.", margin_words(rule.profile),
+                             rounding_words(rule.profile)));
+    if (verdict.speed_m_s) told.add(Level::annex, "Uncertainty", uncertainty_words(rule));
+    if (verdict.current_subtracted_m_s)
+        told.add(
+            Level::annex, "Current",
+            fmt::format("Its component along the course, {}, has been subtracted.",
+                        speed_beside(verdict, *verdict.current_subtracted_m_s, rule.unit().name)));
+    add_decision(told, rule);
+    const OwnArithmetic& own = verdict.own_arithmetic;
+    told.add(Level::page, "By the body's arithmetic",
+             to == Level::record ? own_arithmetic_text(own)
+             : own.shown.empty() ? "not known"
+                                 : own.shown);
+    add_window(told, rule);
+    return std::move(told).take();
+}
+
+}  // namespace runcert

@@ -126,11 +126,6 @@ Json measurement_of(Json predicate, bool made_here) {
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
             predicate["certificate"].erase(member);
-    if (predicate.contains("method") && predicate["method"].is_object())
-        for (Json& stage : predicate["method"]["stages"]) {
-            stage.erase("stage_version");
-            stage.erase("stage_revision");
-        }
     return predicate;
 }
 

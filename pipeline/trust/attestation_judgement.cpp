@@ -11,6 +11,7 @@
 #include "core/failure.h"
 #include "core/prose.h"
 #include "core/text.h"
+#include "schemas/verdict/figures.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -34,11 +35,10 @@ struct SignedAnswers {
     SshPublicKey key{};
 };
 
-std::string shown_of(const Json& requirement) {
-    std::string shown = requirement.at("evidence").get<std::string>();
-    for (const Json& figure : requirement.at("figures"))
-        shown += fmt::format("; {}: {}", figure.at("name").get<std::string>(),
-                             figure.at("quantity_text").get<std::string>());
+std::string shown_of(const Requirement& requirement) {
+    std::string shown = requirement.evidence;
+    for (const Figure& figure : requirement.figures)
+        shown += fmt::format("; {}: {}", figure.name, figure_value_text(figure));
     return shown;
 }
 
@@ -189,42 +189,30 @@ void add_answers(const SignedAnswers& one, const ReportFacts& report,
     }
 }
 
-std::vector<DueClause> read_due(const Json& predicate) {
-    std::vector<DueClause> due;
-    for (const Json& profile : predicate.at("profiles"))
-        for (const Json& requirement : profile.at("requirements")) {
-            if (requirement.at("status") != "attest") continue;
-            const Json& answerer = requirement.at("answered_by");
-            due.push_back({.profile = profile.at("profile").get<std::string>(),
-                           .clause = requirement.at("clause").get<std::string>(),
-                           .text = requirement.at("text").get<std::string>(),
+void add_due(const std::vector<ProfileVerdict>& rules, std::vector<DueClause>& due) {
+    for (const ProfileVerdict& rule : rules)
+        for (const Requirement& requirement : rule.requirements) {
+            if (requirement.status != RequirementStatus::attest) continue;
+            const bool known = std::ranges::any_of(due, [&](const DueClause& one) {
+                return one.profile == rule.profile && one.clause == requirement.clause;
+            });
+            if (known) continue;
+            const AnsweredBy by = requirement.answered_by.value_or(AnsweredBy{});
+            due.push_back({.profile = rule.profile,
+                           .clause = requirement.clause,
+                           .text = requirement.text,
                            .shown = shown_of(requirement),
-                           .answered_by = {answerer.at("role").get<std::string>(),
-                                           answerer.at("count").get<std::int64_t>()}});
+                           .answered_by = {by.role, std::max<std::int64_t>(1, by.count)}});
         }
-    return due;
 }
 
 }  // namespace
 
 std::vector<DueClause> due_clauses(const ReportFacts& report, std::optional<bool> with_files) {
-    try {
-        const Json& predicate = report.json->at("predicate");
-        if (with_files == true) return read_due(predicate.at("with_files"));
-        std::vector<DueClause> due = read_due(predicate);
-        if (with_files == false || !predicate.contains("with_files")) return due;
-        for (DueClause& one : read_due(predicate.at("with_files")))
-            if (std::ranges::none_of(due, [&](const DueClause& known) {
-                    return known.profile == one.profile && known.clause == one.clause;
-                }))
-                due.push_back(std::move(one));
-        return due;
-    } catch (const Json::exception& error) {
-        throw Failure("report.json",
-                      fmt::format("its requirements cannot be read: {}",
-                                  escape_for_message(error.what(), 200)),
-                      "The file was changed or cut off; take the original");
-    }
+    std::vector<DueClause> due;
+    if (with_files != true) add_due(report.verdict->profiles, due);
+    if (with_files != false) add_due(report.verdict->with_files, due);
+    return due;
 }
 
 std::vector<EvidenceFile> policies_of(const ReportFacts& report) {

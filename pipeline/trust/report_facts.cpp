@@ -5,9 +5,12 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/members.h"
 #include "schemas/products/products.h"
+#include "schemas/verdict/declared.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
+#include "store/yaml_output.h"
 #include "trust/attestation.h"
 #include "trust/bundle.h"
 #include "trust/roster.h"
@@ -151,6 +154,17 @@ Subjects subjects_of(const Json& json, const std::string& where) {
     return subjects;
 }
 
+/// The verdict that it holds, by its declaration.
+Verdict verdict_of(const Json& predicate, const std::string& where) {
+    const YamlValue held(yaml_node_of(nlohmann::ordered_json(predicate.at("verdict"))), where);
+    return {.header = {},
+            .attempt = held["attempt"].text(),
+            .receiver = held["receiver"].text(),
+            .profiles = member::read<std::vector<ProfileVerdict>>(held["profiles"]),
+            .with_files = member::read<std::vector<ProfileVerdict>>(held["with_files"]),
+            .second_files = member::read<std::vector<std::string>>(held["second_files"])};
+}
+
 std::vector<RequiredSignatures> required_of(const Json& predicate, const std::string& where) {
     constexpr std::size_t most = 100;
     std::vector<RequiredSignatures> required;
@@ -195,6 +209,7 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);
+        facts.verdict = std::make_shared<Verdict>(verdict_of(predicate, where));
         if (const Json& end = predicate.at("certificate"); end.contains("end_performance"))
             facts.recorded_until = whole_second(end.at("end_performance").get<std::string>());
     } catch (const nlohmann::json::exception& error) {

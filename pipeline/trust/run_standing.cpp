@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/failure.h"
@@ -22,7 +21,6 @@
 namespace runcert {
 namespace {
 
-using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 std::int64_t keys_with(const std::vector<GivenAnswer>& answers, std::string_view word,
@@ -168,27 +166,11 @@ Standing summed(const std::vector<ClauseStanding>& clauses, const SignaturesLeft
     return standing;
 }
 
-OutcomeState outcome_of(const Json& profile) {
-    const auto read = [](const Json& word, auto value) {
-        if (!from_text(word.get<std::string>(), value))
-            throw Failure("report.json", fmt::format("it knows no \"{}\"", shown(word.dump())),
-                          "The file was changed; take the original");
-        return value;
-    };
-    const auto outcome = read(profile.at("outcome"), Outcome{});
-    const auto origin = read(profile.at("rule").at("origin"), RuleOrigin{});
-    const bool overridden = profile.contains("overrides") && !profile.at("overrides").empty();
-    return {.outcome = outcome,
-            .record_named = profile.contains("record"),
-            .rule_altered = overridden || origin != RuleOrigin::built_in};
-}
-
 /// Whether officials of the roster answered for every second file, and none said no. The results
 /// with these files then take the place of those without.
 bool second_files_count(const ReportFacts& report, const Attestations& attestations) {
-    const Json with = report.json->at("predicate").value("with_files", Json::object());
-    if (with.empty()) return false;
-    const Json& files = with.at("second_files");
+    if (report.verdict->with_files.empty()) return false;
+    const std::vector<std::string>& files = report.verdict->second_files;
     return std::ranges::all_of(due_clauses(report), [&](const DueClause& due) {
         if (std::find(files.begin(), files.end(), due.clause) == files.end()) return true;
         const ClauseStanding clause = standing_of(due, attestations);
@@ -198,10 +180,9 @@ bool second_files_count(const ReportFacts& report, const Attestations& attestati
 
 std::vector<RuleStanding> read_rules(const ReportFacts& report, bool with_files) {
     std::vector<RuleStanding> rules;
-    const Json& predicate = report.json->at("predicate");
-    for (const Json& profile : (with_files ? predicate.at("with_files") : predicate).at("profiles"))
-        rules.push_back(
-            {.profile = profile.at("profile").get<std::string>(), .state = outcome_of(profile)});
+    for (const ProfileVerdict& rule :
+         with_files ? report.verdict->with_files : report.verdict->profiles)
+        rules.push_back({.profile = rule.profile, .state = state_of(rule)});
     return rules;
 }
 
@@ -331,15 +312,8 @@ RunStanding run_standing(const ReportFacts& report, const Attestations& attestat
             fmt::format("{} by keys that are not on the roster, not counted: {}{}.",
                         counted(std::ssize(strangers), "attestation"), strangers.front(),
                         strangers.size() > 1 ? " and others" : ""));
-    try {
-        standing.with_files = second_files_count(report, attestations);
-        standing.rules = read_rules(report, standing.with_files);
-    } catch (const Json::exception& error) {
-        throw Failure(
-            "report.json",
-            fmt::format("its outcomes cannot be read: {}", escape_for_message(error.what(), 200)),
-            "The file was changed or cut off; take the original");
-    }
+    standing.with_files = second_files_count(report, attestations);
+    standing.rules = read_rules(report, standing.with_files);
     const SignaturesLeft signatures = signatures_left(report, signers, rules);
     const std::vector<DueClause> due = due_clauses(report, standing.with_files);
     for (RuleStanding& rule : standing.rules) {

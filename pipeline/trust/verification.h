@@ -21,6 +21,8 @@
 
 namespace runcert {
 
+struct Verdict;
+
 /// Signatures that a report needs: that many in the role, by different keys.
 struct RequiredSignatures {
     std::string role{};
@@ -31,6 +33,7 @@ struct RequiredSignatures {
 struct ReportFacts {
     std::string text{};                            ///< its bytes: what is signed
     std::shared_ptr<const nlohmann::json> json{};  ///< the same, read
+    std::shared_ptr<const Verdict> verdict{};      ///< what it says of each rule; no header
     std::string report_id{};
     std::string attempt_id{};
     std::string program_version{};
@@ -102,8 +105,8 @@ VerificationStep verify_rules(const std::filesystem::path& run_dir);
 /// for all of this; what can be checked is checked here.
 VerificationStep verify_report(const std::filesystem::path& run_dir, const ReportFacts& report);
 
-/// Failure, naming the file, where something in a run folder is of another version than this program
-/// reads: a product, the attempt, a rule or the report.
+/// Failure, naming the file, where something in a run folder is of another version than this
+/// program reads: a product, the attempt, a rule or the report.
 void require_known_versions(const std::filesystem::path& run_dir);
 
 /// Whether attempt, rules, stage files and report follow schemas that this program knows, in every

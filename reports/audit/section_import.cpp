@@ -135,7 +135,8 @@ std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& 
     add_fact(recorded, "With a position", counted(positions_of(rows), "epoch"));
     blocks.push_back(std::move(recorded));
     blocks.push_back(left_out_block(observations.records, all));
-    add(blocks, parameter_blocks(record.attempt, observations.header, all));
+    add(blocks, parameter_blocks(record.attempt, {&observations.header},
+                                 all ? Level::record : Level::annex));
     add(blocks, imported_phases(record, one, all));
     add(blocks, imported_imu(record, one, all));
     add(blocks, imported_surface(record, one, all));
@@ -152,7 +153,8 @@ std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverRecord& one
                                    counted(std::ssize(table.rows), "epoch"), counted(positions)),
                        all);
     blocks.push_back(frame_facts(table.origin));
-    add(blocks, parameter_blocks(record.attempt, table.header, all));
+    add(blocks,
+        parameter_blocks(record.attempt, {&table.header}, all ? Level::record : Level::annex));
     return blocks;
 }
 

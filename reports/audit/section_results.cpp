@@ -92,7 +92,7 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& o
         add_course(*windows.best->course, "Course of the window", course);
         blocks.push_back(std::move(course));
     }
-    add(blocks, witness_blocks(*rule));
+    add(blocks, witness_blocks({*rule}));
     add(blocks, uncertainty_blocks(*rule));
     if (one.trajectory)
         add(blocks, method_blocks(*one.trajectory, rule->best()->span, rule->unit()));
@@ -105,12 +105,13 @@ std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& v
     const auto rule = rule_view(record, verdict.profile, nullptr);
     if (!rule) return {blocks.front(), rule_is_missing(verdict.profile)};
     blocks.push_back(outcome_facts(verdict));
+    add_fact(blocks.back(), "SHA-256 of its text", verdict.rule.sha256);
     add(blocks, verdict_blocks(*rule, Level::page, Level::record));
     blocks.push_back(requirement_rows(verdict, Level::record));
     if (verdict.window) blocks.push_back(span_facts(*verdict.window));
     if (verdict.speed_m_s) blocks.push_back(result_table(*rule));
     add(blocks, refused_blocks(*rule));
-    add(blocks, course_blocks(*rule));
+    add(blocks, course_blocks({*rule}));
     return blocks;
 }
 
@@ -152,7 +153,8 @@ std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& 
                        fmt::format("{}, {} with a smoothed speed",
                                    counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
                        all);
-    add(blocks, parameter_blocks(record.attempt, table.header, all));
+    add(blocks,
+        parameter_blocks(record.attempt, {&table.header}, all ? Level::record : Level::annex));
     add(blocks, estimation_blocks(table.estimation));
     add(blocks, attitude_blocks(record, one, all));
     return blocks;
@@ -163,7 +165,8 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
     const Windows& windows = *one.windows;
     std::vector<Block> blocks = product_blocks(record, windows.header, one.windows_file,
                                                counted(std::ssize(windows.profiles), "rule"), all);
-    add(blocks, parameter_blocks(record.attempt, windows.header, all));
+    add(blocks,
+        parameter_blocks(record.attempt, {&windows.header}, all ? Level::record : Level::annex));
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
     if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
     if (windows.course) {
@@ -182,7 +185,8 @@ std::vector<Block> check_blocks(const RunRecord& record, bool all) {
         record, verdict.header, record.verdict_file,
         counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
         all);
-    add(blocks, parameter_blocks(record.attempt, verdict.header, all));
+    add(blocks,
+        parameter_blocks(record.attempt, {&verdict.header}, all ? Level::record : Level::annex));
     for (const ProfileVerdict& each : verdict.profiles)
         add(blocks, rule_verdict(record, each));
     if (!verdict.statements.empty())

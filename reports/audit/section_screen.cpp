@@ -79,7 +79,8 @@ std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& 
         fmt::format("{}, {} of them used", counted(std::ssize(one.screened->rows), "epoch"),
                     counted(summary.usable)),
         all);
-    add(blocks, parameter_blocks(record.attempt, one.screened->header, all));
+    add(blocks, parameter_blocks(record.attempt, {&one.screened->header},
+                                 all ? Level::record : Level::annex));
     add(blocks, screening_blocks(*one.screened, subject_of(record, one), all));
     add(blocks, screened_phases(record, one, all));
     return blocks;

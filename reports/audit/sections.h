@@ -20,11 +20,9 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
 std::vector<Block> check_blocks(const RunRecord& record, bool all);
 
 /// Where a product comes from and what became of it, as a table of its inputs and the facts of its
-/// own file; then the parameters of the stage that are not the default, with `all` every one.
-/// `contents` says what is in it ("601 epochs").
+/// own file. `contents` says what is in it ("601 epochs").
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                                   const std::string& file, const std::string& contents, bool all);
-std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all);
 
 /// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
 std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,

@@ -61,7 +61,7 @@ Block outcome_block(const RuleView& rule) {
 void add_large_words(Section& page, const RuleView& rule) {
     if (rule.verdict.outcome == Outcome::beaten && rule.verdict.speed_m_s) {
         Block block{.kind = BlockKind::headline, .text = measured_speed_text(rule.shown())};
-        block.beside = fmt::format("(k = {})", coverage_text(rule.verdict.coverage_factor));
+        block.beside = fmt::format("({})", coverage_words(rule));
         add(page, std::move(block));
         return;
     }
@@ -106,7 +106,11 @@ std::string instrument_text(const Receiver& receiver, const Observations& record
     std::string recorded = recording.instrument ? parts_text(*recording.instrument) : "";
     if (recorded.empty()) recorded = claimed(recording.device);
     if (recorded == stated) recorded.clear();
-    return or_not_stated(joined({stated, labelled("the recording says", recorded)}, "; "));
+    return or_not_stated(
+        joined({stated, labelled("the recording says", recorded),
+                labelled("calibration:",
+                         receiver.calibration ? calibration_text(*receiver.calibration) : "")},
+               "; "));
 }
 
 /// Two columns beside each other cannot go on to another page: very long facts stand in one.
@@ -178,6 +182,14 @@ std::string witnesses_text(const RuleView& rule) {
     return fmt::format("Beside the positions, {}.", fmt::join(rule.verdict.witnesses, "; "));
 }
 
+/// In UTC and, where the attempt says how far apart they are, local time.
+std::string times_text(const RuleView& rule) {
+    const auto& window = rule.verdict.window;
+    if (!window) return "none";
+    return joined({window_line(*window),
+                   window->start_gps ? local_time(*window->start_gps, rule.attempt) : ""});
+}
+
 /// A line for each rule; each has its requirements in the annex.
 void add_overview(Section& page, const std::vector<RuleView>& rules) {
     for (const RuleView& rule : rules) {
@@ -193,7 +205,7 @@ void add_overview(Section& page, const std::vector<RuleView>& rules) {
              rule.verdict.speed_m_s ? measured_speed_text(shown) : "none",
              shown.required_speed.empty() ? "no record"
                                           : fmt::format("{} {}", shown.required_speed, shown.unit),
-             rule.verdict.window ? window_line(*rule.verdict.window) : "none"},
+             times_text(rule)},
             outcome_words(state_of(rule.verdict)).tone);
         if (&rule != &rules.front())
             for (TableColumn& column : row.columns)

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/rounding.h"
 #include "reports/certificate/certificate_document.h"
@@ -21,11 +20,6 @@ std::string d_si_unit(const SpeedUnit& unit) {
 const SpeedUnit& certificate_unit(const Profile& profile) {
     const SpeedUnit& own = speed_unit(rule_unit_name(profile));
     return own.name == "mph" ? speed_unit("km/h") : own;
-}
-
-/// With which probability so many standard uncertainties hold a normal variable ([GUM] G.1.3).
-double coverage_probability(double nominal_factor) {
-    return std::erf(nominal_factor / std::sqrt(2.0));
 }
 
 Json result_json(const ProfileVerdict& verdict, const Profile& profile) {

@@ -14,14 +14,6 @@ namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
-/// The members of that name.
-Json attempt_json(const Attempt& attempt, const Verdict& verdict);
-Json frame_json(const ReportInputs& inputs);
-Json receiver_json(const ReceiverResults& results, const Receiver& receiver);
-Json method_json(const ReportInputs& inputs);
-/// Of the profile of that index in the verdict: the verdict, and the windows of the judged
-/// receiver.
-Json profile_json(const ReportInputs& inputs, std::size_t index);
 /// What is to be drawn.
 Json figures_json(const ReportInputs& inputs);
 

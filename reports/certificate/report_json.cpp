@@ -11,6 +11,7 @@
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_run.h"
 #include "schemas/common/document.h"
+#include "schemas/common/product_files.h"
 #include "schemas/products/products.h"
 #include "store/external_program.h"
 #include "store/sha256.h"
@@ -33,18 +34,6 @@ Json files_json(const std::vector<ReportSubject>& subjects) {
             entry["original"] = subject.original;
         json.push_back(std::move(entry));
     }
-    return json;
-}
-
-Json attestations_json(const Verdict& verdict) {
-    Json json = Json::array();
-    for (const ProfileVerdict& profile : verdict.profiles)
-        for (const Requirement& requirement : profile.requirements)
-            if (requirement.status == RequirementStatus::attest)
-                json.push_back({{"profile", profile.profile},
-                                {"clause", requirement.clause},
-                                {"text", requirement.text},
-                                {"answered_by", answerer_text(requirement)}});
     return json;
 }
 
@@ -75,12 +64,6 @@ void check_predicate(Json predicate, const std::string& where) {
                 if (curve.contains(values) && curve[values].size() > 3)
                     curve[values].erase(curve[values].begin() + 3, curve[values].end());
     check_document(YamlValue(yaml_node_of(predicate), where), report_field_table());
-}
-
-void set_origins(Json& predicate, const Verdict& verdict) {
-    predicate["origins"] = Json::array();
-    for (const VerdictInput& input : verdict.origins)
-        predicate["origins"].push_back(members_json(input));
 }
 
 constexpr std::size_t indentation = 2;
@@ -157,39 +140,26 @@ Json report_json(ReportInputs inputs) {
     predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());
     if (Json amends = amends_json(inputs.attempt); !amends.is_null())
         predicate["amends"] = std::move(amends);
-    predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
-    // What second files change stands there twice.
-    const auto in_both = [&](auto set) {
-        set(predicate);
-        if (inputs.verdict.with_files.empty()) return;
-        inputs.exchange_with_files();
-        set(predicate["with_files"]);
-        inputs.exchange_with_files();
-    };
-    in_both([&](Json& predicate_of) {
-        for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
-            predicate_of["profiles"].push_back(profile_json(inputs, i));
-    });
-    set_origins(predicate, inputs.verdict);
-    predicate["statements"] = inputs.verdict.statements;
-    predicate["attestations"] = attestations_json(inputs.verdict);
-    predicate["frame"] = frame_json(inputs);
-    predicate["receivers"] = Json::array();
-    for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
-        predicate["receivers"].push_back(
-            receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
-    predicate["method"] = method_json(inputs);
+    predicate["attempt"] = {{"id", inputs.attempt.id},
+                            {"craft_name", inputs.attempt.craft.name},
+                            {"craft_class", inputs.attempt.craft.kind}};
+    predicate["verdict"] =
+        body_of(write_verdict(inputs.verdict), std::string(products::verdict_file));
     round_to_table(predicate, report_field_table());
     predicate["figures"] = figures_json(inputs);
     const DrawnFigures drawn = inputs.drawn ? *inputs.drawn : drawn_here(predicate);
     for (std::size_t i = 0; i < predicate["figures"].size(); ++i)
         predicate["figures"][i]["drawing_sha256"] = i < drawn.sha256.size() ? drawn.sha256[i] : "";
-    in_both([&](Json& predicate_of) {
-        predicate_of["document"] = members_json(certificate_document(
-            inputs, predicate["report_id"].get<std::string>(), predicate["figures"]));
-    });
-    if (!inputs.verdict.with_files.empty())
-        predicate["with_files"]["second_files"] = inputs.verdict.second_files;
+    const auto document = [&] {
+        return members_json(certificate_document(inputs, predicate["report_id"].get<std::string>(),
+                                                 predicate["figures"]));
+    };
+    predicate["document"] = document();
+    // What second files change is shown in another document.
+    if (!inputs.verdict.with_files.empty()) {
+        inputs.exchange_with_files();
+        predicate["with_files"]["document"] = document();
+    }
     predicate["page"] = page_parts_json();
     predicate["page"]["drawn_by_sha256"] = drawn.by_sha256;
     predicate["files"] = files_json(inputs.subjects);

@@ -2,7 +2,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 
 #include "core/claimed_text.h"
 #include "core/text.h"
@@ -11,49 +10,7 @@
 
 namespace runcert {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
-
-std::string value_text(const Json& value) {
-    if (value.is_string()) return value.get<std::string>();
-    if (!value.is_array()) return value.dump();
-    std::string text;
-    for (const Json& item : value)
-        text += (text.empty() ? "" : ", ") + value_text(item);
-    return text;
-}
-
-void add_parameter(Block& block, const std::string& stage, const std::string& name,
-                   const Json& value, const std::vector<std::string>& overrides) {
-    const std::string path = stage + "." + name;
-    const bool import = stage == "import";  // what the attempt states of the receiver
-    const bool set_by_attempt =
-        import || std::find(overrides.begin(), overrides.end(), path) != overrides.end();
-    const FieldRule* rule =
-        attempt_schema().find(import ? "receivers[]." + name : "parameters." + path);
-    const std::string unit = rule != nullptr ? rule->unit : "";
-    add_row(block,
-            {path,
-             fmt::format("{}{}{}{}", value_text(value), unit.empty() ? "" : " ", unit,
-                         set_by_attempt ? ", set by the attempt" : ""),
-             rule != nullptr ? rule->description : ""},
-            set_by_attempt ? "changed" : "");
-}
-
-Block parameters_table(const ReportInputs& inputs) {
-    Block block =
-        table({"Parameter|34", "Value|24", "Meaning|42"}, "Every figure that the stages used");
-    for (const Header* header : headers_of(inputs.receivers.front(), inputs.verdict)) {
-        std::string stage = header->stage;
-        if (stage.starts_with("runcert-")) stage.erase(0, 8);
-        if (header->parameters->is_object())
-            for (const auto& [name, value] : header->parameters->items())
-                if (!value.is_null() && !value.is_object())
-                    add_parameter(block, stage, name, value, inputs.attempt.overrides);
-    }
-    return block;
-}
 
 void describe_tests(std::vector<std::string>& words, const ScreeningBasis& basis) {
     words.push_back(
@@ -216,7 +173,9 @@ Section method_section(const ReportInputs& inputs) {
         add(section, paragraph(std::move(words)));
     if (std::vector<std::string> items = deviations(inputs); !items.empty())
         add(section, titled_list("Deviations from method and rules", std::move(items)));
-    add(section, parameters_table(inputs));
+    add(section,
+        parameter_blocks(inputs.attempt, headers_of(inputs.receivers.front(), inputs.verdict),
+                         Level::annex));
     return section;
 }
 

@@ -107,17 +107,19 @@ std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
 Section requirements_section(const ReportInputs& inputs) {
     Section section{.anchor = "requirements", .title = "Requirements of the rules"};
     const std::vector<RuleView> rules = rule_views(inputs);
-    const std::vector<std::string> said =
-        rules.size() > 1 ? said_of_all(rules) : std::vector<std::string>();
+    const Level from = rules.size() > 1 ? Level::page : Level::annex;
+    const SaidOfAll said = said_of_all(rules, from, Level::annex);
     for (const RuleView& rule : rules) {
         if (rule.several)
             add(section, heading(fmt::format("Rule “{}”: {}, {}", rule.verdict.profile,
                                              rule.verdict.title, rule.verdict.body)));
-        add(section,
-            verdict_blocks(rule, rule.several ? Level::page : Level::annex, Level::annex, said));
+        add(section, verdict_blocks(rule, from, Level::annex, said));
     }
+    if (!said.facts.empty())
+        add(section,
+            facts(said.facts, fmt::format("Alike for all {} rules", rules.size()), "narrow"));
+    if (!said.notes.empty()) add(section, list_of(said.notes));
     add(section, requirements_table(rules));
-    if (!said.empty()) add(section, list_of(said));
     if (Block origins = origin_facts(inputs.verdict.origins); !origins.facts.empty()) {
         origins.text = "Who says what the figures rest on";
         add(section, std::move(origins));
@@ -178,8 +180,7 @@ Section screening_section(const ReportInputs& inputs, const Json& figures) {
 
 Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
     Section section{.anchor = "witnesses", .title = "Witnesses"};
-    for (const RuleView& rule : rule_views(inputs))
-        add(section, witness_blocks(rule));
+    add(section, witness_blocks(rule_views(inputs)));
     if (const auto& notes = inputs.receivers.front().windows.witness_notes; !notes.empty())
         add(section, list_of(notes));
     const auto sentences = raw_signal_sentences(inputs.receivers.front());
@@ -216,9 +217,7 @@ Section run_section(const ReportInputs& inputs, const Json& figures) {
     if (figures.empty())
         add(section, paragraph("There is nothing to draw: no stretch of the recording could be "
                                "estimated."));
-    for (const RuleView& rule : rule_views(inputs)) {
-        add(section, course_blocks(rule));
-    }
+    add(section, course_blocks(rule_views(inputs)));
     add(section, run_blocks(rule_views(inputs)));
     add_sources(section, inputs.attempt);
     return section;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/rounding.h"
 #include "core/text.h"
@@ -29,17 +31,6 @@ class LevelledFacts {
 
 std::string with_unit(const std::string& figure, const ShownFigures& shown) {
     return figure.empty() ? figure : fmt::format("{} {}", figure, shown.unit);
-}
-
-/// "2026-03-26 13:50:57.000 (UTC+10:30)"; empty where the attempt names no offset.
-std::string local_time(GpsTime time, const Attempt& attempt) {
-    if (!attempt.utc_offset_minutes) return {};
-    std::string text = to_utc_iso(
-        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
-        3);
-    text.pop_back();
-    std::ranges::replace(text, 'T', ' ');
-    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
 }
 
 /// Of which point of the craft the speed is, and what the other one did; empty where neither rule
@@ -106,17 +97,13 @@ std::string uncertainty_words(const RuleView& rule) {
 
 void add_decision(LevelledFacts& told, const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
-    if (!verdict.decision) return;
-    const bool counts = verdict.outcome != Outcome::not_certifiable;
-    told.add(counts ? Level::page : Level::annex, "Conformance probability",
-             conformance_text(*verdict.decision) +
-                 (counts ? "" : "; it does not count, since the speed cannot be certified"));
-    const std::int64_t made = verdict.decision->attempts_made;
-    told.add(Level::annex, "Decision rule",
-             (made > 1 ? fmt::format(
-                             "As the best of {} attempts it may take one share of the risk. ", made)
-                       : "") +
-                 decision_rule_text(rule.profile, verdict));
+    if (verdict.decision) {
+        const bool counts = verdict.outcome != Outcome::not_certifiable;
+        told.add(counts ? Level::page : Level::annex, "Conformance probability",
+                 conformance_text(*verdict.decision) +
+                     (counts ? "" : "; it does not count, since the speed cannot be certified"));
+    }
+    told.add(Level::annex, "Decision rule", decision_rule_text(rule.profile, verdict));
     told.add(Level::annex, "Agreement",
              agreement_text(rule.attempt.decision_rule_agreed, verdict.window));
     told.add(Level::annex, "Guard band", guard_band_text(verdict, rule.unit()));
@@ -157,6 +144,25 @@ std::string window_line(const WindowSpan& span) {
     return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
 }
 
+std::string local_time(GpsTime time, const Attempt& attempt) {
+    if (!attempt.utc_offset_minutes) return {};
+    std::string text = to_utc_iso(
+        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
+        3);
+    text.pop_back();
+    std::ranges::replace(text, 'T', ' ');
+    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
+}
+
+std::string coverage_words(const RuleView& rule) {
+    return fmt::format("k = {}, {} %", coverage_text(rule.verdict.coverage_factor),
+                       format_fixed(100.0 * coverage_probability(rule.profile.coverage_factor), 0));
+}
+
+double coverage_probability(double nominal_factor) {
+    return std::erf(nominal_factor / std::numbers::sqrt2);
+}
+
 Block decision_facts(const RuleView& rule, Level from, Level to) {
     const ProfileVerdict& verdict = rule.verdict;
     const ShownFigures shown = rule.shown();
@@ -164,7 +170,7 @@ Block decision_facts(const RuleView& rule, Level from, Level to) {
     if (verdict.speed_m_s)
         told.add(Level::page,
                  verdict.outcome == Outcome::not_certifiable ? "Not certified" : "Measured speed",
-                 measured_speed_text(shown, verdict.coverage_factor));
+                 fmt::format("{} ({})", measured_speed_text(shown), coverage_words(rule)));
     told.add(Level::page, "Speed of", point_words(rule));
     told.add(Level::annex, "Rule", rule_words(rule.profile));
     if (verdict.speed_m_s) {

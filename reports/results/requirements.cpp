@@ -85,9 +85,8 @@ Block requirement_rows(const ProfileVerdict& verdict, Level level) {
 Block outcome_facts(const ProfileVerdict& verdict, const std::string& vouched_by) {
     OutcomeState state = state_of(verdict);
     state.vouched_by = vouched_by;
-    return facts({{"Outcome", outcome_words(state).title + "."},
-                  {"By the rule", fmt::format("{}; SHA-256 of its text {}",
-                                              rule_identity_text(verdict), verdict.rule.sha256)}});
+    return facts(
+        {{"Outcome", outcome_words(state).title + "."}, {"By", rule_identity_text(verdict) + "."}});
 }
 
 Block origin_facts(const std::vector<VerdictInput>& origins) {
@@ -111,22 +110,24 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
 }
 
 std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
-                                  const std::vector<std::string>& said) {
+                                  const SaidOfAll& said) {
     const ProfileVerdict& verdict = rule.verdict;
-    std::vector<Block> blocks{paragraph(verdict.reason), decision_facts(rule, from, to)};
+    Block told = decision_facts(rule, from, to);
+    std::erase_if(told.facts, [&](const Fact& fact) { return holds(said.facts, fact); });
+    std::vector<Block> blocks{paragraph(sentence(verdict.reason)), std::move(told)};
     if (rule.windows != nullptr && !rule.windows->missing.empty())
         blocks.push_back(paragraph(fmt::format("What is missing: {}.", rule.windows->missing)));
     blocks.push_back(standing_block(verdict));
     std::vector<std::string> notes = verdict.notes;
     std::erase_if(notes, [&](const std::string& note) {
-        return std::ranges::find(said, note) != said.end() ||
+        return std::ranges::find(said.notes, note) != said.notes.end() ||
                std::ranges::any_of(verdict.overrides, [&](const Override& figure) {
                    return note.find(figure.figure) != std::string::npos;
                });
     });
     if (!notes.empty()) blocks.push_back(list_of(std::move(notes)));
     if (!verdict.overrides.empty()) blocks.push_back(overrides_table(verdict));
-    if (auto items = unconfirmed(verdict); !items.empty())
+    if (auto items = unconfirmed(verdict); !items.empty() && !rule.several)
         blocks.push_back(titled_list("What could not be confirmed of the rule", std::move(items)));
     return blocks;
 }

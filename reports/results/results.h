@@ -75,6 +75,13 @@ std::string margin_words(const Profile& profile);
 std::string rounding_words(const Profile& profile);
 /// "3.000 s from 2026-03-26T03:20:57.000Z".
 std::string window_line(const WindowSpan& span);
+/// "2026-03-26 13:50:57.000 (UTC+10:30)"; empty where the attempt names no offset.
+std::string local_time(GpsTime time, const Attempt& attempt);
+/// With which probability so many standard uncertainties hold a normal variable ([GUM] G.1.3).
+double coverage_probability(double nominal_factor);
+/// "k = 2, 95 %": the coverage factor, which few degrees of freedom make larger than the rule's,
+/// and the probability that goes with the rule's.
+std::string coverage_words(const RuleView& rule);
 /// The speeds of a rule, and how it was decided, of these levels.
 Block decision_facts(const RuleView& rule, Level from, Level to);
 
@@ -84,9 +91,19 @@ std::vector<std::string> requirement_lines(const Requirement& requirement);
 /// are among these, or all.
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names = {});
-/// Reason, decision of these levels, replaced figures, and notes other than those said already.
+/// What holds for all rules, and is said of them together.
+struct SaidOfAll {
+    std::vector<Fact> facts = {};
+    std::vector<std::string> notes = {};
+};
+bool holds(const std::vector<Fact>& facts, const Fact& one);
+/// Empty where there is but one.
+SaidOfAll said_of_all(const std::vector<RuleView>& rules, Level from, Level to);
+
+/// Reason, decision of these levels, replaced figures, and notes, but for what is said of all
+/// rules.
 std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
-                                  const std::vector<std::string>& said = {});
+                                  const SaidOfAll& said = {});
 
 // Of a window, and of the run that it is in.
 
@@ -105,10 +122,10 @@ std::vector<Block> refused_blocks(const RuleView& rule);
 std::vector<Block> uncertainty_blocks(const RuleView& rule);
 /// The blocks of the budget and of its check.
 std::vector<Block> budget_blocks(const RuleView& rule);
-/// What witnesses say of the speed; what the data say of course and craft; the runs of the craft.
-std::vector<Block> witness_blocks(const RuleView& rule);
-std::vector<Block> course_blocks(const RuleView& rule);
-/// Runs that several rules cut alike are one table.
+/// What witnesses say of the speed; what the data say of course and craft; the runs of the craft,
+/// where what several rules cut alike is one table.
+std::vector<Block> witness_blocks(const std::vector<RuleView>& rules);
+std::vector<Block> course_blocks(const std::vector<RuleView>& rules);
 std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
 
 // Of several rules together, what is alike once.
@@ -116,13 +133,16 @@ std::vector<Block> run_blocks(const std::vector<RuleView>& rules);
 /// The requirements in a table as wide as a page, each once, with what differs between the rules
 /// beneath it.
 Block requirements_table(const std::vector<RuleView>& rules);
-/// The notes that all verdicts have.
-std::vector<std::string> said_of_all(const std::vector<RuleView>& rules);
 /// The certified windows, their speeds by each definition, by each rule's own arithmetic, of two
 /// points of the craft, and of further windows.
 std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
 /// The budgets beside each other, as contributions to each rule's speed.
 std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);
+
+/// What the stages were told: of each parameter the figure used, its default, and who set it; those
+/// that have the default only of the record.
+std::vector<Block> parameter_blocks(const Attempt& attempt,
+                                    const std::vector<const Header*>& headers, Level level);
 
 // Of a receiver.
 

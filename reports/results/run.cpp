@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -84,17 +85,21 @@ Block runs_table(const std::vector<RuleView>& rules, bool named) {
 
 }  // namespace
 
-std::vector<Block> witness_blocks(const RuleView& rule) {
-    const CertifiableWindow* best = rule.best();
-    if (best == nullptr || best->witnesses.empty()) return {};
-    Block list = facts({}, rule.titled("What witnesses say of the speed"));
-    for (const WitnessedSpeed& one : best->witnesses)
-        add_fact(list,
-                 capitalised(one.receiver.empty()
-                                 ? std::string(words_of(one.kind))
-                                 : fmt::format("positions of receiver “{}”", one.receiver)),
-                 witness_text(one, rule));
-    return {std::move(list)};
+std::vector<Block> witness_blocks(const std::vector<RuleView>& rules) {
+    Block list = facts({}, "What witnesses say of the speed");
+    for (const RuleView& rule : rules) {
+        if (rule.best() == nullptr) continue;
+        for (const WitnessedSpeed& one : rule.best()->witnesses) {
+            const std::string witness =
+                one.receiver.empty() ? std::string(words_of(one.kind))
+                                     : fmt::format("positions of receiver “{}”", one.receiver);
+            add_fact(list,
+                     rule.several ? fmt::format("“{}”: {}", rule.profile.id, witness)
+                                  : capitalised(witness),
+                     witness_text(one, rule));
+        }
+    }
+    return list.facts.empty() ? std::vector<Block>() : std::vector<Block>{std::move(list)};
 }
 
 std::vector<Block> run_blocks(const std::vector<RuleView>& rules) {
@@ -116,14 +121,32 @@ std::vector<Block> run_blocks(const std::vector<RuleView>& rules) {
     return blocks;
 }
 
-std::vector<Block> course_blocks(const RuleView& rule) {
-    if (rule.verdict.course.empty()) return {};
+std::vector<Block> course_blocks(const std::vector<RuleView>& rules) {
     Block block = table(
         {"From the data|38", "Figure ± expanded uncertainty (k = 2)|26", "Where it comes from|36"},
-        rule.titled("Course and craft"));
-    for (const Figure& figure : rule.verdict.course)
-        add_row(block, {figure.name, figure_value_text(figure), figure.note});
-    return {std::move(block)};
+        "Course and craft");
+    // What several rules have alike is one row.
+    std::vector<std::pair<const Figure*, std::vector<std::string>>> found;
+    const auto behind = [&](const std::string& name) {
+        const auto last = std::find_if(found.rbegin(), found.rend(),
+                                       [&](const auto& one) { return one.first->name == name; });
+        return last == found.rend() ? found.end() : last.base();
+    };
+    for (const RuleView& rule : rules)
+        for (const Figure& figure : rule.verdict.course) {
+            auto same = std::ranges::find_if(found, [&](const auto& one) {
+                return one.first->name == figure.name && one.first->note == figure.note &&
+                       figure_value_text(*one.first) == figure_value_text(figure);
+            });
+            if (same == found.end()) same = found.insert(behind(figure.name), {&figure, {}});
+            same->second.push_back(fmt::format("“{}”", rule.profile.id));
+        }
+    for (const auto& [figure, of] : found)
+        add_row(block, {of.size() == rules.size()
+                            ? figure->name
+                            : fmt::format("{}: {}", figure->name, fmt::join(of, ", ")),
+                        figure_value_text(*figure), figure->note});
+    return block.rows.empty() ? std::vector<Block>() : std::vector<Block>{std::move(block)};
 }
 
 }  // namespace runcert

@@ -112,14 +112,23 @@ Block requirements_table(const std::vector<RuleView>& rules) {
     return block;
 }
 
-std::vector<std::string> said_of_all(const std::vector<RuleView>& rules) {
-    std::vector<std::string> shared;
-    for (const std::string& note : rules.front().verdict.notes)
-        if (std::ranges::all_of(rules, [&](const RuleView& rule) {
-                return std::ranges::find(rule.verdict.notes, note) != rule.verdict.notes.end();
-            }))
-            shared.push_back(note);
-    return shared;
+bool holds(const std::vector<Fact>& facts, const Fact& one) {
+    return std::ranges::any_of(
+        facts, [&](const Fact& fact) { return fact.name == one.name && fact.value == one.value; });
+}
+
+SaidOfAll said_of_all(const std::vector<RuleView>& rules, Level from, Level to) {
+    if (rules.size() < 2) return {};
+    SaidOfAll said{.facts = decision_facts(rules.front(), from, to).facts,
+                   .notes = rules.front().verdict.notes};
+    for (const RuleView& rule : rules) {
+        const std::vector<Fact> own = decision_facts(rule, from, to).facts;
+        std::erase_if(said.facts, [&](const Fact& fact) { return !holds(own, fact); });
+        std::erase_if(said.notes, [&](const std::string& note) {
+            return std::ranges::find(rule.verdict.notes, note) == rule.verdict.notes.end();
+        });
+    }
+    return said;
 }
 
 std::vector<Block> windows_of_all(const std::vector<RuleView>& rules) {

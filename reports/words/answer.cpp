@@ -148,22 +148,34 @@ void add_table(const Verdict& verdict, std::vector<AnswerLine>& lines) {
     }
 }
 
-/// Reasons of what cannot be certified, each once, with the rules that have it.
-void add_reasons(const Verdict& verdict, std::vector<AnswerLine>& lines) {
-    std::vector<std::pair<std::string, std::vector<std::string>>> reasons;
-    for (const ProfileVerdict& rule : verdict.profiles) {
-        if (rule.outcome != Outcome::not_certifiable) continue;
-        const std::string why = refusal_text(rule);
-        auto known = std::ranges::find(reasons, why, [](const auto& one) { return one.first; });
-        if (known == reasons.end()) known = reasons.insert(reasons.end(), {why, {}});
-        known->second.push_back(rule.profile);
-    }
-    for (const auto& [why, rules] : reasons)
-        lines.push_back(
-            {"why", fmt::format("{}: {}",
-                                rules.size() == verdict.profiles.size() ? std::string("all rules")
-                                                                        : listed(rules),
-                                why)});
+/// What is said of rules, each once, with the rules that it is said of.
+using SaidOfRules = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+void say_of(SaidOfRules& said, const std::string& what, const std::string& rule) {
+    auto known = std::ranges::find(said, what, [](const auto& one) { return one.first; });
+    if (known == said.end()) known = said.insert(said.end(), {what, {}});
+    known->second.push_back(rule);
+}
+
+/// Why what cannot be certified cannot.
+SaidOfRules refusals_of(const Verdict& verdict) {
+    SaidOfRules reasons;
+    for (const ProfileVerdict& rule : verdict.profiles)
+        if (rule.outcome == Outcome::not_certifiable)
+            say_of(reasons, refusal_text(rule), rule.profile);
+    return reasons;
+}
+
+/// The reason that all rules share, which stands in the result; empty where they do not.
+std::string shared_refusal(const Verdict& verdict) {
+    const SaidOfRules reasons = refusals_of(verdict);
+    const bool shared =
+        reasons.size() == 1 && reasons.front().second.size() == verdict.profiles.size();
+    return shared ? reasons.front().first : "";
+}
+
+std::string all_text(std::size_t rules) {
+    return rules == 2 ? "both rules" : fmt::format("all {} rules", rules);
 }
 
 /// The verdict that NEXT speaks of: the first that exceeds, else the first that is refused, else
@@ -216,7 +228,9 @@ std::vector<AnswerLine> answer_details(const Verdict& verdict) {
         add_notes(rule, false, lines);
     } else {
         add_table(verdict, lines);
-        add_reasons(verdict, lines);
+        if (shared_refusal(verdict).empty())
+            for (const auto& [why, rules] : refusals_of(verdict))
+                lines.push_back({"why", fmt::format("{}: {}", listed(rules), why)});
     }
     if (!verdict.georeferenced)
         lines.push_back({"note",
@@ -230,21 +244,20 @@ AnswerLine answer_result(const Verdict& verdict) {
         const ProfileVerdict& rule = verdict.profiles.front();
         return {"RESULT", fmt::format("{}: {}", rule.profile, result_text(rule))};
     }
-    std::vector<std::pair<std::string, std::vector<std::string>>> ways;
+    SaidOfRules ways;
     std::int64_t answers = 0, signatures = 0;
     for (const ProfileVerdict& rule : verdict.profiles) {
-        const std::string way = short_outcome(rule);
-        auto known = std::ranges::find(ways, way, [](const auto& one) { return one.first; });
-        if (known == ways.end()) known = ways.insert(ways.end(), {way, {}});
-        known->second.push_back(rule.profile);
+        say_of(ways, short_outcome(rule), rule.profile);
         if (rule.outcome != Outcome::beaten) continue;
         answers += rule.standing.attestations;
         signatures = std::max(signatures, rule.standing.signatures);
     }
     const std::string due = due_text(answers, signatures);
+    const std::string why = shared_refusal(verdict);
     if (ways.size() == 1)
-        return {"RESULT", fmt::format("all {} rules: {}.{}", verdict.profiles.size(),
-                                      ways.front().first, due)};
+        return {"RESULT",
+                fmt::format("{}: {}.{}{}", all_text(verdict.profiles.size()), ways.front().first,
+                            due, why.empty() ? "" : " " + capitalised(why))};
     std::vector<std::string> said;
     for (const auto& [way, rules] : ways)
         said.push_back(fmt::format("{} ({})", way, listed(rules)));

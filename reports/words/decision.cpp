@@ -76,10 +76,14 @@ std::string requirement_counts(const ProfileVerdict& verdict) {
 std::string decision_rule_text(const Profile& profile, const ProfileVerdict& verdict) {
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     const std::string silent = silent_rule_text(profile);
+    const std::int64_t made = verdict.decision ? verdict.decision->attempts_made : 1;
     return fmt::format(
-        "At least {} counts as beaten, at most {} as not beaten, and anything between as not "
-        "proven "
-        "(guarded acceptance and rejection, JCGM 106).{}{}",
+        "It goes by the conformance probability, that the true speed reaches the required speed. "
+        "{}At least {} counts as beaten, at most {} as not beaten, and anything between as not "
+        "proven (guarded acceptance and rejection, JCGM 106).{}{}",
+        made > 1
+            ? fmt::format("As the best of {} attempts it may take one share of the risk. ", made)
+            : "",
         level_text(level), level_text(1.0 - level), silent.empty() ? "" : " ", silent);
 }
 

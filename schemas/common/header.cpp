@@ -116,4 +116,11 @@ Json json_from_yaml(const YamlValue& value) {
     return text;
 }
 
+Json body_of(std::string_view text, const std::string& where) {
+    Json body = json_from_yaml(YamlValue(parse_yaml(text, where), where));
+    for (const char* member : {"schema", "stage", "inputs", "parameters"})
+        body.erase(member);
+    return body;
+}
+
 }  // namespace runcert

@@ -65,4 +65,8 @@ std::optional<GpsTime> read_gps_time(const YamlValue& value);
 /// A YAML value as the same JSON value. Unquoted numbers become numbers.
 nlohmann::ordered_json json_from_yaml(const YamlValue& value);
 
+/// What a product that is a document (YAML) says, without its header. Failure where it is none;
+/// `where` names it.
+nlohmann::ordered_json body_of(std::string_view text, const std::string& where);
+
 }  // namespace runcert

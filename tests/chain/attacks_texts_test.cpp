@@ -154,7 +154,7 @@ TEST_F(AttacksOnTexts, Text06WhatIsClaimedIsQuotedWhereverItStands) {
     ASSERT_NE(made.exit_status, 2) << made.errors;
     const auto predicate = nlohmann::json::parse(read_file(run() / "report.json"))["predicate"];
     std::string texts = predicate["document"].dump() + made.output;
-    for (const auto& one : predicate["profiles"][0]["requirements"])
+    for (const auto& one : predicate["verdict"]["profiles"][0]["requirements"])
         texts += one["evidence"].get<std::string>();
     for (const char* command : {"explain", "audit", "attest"})
         texts += runcert({command, run().string()}).output;

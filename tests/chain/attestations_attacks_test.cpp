@@ -153,13 +153,13 @@ TEST_F(Attestations, OfAnotherRunAreSeen) {
     // An answer to the other report, which the same judge gave.
     const auto other = nlohmann::json::parse(read_file(there / "report.json"))["predicate"];
     std::string clause;
-    for (const auto& one : other["profiles"][0]["requirements"])
+    for (const auto& one : other["verdict"]["profiles"][0]["requirements"])
         if (one["status"] == "attest" && one["answered_by"]["role"] == "judge")
             clause = one["clause"];
     const ProcessResult result =
         runcert({"attest", there.string(), clause, "--profile",
-                 other["profiles"][0]["profile"].get<std::string>(), "--role", "judge", "--key",
-                 key("judge"), "--yes", "--no-render"});
+                 other["verdict"]["profiles"][0]["profile"].get<std::string>(), "--role", "judge",
+                 "--key", key("judge"), "--yes", "--no-render"});
     ASSERT_EQ(result.exit_status, 0) << result.errors;
     fs::create_directory(run() / "attestations");
     for (const EnvelopeFile& file : envelope_files(there))

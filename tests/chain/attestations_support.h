@@ -33,7 +33,7 @@ class Attestations : public SignedRuns {
     std::vector<std::string> due(const std::string& role) const {
         std::vector<std::string> clauses;
         const nlohmann::json all = report();
-        for (const auto& one : all["profiles"][0]["requirements"])
+        for (const auto& one : all["verdict"]["profiles"][0]["requirements"])
             if (one["status"] == "attest" && one["answered_by"]["role"] == role)
                 clauses.push_back(one["clause"]);
         return clauses;

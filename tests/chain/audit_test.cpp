@@ -181,7 +181,7 @@ TEST(Audit, EveryStageIsWalkedThroughAndTheRefusedWindowNamed) {
             run_process({"sha256sum", (run / file).string()}).output.substr(0, 64);
         if (file != "attempt.yaml") expected.push_back(sum);
     }
-    for (const auto& requirement : report["predicate"]["profiles"][0]["requirements"])
+    for (const auto& requirement : report["predicate"]["verdict"]["profiles"][0]["requirements"])
         expected.push_back(" " + requirement["clause"].get<std::string>() + " ");
     for (const char* stage : {"1. import", "2. enu", "3. screen", "4. smooth", "5. window"})
         expected.push_back(std::string(stage) + ", receiver primary");

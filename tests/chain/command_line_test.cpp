@@ -48,7 +48,8 @@ TEST(CommandLine, CertifyAnswersProgramsInOneDocument) {
         EXPECT_EQ(beaten, result.exit_status == 0);
         const auto report = nlohmann::json::parse(
             read_file(fs::path(json["run_folder"].get<std::string>()) / "report.json"));
-        EXPECT_EQ(report["predicate"]["profiles"][0]["outcome"], json["profiles"][0]["outcome"]);
+        EXPECT_EQ(report["predicate"]["verdict"]["profiles"][0]["outcome"],
+                  json["profiles"][0]["outcome"]);
     }
 }
 

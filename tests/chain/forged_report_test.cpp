@@ -79,12 +79,13 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
     const std::string whole = read_file(run() / "report.json");
     const auto expect_found = [&](const std::string& said,
                                   const std::function<void(Json&)>& change) {
-        forge_predicate([&](Json& predicate) { change(predicate["profiles"][0]); });
+        forge_predicate([&](Json& predicate) { change(predicate["verdict"]["profiles"][0]); });
         expect_no("report", said);
         write_file_atomically(run() / "report.json", whole);
     };
-    expect_found("nalsa, speed_km_h is 255.5", [](Json& rule) { rule["speed_km_h"] = 255.5; });
-    expect_found("nalsa, speed_mph is absent", [](Json& rule) { rule.erase("speed_mph"); });
+    expect_found("verdict.profiles.0.speed_km_h is \\\"255.5\\\"",
+                 [](Json& rule) { rule["speed_km_h"] = 255.5; });
+    expect_found("speed_mph is \\\"absent\\\"", [](Json& rule) { rule.erase("speed_mph"); });
     expect_found("expanded_uncertainty_m_s",
                  [](Json& rule) { rule["expanded_uncertainty_m_s"] = 0.01; });
     expect_found("required_speed_km_h", [](Json& rule) { rule["required_speed_km_h"] = 100.0; });
@@ -93,12 +94,13 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
     expect_found("outcome is \\\"not_proven\\\"",
                  [](Json& rule) { rule["outcome"] = "not_proven"; });
     expect_found("reason", [](Json& rule) { rule["reason"] = "Everybody saw it."; });
-    expect_found("requirement 1, status",
+    expect_found("requirements.0.status",
                  [](Json& rule) { rule["requirements"][0]["status"] = "attest"; });
-    expect_found("decision.probability is 0.5",
+    expect_found("decision.probability is \\\"0.5\\\"",
                  [](Json& rule) { rule["decision"]["probability"] = 0.5; });
-    expect_found("decision.level is absent", [](Json& rule) { rule["decision"].erase("level"); });
-    expect_found("requirements, in 6-verdict.yaml",
+    expect_found("decision.level is \\\"absent\\\"",
+                 [](Json& rule) { rule["decision"].erase("level"); });
+    expect_found("verdict.profiles.0.requirements is",
                  [](Json& rule) { rule["requirements"].erase(0); });
 }
 
@@ -149,8 +151,10 @@ TEST_F(ForgedReport, WhereItSaysThatTheProgramIsIsSaidToBeItsWord) {
 }
 
 TEST_F(ForgedReport, ThatLeavesARuleOutIsFound) {
-    forge_predicate([](Json& predicate) { predicate["profiles"].erase(1); });
-    expect_no("report", "results by 1 rules, 6-verdict.yaml has 2");
+    forge_predicate([](Json& predicate) { predicate["verdict"]["profiles"].erase(1); });
+    expect_no(
+        "report",
+        "verdict.profiles is \\\"a list of 1\\\", in 6-verdict.yaml it is \\\"a list of 2\\\"");
 }
 
 TEST_F(ForgedReport, ThatLeavesAFileOutIsFound) {
@@ -243,15 +247,17 @@ TEST_F(ForgedReport, LongerThanAnyIsRefusedAtOnce) {
 }
 
 TEST_F(ForgedReport, IsNotSigned) {
-    forge_predicate([](Json& predicate) { predicate["profiles"][0]["speed_km_h"] = 255.5; });
+    forge_predicate(
+        [](Json& predicate) { predicate["verdict"]["profiles"][0]["speed_km_h"] = 255.5; });
     const ProcessResult result = sign("judge", "judge");
     EXPECT_EQ(result.exit_status, 2);
-    EXPECT_NE(result.errors.find("speed_km_h is 255.5"), std::string::npos) << result.errors;
+    EXPECT_NE(result.errors.find("speed_km_h is \"255.5\""), std::string::npos) << result.errors;
 }
 
 TEST_F(ForgedReport, PutInPlaceOfTheCheckedOneIsNotSigned) {
     const ReportFacts checked = read_report_facts(run());
-    forge_predicate([](Json& predicate) { predicate["profiles"][0]["speed_km_h"] = 255.5; });
+    forge_predicate(
+        [](Json& predicate) { predicate["verdict"]["profiles"][0]["speed_km_h"] = 255.5; });
     fs::remove(run() / "report.json.minisig");
     const SecretKey secret = parse_secret_key(read_file(key("judge")), std::nullopt, "key");
     EXPECT_THROW(sign_report(run(), checked, secret, "judge"), Failure);

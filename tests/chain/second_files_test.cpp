@@ -67,13 +67,13 @@ class SecondFiles : public Attestations {
 
 TEST_F(SecondFiles, AReceiverMadeOfTheFirstNarrowsNothingAndMeetsNothing) {
     const nlohmann::json all = report();
-    const nlohmann::json& before = all["profiles"][0];
-    const nlohmann::json& after = all["with_files"]["profiles"][0];
+    const nlohmann::json& before = all["verdict"]["profiles"][0];
+    const nlohmann::json& after = all["verdict"]["with_files"][0];
     EXPECT_GT(u_km_h(before), 1.2 * u_km_h(after));
     EXPECT_EQ(status(before, "secondary-method"), "attest");
     EXPECT_EQ(status(after, "secondary-method"), "met");
     EXPECT_EQ(status(before, "secondary-as-recorded"), "attest");
-    EXPECT_EQ(all["with_files"]["second_files"], nlohmann::json({"secondary-as-recorded"}));
+    EXPECT_EQ(all["verdict"]["second_files"], nlohmann::json({"secondary-as-recorded"}));
     // The uncertainty is that of the same run without the file, and so are the witnesses.
     EXPECT_TRUE(before["witnesses"].empty());
     EXPECT_TRUE(before.contains("unseen_drift_m_s"));
@@ -85,7 +85,7 @@ TEST_F(SecondFiles, AReceiverMadeOfTheFirstNarrowsNothingAndMeetsNothing) {
     const auto alone =
         nlohmann::json::parse(read_file(folder() / "alone" / "report.json"))["predicate"];
     EXPECT_FALSE(alone.contains("with_files"));
-    EXPECT_NEAR(u_km_h(before), u_km_h(alone["profiles"][0]), 0.01);
+    EXPECT_NEAR(u_km_h(before), u_km_h(alone["verdict"]["profiles"][0]), 0.01);
 }
 
 TEST_F(SecondFiles, TheyCountOnceAnOfficialOfTheRosterHasAnswered) {
@@ -123,8 +123,9 @@ TEST_F(SecondFiles, ThePagesFollow) {
         return profile["shown"]["speed"].get<std::string>() + " km/h ± " +
                profile["shown"]["expanded_uncertainty"].get<std::string>();
     };
-    EXPECT_NE(shown.find(u_of(all["with_files"]["profiles"][0])), std::string::npos);
-    EXPECT_NE(shown.find("Without them: " + u_of(all["profiles"][0])), std::string::npos);
+    EXPECT_NE(shown.find(u_of(all["verdict"]["with_files"][0])), std::string::npos);
+    EXPECT_NE(shown.find("Without them: " + u_of(all["verdict"]["profiles"][0])),
+              std::string::npos);
     EXPECT_EQ(layer(found(), "pages")["passed"], true) << layer(found(), "pages").dump(1);
 }
 

@@ -147,7 +147,7 @@ void expect_one_figure_each(const fs::path& run, const std::string& said) {
     std::set<double> speeds;
     collect_speeds(predicate, speeds);
     ASSERT_GT(read.size(), 5U);
-    for (const Json& profile : predicate["profiles"]) {
+    for (const Json& profile : predicate["verdict"]["profiles"]) {
         std::set<double> others = speeds;
         if (profile.contains("decision"))  // less the required speed it is the guard band
             others.insert(profile["decision"]["acceptance_limit_m_s"].get<double>() -

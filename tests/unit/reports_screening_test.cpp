@@ -27,12 +27,8 @@ CertifiableWindow& best_of(sample::Run& run) {
     return *run.inputs.receivers[0].windows.profiles[0].best;
 }
 
-Json receiver_of(const sample::Run& run) {
-    return report_json(run.inputs)["predicate"]["receivers"][0];
-}
-
 Json best_json(const sample::Run& run) {
-    return report_json(run.inputs)["predicate"]["profiles"][0]["windows"]["best"];
+    return members_json(*run.inputs.receivers[0].windows.profiles[0].best);
 }
 
 std::string line(const sample::Run& run, const std::string& name) {
@@ -54,34 +50,6 @@ std::string words(const sample::Run& run) {
     return sentences_at(report_json(run.inputs), undetected);
 }
 
-TEST(Screening, TheReportHoldsWhatTheTestsRestedOn) {
-    sample::Run run = sample::make_run();
-    const Json basis = receiver_of(run)["screening"]["basis"];
-    EXPECT_EQ(basis["family_false_alarm_rate"], 0.001);
-    EXPECT_EQ(basis["tests"], 30668);
-    EXPECT_NEAR(basis["test_size"].get<double>(), 0.001 / 30668.0, 1e-18);
-    EXPECT_EQ(basis["power"], 0.8);
-    EXPECT_EQ(basis["models"].size(), 2U);
-    EXPECT_EQ(basis["models"][1]["error_sigma_m"], 0.0271);
-    ASSERT_EQ(basis["fix_types"].size(), 3U);
-    EXPECT_EQ(basis["fix_types"][0]["variance_factor"], 1.69);
-    EXPECT_EQ(basis["fix_types"][0]["judgement"], "optimistic");
-    EXPECT_EQ(basis["fix_types"][1]["fix"], "float");
-    EXPECT_EQ(basis["velocity"]["delay_s"], 0.1024);
-    EXPECT_EQ(basis["velocity"]["sigma_delay_s"], 0.0021);
-    EXPECT_EQ(basis["time"]["jitter_s"], 2.1e-5);
-    EXPECT_EQ(basis["limits"]["acceleration_max_m_s2"], 15.0);
-    EXPECT_EQ(basis["limits"]["acceleration_m_s2"], 8.71);
-    EXPECT_FALSE(basis.contains("baseline"));
-
-    basis_of(run).velocity.reset();
-    basis_of(run).baseline = BaselineComparison{"secondary", 400, 1.512, 0.021, 3};
-    const Json other = receiver_of(run)["screening"]["basis"];
-    EXPECT_FALSE(other.contains("velocity"));
-    EXPECT_EQ(other["baseline"]["length_m"], 1.512);
-    EXPECT_EQ(other["baseline"]["rejected"], 3);
-}
-
 TEST(Screening, DecisionsAreCountedByHypothesis) {
     sample::Run run = sample::make_run();
     std::int64_t bursts = 0;
@@ -94,12 +62,6 @@ TEST(Screening, DecisionsAreCountedByHypothesis) {
     wrong.usable = false;
     wrong.reason = Reason::outlier;
     wrong.hypothesis = Hypothesis::outlier;
-    const Json decisions = receiver_of(run)["screening"]["decisions"];
-    std::map<std::string, std::int64_t> counts;
-    for (const Json& entry : decisions)
-        counts[entry["hypothesis"]] = entry["count"].get<std::int64_t>();
-    EXPECT_EQ(counts, (std::map<std::string, std::int64_t>{
-                          {"outlier", 1}, {"burst", bursts}, {"step", 2}}));
     EXPECT_EQ(line(run, "Decided by the tests"),
               fmt::format("1 single outlier; {} positions in runs of wrong ones; 2 steps of "
                           "the positions",
@@ -158,10 +120,6 @@ TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
     for (std::int64_t i = 0; i < 30; ++i)
         time.faults.push_back({.epoch = 10 + i, .kind = TimeFaultKind::gap, .size_s = 0.4});
     time.faults[1] = {.epoch = 11, .kind = TimeFaultKind::whole_second_shift, .size_s = -18.0};
-    const Json written = receiver_of(run)["screening"]["basis"]["time"];
-    EXPECT_EQ(written["faults"].size(), 20U);
-    EXPECT_EQ(written["faults_found"], 30);
-    EXPECT_EQ(written["faults"][1]["size_s"], -18.0);
     EXPECT_EQ(line(run, "Fault of time stamps"), "epoch 10: 0.400 s missing");
     EXPECT_EQ(line(run, "Further faults of time stamps"), "27");
     EXPECT_NE(page_of(run).find("epoch 11: the clock jumps by 18.000 s while the positions go on"),

@@ -25,7 +25,7 @@ NoiseSummary& noise_of(sample::Run& run) {
 }
 
 Json best_json(const sample::Run& run) {
-    return report_json(run.inputs)["predicate"]["profiles"][0]["windows"]["best"];
+    return members_json(*run.inputs.receivers[0].windows.profiles[0].best);
 }
 
 const Place of_nalsa{.section = "uncertainty", .rule = "nalsa"};
@@ -264,20 +264,6 @@ TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeDetermined) {
               "not estimated: 12 usable epochs, at least 30 required; the stated noise is used");
     EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 m s^-2.5");
     EXPECT_EQ(noise_cell(run, size, 0), "not looked for");
-}
-
-TEST(Uncertainty, TheReportHoldsNoiseAndHealthInFigures) {
-    const Json predicate = report_json(sample::make_run().inputs)["predicate"];
-    const Json& estimation = predicate["receivers"][0]["estimation"];
-    EXPECT_EQ(estimation["horizontal"]["noise"]["jerk_density"]["relative_uncertainty"], 0.0579);
-    EXPECT_FALSE(estimation["horizontal"]["noise"].contains("error_sigma_m"));
-    EXPECT_EQ(estimation["vertical"]["noise"]["error_tau_s"]["at_bound"], true);
-    EXPECT_EQ(estimation["vertical"]["health"]["autocorrelation_stated"], -0.1138);
-    EXPECT_EQ(estimation["robust_downweighted"], 12);
-    EXPECT_FALSE(
-        report_json(
-            sample::make_run({.vertical = false}).inputs)["predicate"]["receivers"][0]["estimation"]
-            .contains("vertical"));
 }
 
 }  // namespace

@@ -133,8 +133,12 @@ TEST(Answer, OfSeveralRulesIsATableWithCommonReasonsOnce) {
         "4 rules: exceeds the record (fisly); not certifiable (a, b and c). Not yet beaten: 9 "
         "answers are due.");
     rules.erase(rules.begin());
-    EXPECT_EQ(answer_result(of(rules)).says, "all 3 rules: not certifiable.");
-    EXPECT_TRUE(answer_details(of(rules)).back().says.starts_with("all rules: "));
+    EXPECT_EQ(answer_result(of(rules)).says, "all 3 rules: not certifiable. No window is whole.");
+    EXPECT_EQ(answer_details(of(rules)).back().label, "rule") << "the result has the reason";
+    rules.pop_back();
+    EXPECT_EQ(answer_result(of(rules)).says, "both rules: not certifiable. No window is whole.");
+    rules.back().reason = "It was not the day.";
+    EXPECT_EQ(answer_result(of(rules)).says, "both rules: not certifiable.");
 }
 
 TEST(Answer, FitsInTheLinesThatThereAre) {

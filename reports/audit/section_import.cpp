@@ -54,12 +54,12 @@ std::vector<std::string> ephemerides_of(const PhaseTable& phase) {
 }
 
 /// The part about the raw phases of a receiver that has some.
-std::vector<Block> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> imported_phases(const RunRecord& record, const ReceiverResults& one, bool all) {
     if (!one.phase) return {};
     const PhaseTable& phase = *one.phase;
     std::vector<Block> blocks{heading("Raw phases")};
     add(blocks,
-        product_blocks(record, phase.header, one.phase_file,
+        product_blocks(record, phase.header, one.files.at("phase"),
                        fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), all));
     if (!phase.notes.empty()) blocks.push_back(list_of(phase.notes));
     blocks.push_back(paragraph(fmt::format(
@@ -72,12 +72,12 @@ std::vector<Block> imported_phases(const RunRecord& record, const ReceiverRecord
 }
 
 /// The part about the IMU beside a receiver that has one.
-std::vector<Block> imported_imu(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& one, bool all) {
     if (!one.imu) return {};
     const ImuTable& imu = *one.imu;
     std::vector<Block> blocks{heading("IMU")};
     add(blocks, product_blocks(
-                    record, imu.header, one.imu_file,
+                    record, imu.header, one.files.at("imu"),
                     fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")), all));
     Block found = facts({});
     add_fact(found, "Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", ")));
@@ -97,11 +97,11 @@ std::vector<Block> imported_imu(const RunRecord& record, const ReceiverRecord& o
 }
 
 /// The part about the surface that a receiver's craft runs on, where it was handed in.
-std::vector<Block> imported_surface(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResults& one, bool all) {
     if (!one.surface) return {};
     const SurfaceTable& surface = *one.surface;
     std::vector<Block> blocks{heading("Surface")};
-    add(blocks, product_blocks(record, surface.header, one.surface_file,
+    add(blocks, product_blocks(record, surface.header, one.files.at("surface"),
                                fmt::format("{}, {}", surface.format,
                                            counted(surface.found.triangles, "triangle")),
                                all));
@@ -125,11 +125,12 @@ std::vector<Block> imported_surface(const RunRecord& record, const ReceiverRecor
 
 }  // namespace
 
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const Observations& observations = *one.observations;
+std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+    const Observations& observations = one.observations;
     const auto& rows = observations.rows;
-    std::vector<Block> blocks = product_blocks(record, observations.header, one.observations_file,
-                                               counted(std::ssize(rows), "epoch"), all);
+    std::vector<Block> blocks =
+        product_blocks(record, observations.header, one.files.at("observations"),
+                       counted(std::ssize(rows), "epoch"), all);
     Block recorded = recording_facts(observations, one.receiver, std::ssize(rows),
                                      rows.empty() ? ElapsedTime{} : rows.back().time);
     add_fact(recorded, "With a position", counted(positions_of(rows), "epoch"));
@@ -143,12 +144,12 @@ std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& 
     return blocks;
 }
 
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const EnuTable& table = *one.enu;
+std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+    const EnuTable& table = one.enu;
     const auto positions = std::ranges::count_if(
         table.rows, [](const EnuEpoch& row) { return row.east_m.has_value(); });
     std::vector<Block> blocks =
-        product_blocks(record, table.header, one.enu_file,
+        product_blocks(record, table.header, one.files.at("enu"),
                        fmt::format("{}, {} with a position",
                                    counted(std::ssize(table.rows), "epoch"), counted(positions)),
                        all);

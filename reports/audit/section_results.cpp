@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "reports/audit/sections.h"
 #include "reports/run_speeds/run_speeds.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -69,7 +70,7 @@ void add_course(const CourseDirections& course, const std::string& name, Block& 
     add_fact(told, name, text);
 }
 
-std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& one,
+std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& one,
                                 const ProfileWindows& windows) {
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
@@ -94,8 +95,8 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& o
     }
     add(blocks, witness_blocks({*rule}));
     add(blocks, uncertainty_blocks(*rule));
-    if (one.trajectory)
-        add(blocks, method_blocks(*one.trajectory, rule->best()->span, rule->unit()));
+    if (is_there(one.trajectory.header))
+        add(blocks, method_blocks(one.trajectory, rule->best()->span, rule->unit()));
     return blocks;
 }
 
@@ -131,12 +132,12 @@ Block stand_table(const std::vector<Stand>& stands) {
     return table_of_stands;
 }
 
-std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
     if (!one.attitude) return {};
     const AttitudeTable& attitude = *one.attitude;
     const InertialConsistency& found = attitude.consistency;
     std::vector<Block> blocks{heading("Attitude")};
-    add(blocks, product_blocks(record, attitude.header, one.attitude_file,
+    add(blocks, product_blocks(record, attitude.header, one.files.at("attitude"),
                                counted(found.epochs, "position") + " took part", all));
     add(blocks, attitude_facts(attitude));
     return blocks;
@@ -144,12 +145,12 @@ std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord
 
 }  // namespace
 
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const TrajectoryTable& table = *one.trajectory;
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+    const TrajectoryTable& table = one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
     std::vector<Block> blocks =
-        product_blocks(record, table.header, one.trajectory_file,
+        product_blocks(record, table.header, one.files.at("trajectory"),
                        fmt::format("{}, {} with a smoothed speed",
                                    counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
                        all);
@@ -160,10 +161,10 @@ std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& 
     return blocks;
 }
 
-std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRecord& one,
+std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
                                        bool all) {
-    const Windows& windows = *one.windows;
-    std::vector<Block> blocks = product_blocks(record, windows.header, one.windows_file,
+    const Windows& windows = one.windows;
+    std::vector<Block> blocks = product_blocks(record, windows.header, one.files.at("windows"),
                                                counted(std::ssize(windows.profiles), "rule"), all);
     add(blocks,
         parameter_blocks(record.attempt, {&windows.header}, all ? Level::record : Level::annex));
@@ -180,9 +181,9 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
 }
 
 std::vector<Block> check_blocks(const RunRecord& record, bool all) {
-    const Verdict& verdict = *record.verdict;
+    const Verdict& verdict = record.verdict;
     std::vector<Block> blocks = product_blocks(
-        record, verdict.header, record.verdict_file,
+        record, verdict.header, std::string(products::verdict_file),
         counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
         all);
     add(blocks,

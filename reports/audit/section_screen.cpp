@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/screening.h"
@@ -19,7 +20,7 @@ std::string place_of(const SlipRecord& slip) {
     return "";
 }
 
-Block slip_table(const ReceiverRecord& one, std::size_t count) {
+Block slip_table(const ReceiverResults& one, std::size_t count) {
     Block slips = table({">Epoch", ">Time", "Signal", "What was found", "In the raw file"},
                         "Slips, and what else ended arcs by a test");
     for (std::size_t i = 0; i < count; ++i) {
@@ -32,12 +33,12 @@ Block slip_table(const ReceiverRecord& one, std::size_t count) {
 }
 
 /// The part about the carrier phases of a receiver that has some.
-std::vector<Block> screened_phases(const RunRecord& record, const ReceiverRecord& one, bool all) {
+std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResults& one, bool all) {
     if (!one.screened_phase) return {};
     const ScreenedPhaseTable& phases = *one.screened_phase;
     std::vector<Block> blocks{heading("Carrier phases")};
     add(blocks,
-        product_blocks(record, phases.header, one.screened_phase_file,
+        product_blocks(record, phases.header, one.files.at("screened_phase"),
                        fmt::format("{} with phases", counted(phases.epochs, "epoch")), all));
     blocks.push_back(list_of(phase_sentences(phases)));
     const std::size_t count = all ? one.slips.size() : std::min(one.slips.size(), slips_shown);
@@ -59,10 +60,10 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverRecord
 }
 
 /// What the audit of screening is about beside its table.
-AuditSubject subject_of(const RunRecord& record, const ReceiverRecord& one) {
-    AuditSubject subject{.recording = one.recording};
-    if (!one.windows) return subject;
-    for (const ProfileWindows& windows : one.windows->profiles)
+AuditSubject subject_of(const RunRecord& record, const ReceiverResults& one) {
+    AuditSubject subject{.recording = claimed_value(recording_names(one.receiver))};
+    if (!is_there(one.windows.header)) return subject;
+    for (const ProfileWindows& windows : one.windows.profiles)
         if (const auto rule = rule_view(record, windows.profile, &windows); rule && rule->best())
             subject.windows.push_back({.profile = windows.profile,
                                        .duration_s = windows.best->span.duration.seconds(),
@@ -72,16 +73,16 @@ AuditSubject subject_of(const RunRecord& record, const ReceiverRecord& one) {
 
 }  // namespace
 
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
-    const ScreeningSummary summary = summarise(one.screened->rows);
+std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+    const ScreeningSummary summary = summarise(one.screened.rows);
     std::vector<Block> blocks = product_blocks(
-        record, one.screened->header, one.screened_file,
-        fmt::format("{}, {} of them used", counted(std::ssize(one.screened->rows), "epoch"),
+        record, one.screened.header, one.files.at("screened"),
+        fmt::format("{}, {} of them used", counted(std::ssize(one.screened.rows), "epoch"),
                     counted(summary.usable)),
         all);
-    add(blocks, parameter_blocks(record.attempt, {&one.screened->header},
+    add(blocks, parameter_blocks(record.attempt, {&one.screened.header},
                                  all ? Level::record : Level::annex));
-    add(blocks, screening_blocks(*one.screened, subject_of(record, one), all));
+    add(blocks, screening_blocks(one.screened, subject_of(record, one), all));
     add(blocks, screened_phases(record, one, all));
     return blocks;
 }

@@ -9,6 +9,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/words/attempt.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 
@@ -29,7 +30,7 @@ Block inputs_table(const RunRecord& record, const Header& header, bool all) {
         TableRow& row = add_row(
             inputs,
             {input.role, input.file, counted(static_cast<std::int64_t>(input.bytes)),
-             hash_text(input.sha256, all), record.files.contains(input.file) ? "yes" : "NO"});
+             hash_text(input.sha256, all), file_in(record, input.file) != nullptr ? "yes" : "NO"});
         if (!input.original.empty()) row.further = {"handed in as " + input.original};
     }
     return inputs;
@@ -48,30 +49,31 @@ struct Product {
     std::string file;
     const Header* header = nullptr;  ///< null where the file is not there
     /// Of a receiver's: whose, and what makes its blocks.
-    const ReceiverRecord* of = nullptr;
-    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverRecord&, bool) = nullptr;
+    const ReceiverResults* of = nullptr;
+    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverResults&, bool) = nullptr;
 };
 
-template <class T>
-const Header* header_of(const std::optional<T>& product) {
-    return product ? &product->header : nullptr;
+const Header* header_if_there(const Header& header) {
+    return is_there(header) ? &header : nullptr;
 }
 
 std::vector<Product> products_of(const RunRecord& record) {
     std::vector<Product> products;
-    for (const ReceiverRecord& one : record.receivers) {
+    for (const ReceiverResults& one : record.receivers) {
         const std::string& id = one.receiver.id;
-        products.push_back({"import", id, one.observations_file, header_of(one.observations), &one,
-                            import_blocks});
-        products.push_back({"enu", id, one.enu_file, header_of(one.enu), &one, enu_blocks});
+        products.push_back({"import", id, one.files.at("observations"),
+                            header_if_there(one.observations.header), &one, import_blocks});
         products.push_back(
-            {"screen", id, one.screened_file, header_of(one.screened), &one, screen_blocks});
-        products.push_back(
-            {"smooth", id, one.trajectory_file, header_of(one.trajectory), &one, smooth_blocks});
-        products.push_back(
-            {"window", id, one.windows_file, header_of(one.windows), &one, window_stage_blocks});
+            {"enu", id, one.files.at("enu"), header_if_there(one.enu.header), &one, enu_blocks});
+        products.push_back({"screen", id, one.files.at("screened"),
+                            header_if_there(one.screened.header), &one, screen_blocks});
+        products.push_back({"smooth", id, one.files.at("trajectory"),
+                            header_if_there(one.trajectory.header), &one, smooth_blocks});
+        products.push_back({"window", id, one.files.at("windows"),
+                            header_if_there(one.windows.header), &one, window_stage_blocks});
     }
-    products.push_back({"check", {}, record.verdict_file, header_of(record.verdict)});
+    products.push_back(
+        {"check", {}, std::string(products::verdict_file), header_if_there(record.verdict.header)});
     products.push_back({"report", {}, "report.json", record.report ? &*record.report : nullptr});
     return products;
 }
@@ -96,8 +98,8 @@ Block facts_of(const RunRecord& record) {
          {"Date", attempt.date.empty() ? "not given" : attempt.date},
          {"Officials",
           attempt.officials.empty() ? "none named" : officials_text(attempt.officials)}});
-    for (const ReceiverRecord& one : record.receivers)
-        add_fact(told, "Receiver " + one.receiver.id, one.recording);
+    for (const ReceiverResults& one : record.receivers)
+        add_fact(told, "Receiver " + one.receiver.id, claimed_value(recording_names(one.receiver)));
     add_fact(told, "Rules claimed under", listed(attempt.profiles));
     if (attempt.record) add_fact(told, "Record to beat", record_text(*attempt.record));
     for (const auto& [profile, beaten] : attempt.records)
@@ -186,9 +188,14 @@ Section stage_section(const Product& product) {
 
 }  // namespace
 
+const InputFile* file_in(const RunView& run, const std::string& name) {
+    const auto found = std::ranges::find(run.files, name, &InputFile::file);
+    return found == run.files.end() ? nullptr : &*found;
+}
+
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                                   const std::string& file, const std::string& contents, bool all) {
-    const InputFile& own = record.files.at(file);
+    const InputFile& own = *file_in(record, file);
     return {inputs_table(record, header, all),
             facts({{"Went out", fmt::format("{}: {}, {} bytes", file, contents,
                                             counted(static_cast<std::int64_t>(own.bytes)))},
@@ -205,8 +212,8 @@ std::optional<RuleView> rule_view(const RunRecord& record, const std::string& pr
     const auto rule = std::ranges::find(record.profiles, profile, &Profile::id);
     if (rule == record.profiles.end()) return std::nullopt;
     const ProfileVerdict* verdict = &none;
-    if (record.verdict)
-        for (const ProfileVerdict& one : record.verdict->profiles)
+    if (is_there(record.verdict.header))
+        for (const ProfileVerdict& one : record.verdict.profiles)
             if (one.profile == profile) verdict = &one;
     return RuleView{record.attempt, *verdict, *rule, windows};
 }

@@ -11,11 +11,11 @@
 namespace runcert {
 
 /// What a stage's section holds, where its product is there.
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverRecord& one, bool all);
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverRecord& one, bool all);
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& one, bool all);
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverRecord& one, bool all);
-std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRecord& one,
+std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
+std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
+std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
+std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
                                        bool all);
 std::vector<Block> check_blocks(const RunRecord& record, bool all);
 

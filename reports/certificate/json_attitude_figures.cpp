@@ -195,7 +195,7 @@ class CraftDrawing {
 };
 
 /// The craft to scale where the window begins and where it ends, from the side or from behind.
-Json craft_to_scale(const ReceiverResults& results, const AttitudeEpoch& start,
+Json craft_to_scale(const ReportInputs& inputs, const AttitudeEpoch& start,
                     const AttitudeEpoch& end, bool from_behind) {
     Json figure = empty_figure(
         from_behind ? "craft_behind" : "craft",
@@ -207,8 +207,8 @@ Json craft_to_scale(const ReceiverResults& results, const AttitudeEpoch& start,
         from_behind ? "across the course (m)" : "along the course (m)",
         "above the reference point (m)");
     figure["equal_scale"] = true;
-    const Triangulation* const surface = results.surface ? &*results.surface : nullptr;
-    CraftDrawing drawing(*results.attitude, figure);
+    const Triangulation* const surface = inputs.surface ? &*inputs.surface : nullptr;
+    CraftDrawing drawing(*inputs.receivers.front().attitude, figure);
     double at_m = 0.0;
     for (const auto& [row, name] : {std::pair{&start, "begin"}, std::pair{&end, "end"}}) {
         const Eigen::Vector3d along = Eigen::Vector3d(*row->reference_velocity_east_m_s,
@@ -226,7 +226,8 @@ Json craft_to_scale(const ReceiverResults& results, const AttitudeEpoch& start,
 
 }  // namespace
 
-std::vector<Json> attitude_figures(const ReceiverResults& results, const RuleView& rule) {
+std::vector<Json> attitude_figures(const ReportInputs& inputs, const RuleView& rule) {
+    const ReceiverResults& results = inputs.receivers.front();
     if (!results.attitude) return {};
     const AttitudeTable& table = *results.attitude;
     const TrajectoryTable& trajectory = results.trajectory;
@@ -244,7 +245,7 @@ std::vector<Json> attitude_figures(const ReceiverResults& results, const RuleVie
     const AttitudeEpoch& start = *nearest(window.start.seconds());
     const AttitudeEpoch& end = *nearest(window.start.seconds() + window.duration.seconds());
     for (const bool from_behind : {false, true})
-        figures.push_back(craft_to_scale(results, start, end, from_behind));
+        figures.push_back(craft_to_scale(inputs, start, end, from_behind));
     return figures;
 }
 

@@ -372,8 +372,8 @@ Json figures_json(const ReportInputs& inputs) {
     for (const RuleView& rule : rules) {
         if (!rule.verdict.window) continue;
         Json figure = window_figure(judged.trajectory, rule);
-        if (judged.phase_view && is_horizontal(rule))
-            add_phase_speed(figure, *judged.phase_view, rule.unit());
+        if (inputs.phase_view && is_horizontal(rule))
+            add_phase_speed(figure, *inputs.phase_view, rule.unit());
         figures.push_back(std::move(figure));
     }
     for (Json& figure : average_figures(inputs))
@@ -384,10 +384,10 @@ Json figures_json(const ReportInputs& inputs) {
          std::array{ground_figure(inputs), residual_figure(judged), test_figure(judged.screened)})
         if (!figure.is_null()) figures.push_back(figure);
     if (seen != rules.end())
-        for (Json& figure : attitude_figures(judged, *seen))
+        for (Json& figure : attitude_figures(inputs, *seen))
             figures.push_back(std::move(figure));
-    if (judged.phase_view && seen != rules.end())
-        for (Json& figure : phase_figures(*judged.phase_view, *seen->verdict.window))
+    if (inputs.phase_view && seen != rules.end())
+        for (Json& figure : phase_figures(*inputs.phase_view, *seen->verdict.window))
             figures.push_back(std::move(figure));
     return figures;
 }

@@ -38,7 +38,7 @@ std::vector<Json> phase_figures(const PhaseView& view, const WindowSpan& window)
 /// Around the window of a rule: roll and pitch, heading and course, the speeds of antenna and
 /// reference point, and the craft to scale on its surface. None without an IMU, or where fewer than
 /// two epochs have an attitude.
-std::vector<Json> attitude_figures(const ReceiverResults& results, const RuleView& rule);
+std::vector<Json> attitude_figures(const ReportInputs& inputs, const RuleView& rule);
 
 /// Least and largest of what was seen.
 struct Range {

@@ -235,7 +235,7 @@ Json place_figure(const ReportInputs& inputs) {
 
 Json ground_figure(const ReportInputs& inputs) {
     const ReceiverResults& judged = inputs.receivers.front();
-    if (!judged.surface) return nullptr;
+    if (!inputs.surface) return nullptr;
     Json figure = empty_figure(
         "ground", "The track on its surface",
         "Along the track: the surface below it, and the antenna by the smoothed positions less its "
@@ -257,7 +257,7 @@ Json ground_figure(const ReportInputs& inputs) {
         if (before) length_m += (place - *before).head<2>().norm();
         before = place;
         if (i % every != 0) continue;
-        const auto below = judged.surface->at(place.head<2>());
+        const auto below = inputs.surface->at(place.head<2>());
         if (!below) {
             ground.interrupt();
             track.interrupt();

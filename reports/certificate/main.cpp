@@ -9,7 +9,6 @@
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
-#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "schemas/phase/declared.h"
 #include "schemas/screened_phase/declared.h"
@@ -23,57 +22,28 @@ using namespace runcert;
 
 namespace {
 
-/// The phases around the first certified window.
-void view_phases(const StageRun& run, auto& phases, auto& judged, ReceiverResults& results) {
+/// The phases of the judged receiver around the first certified window.
+void view_phases(StageRun& run, ReportInputs& inputs) {
     constexpr double around_s = 10.0;
+    const ReceiverResults& results = inputs.receivers.front();
     const auto entry = std::ranges::find_if(
         results.windows.profiles, [](const ProfileWindows& one) { return one.best.has_value(); });
     const ScreenedTable& screened = results.screened;
-    if (entry == results.windows.profiles.end() || !screened.facts.first_epoch) return;
+    if (!results.phase || entry == results.windows.profiles.end() || !screened.facts.first_epoch)
+        return;
+    auto phases = run.open(products::phase, results.receiver, open_phase);
+    auto judged = run.open(products::screened_phase, results.receiver, open_screened_phase);
     const GpsTime first = phases.head().first_epoch;
     const WindowSpan& span = entry->best->span;
     const double start_s =
         span.start.seconds() +
         static_cast<double>(screened.facts.first_epoch->nanoseconds_since(first)) * 1e-9;
-    results.phase_view = phase_view(
+    inputs.phase_view = phase_view(
         judged_phases(phases, judged,
                       ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
                       run.attempt().parameters.screen.phase_mask_deg, start_s - around_s,
                       start_s + span.duration.seconds() + around_s),
         first, results.trajectory, span.duration.seconds());
-}
-
-ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
-    for (const AttemptFile& file : files_of_receiver(receiver))
-        run.note_file(file.role, file.name,
-                      std::filesystem::path(file.original).filename().string());
-    for (const AttemptFile& file : solution_files(receiver))
-        run.note_file(file.role, file.name);
-    ReceiverResults results;
-    results.observations = run.read(products::observations, receiver, read_observations);
-    if (has_imu(receiver)) run.note_file("imu", run.file_of(products::imu, receiver));
-    results.enu_header = run.read(products::enu, receiver, read_enu).header;
-    results.screened = run.read(products::screened, receiver, read_screened);
-    if (has_surface(receiver))
-        results.surface = surface_of(run.read(products::surface, receiver, read_surface),
-                                     results.screened.origin);
-    const auto read_the_rest = [&] {
-        results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
-        if (has_imu(receiver))
-            results.attitude = run.read(products::attitude, receiver, read_attitude);
-        results.windows = run.read(products::windows, receiver, read_windows);
-    };
-    if (!has_phases(receiver)) {
-        read_the_rest();
-        return results;
-    }
-    auto phases = run.open(products::phase, receiver, open_phase);
-    auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
-    results.phases = judged.head();
-    read_the_rest();
-    // Only the judged receiver's are drawn.
-    if (&receiver == &run.attempt().receivers.front()) view_phases(run, phases, judged, results);
-    return results;
 }
 
 /// What the earlier report says of the computer that made it, and stays when it is made again.
@@ -90,27 +60,14 @@ void make_as(ReportInputs& inputs, const std::string& earlier) {
     }
 }
 
-/// Reads the whole run. Every file noted on the way, in the order in which the chain made them,
-/// becomes a subject of the report.
+/// Reads the whole run. Every file noted on the way becomes a subject of the report.
 ReportInputs gather(StageRun& run) {
-    ReportInputs inputs;
-    inputs.attempt = run.attempt();
-    run.note_attempt();
-    inputs.profiles = read_claimed_rules(run.run_dir(), run.attempt());
-    for (const std::string& claimed : run.attempt().profiles)
-        run.note_file("profile", profile_copy_name(claimed));
-    for (const AttemptFile& file : series_files(run.attempt()))
-        run.note_file(file.role, file.name,
-                      std::filesystem::path(file.original).filename().string());
-    for (const Receiver& receiver : run.attempt().receivers)
-        inputs.receivers.push_back(gather_receiver(run, receiver));
-    inputs.verdict = run.read(products::verdict, read_verdict);
-    for (const InputFile& file : run.inputs())
-        inputs.subjects.push_back({.role = file.role,
-                                   .file = file.file,
-                                   .sha256 = file.sha256,
-                                   .bytes = file.bytes,
-                                   .original = file.original});
+    ReportInputs inputs{read_run_view(run, Reading::whole)};
+    view_phases(run, inputs);
+    const ReceiverResults& judged = inputs.receivers.front();
+    if (has_surface(judged.receiver))
+        inputs.surface = surface_of(run.read(products::surface, judged.receiver, read_surface),
+                                    judged.screened.origin);
     return inputs;
 }
 

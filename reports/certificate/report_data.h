@@ -6,15 +6,7 @@
 #include <vector>
 
 #include "core/satellite.h"
-#include "schemas/attempt/attempt.h"
-#include "schemas/attitude/declared.h"
-#include "schemas/observations/observations.h"
-#include "schemas/profile/profile.h"
-#include "schemas/screened/screened.h"
-#include "schemas/screened_phase/declared.h"
-#include "schemas/trajectory/declared.h"
-#include "schemas/verdict/declared.h"
-#include "schemas/windows/windows.h"
+#include "reports/run/run_view.h"
 #include "store/program.h"
 #include "surface/triangulation.h"
 #include "witness/screened_phases.h"
@@ -57,33 +49,10 @@ struct PhaseView {
 std::optional<PhaseView> phase_view(JudgedPhases phases, const GpsTime& first_of_phases,
                                     const TrajectoryTable& trajectory, double window_s);
 
-/// A file that the report vouches for.
-struct ReportSubject {
-    std::string role;  ///< "attempt", "recording", "profile", "observations", ...
-    std::string file;  ///< name in the run folder
-    std::string sha256;
-    std::uint64_t bytes = 0;
-    std::string original;  ///< the name it was handed in under; empty where it is the same
-};
-
-/// What the stages found for one receiver.
-struct ReceiverResults {
-    Observations observations;  ///< its rows are not looked at and may be left out
-    Header enu_header;
-    ScreenedTable screened;
-    std::optional<ScreenedPhaseTable> phases = {};  ///< without its rows
-    /// What the phases say around the first certified window, for its figures.
-    std::optional<PhaseView> phase_view = {};
-    TrajectoryTable trajectory;
-    std::optional<AttitudeTable> attitude = {};  ///< by its IMU
-    std::optional<Triangulation> surface = {};   ///< that it ran on, in the run's frame
-    Windows windows;
-};
-
 /// The headers of what the stages made of a receiver, and of the verdict, in the chain's order.
 inline std::vector<const Header*> headers_of(const ReceiverResults& results,
                                              const Verdict& verdict) {
-    return {&results.observations.header, &results.enu_header,     &results.screened.header,
+    return {&results.observations.header, &results.enu.header,     &results.screened.header,
             &results.trajectory.header,   &results.windows.header, &verdict.header};
 }
 
@@ -101,13 +70,12 @@ struct DrawnFigures {
     std::string by_sha256 = {};
 };
 
-/// A whole run folder, as the report needs it.
-struct ReportInputs {
-    Attempt attempt;
-    std::vector<Profile> profiles;           ///< in the order of the verdict's
-    std::vector<ReceiverResults> receivers;  ///< in the order of the attempt's; the first is judged
-    Verdict verdict;
-    std::vector<ReportSubject> subjects;  ///< in the order in which they are to be listed
+/// A whole run folder, as the report needs it. The first receiver is judged; the files are what the
+/// report vouches for, in the order in which they are to be listed.
+struct ReportInputs : RunView {
+    /// What the judged receiver's phases say around the first certified window, for its figures.
+    std::optional<PhaseView> phase_view = {};
+    std::optional<Triangulation> surface = {};  ///< that it ran on, in the run's frame
     ReportProgram program = {};
     std::optional<DrawnFigures> drawn = {};  ///< nothing: they are drawn
 

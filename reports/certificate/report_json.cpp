@@ -23,9 +23,9 @@ namespace {
 
 constexpr const char* predicate_type = "urn:runcert:measurement-report:1.0";
 
-Json files_json(const std::vector<ReportSubject>& subjects) {
+Json files_json(const std::vector<InputFile>& subjects) {
     Json json = Json::array();
-    for (const ReportSubject& subject : subjects) {
+    for (const InputFile& subject : subjects) {
         Json entry{{"file_role", subject.role},
                    {"file", subject.file},
                    {"sha256", subject.sha256},
@@ -118,9 +118,9 @@ DrawnFigures drawn_here(const Json& predicate) {
 
 }  // namespace
 
-std::string report_id(const std::vector<ReportSubject>& subjects) {
+std::string report_id(const std::vector<InputFile>& subjects) {
     std::string lines;
-    for (const ReportSubject& subject : subjects)
+    for (const InputFile& subject : subjects)
         lines += fmt::format("{}  {}\n", subject.sha256, subject.file);
     return sha256_hex(lines).substr(0, 16);
 }
@@ -130,7 +130,7 @@ Json report_json(ReportInputs inputs) {
     Json predicate;
     predicate["schema"] = {{"name", report_field_table().name()},
                            {"version", report_field_table().version()}};
-    predicate["report_id"] = report_id(inputs.subjects);
+    predicate["report_id"] = report_id(inputs.files);
     predicate["program"] = {{"name", "runcert"},
                             {"version", inputs.program.version},
                             {"source_revision", inputs.program.source_revision},
@@ -162,11 +162,11 @@ Json report_json(ReportInputs inputs) {
     }
     predicate["page"] = page_parts_json();
     predicate["page"]["drawn_by_sha256"] = drawn.by_sha256;
-    predicate["files"] = files_json(inputs.subjects);
+    predicate["files"] = files_json(inputs.files);
     check_predicate(predicate, "report");
 
     Json statement{{"_type", statement_type}, {"subject", Json::array()}};
-    for (const ReportSubject& subject : inputs.subjects)
+    for (const InputFile& subject : inputs.files)
         statement["subject"].push_back(
             {{"name", subject.file}, {"digest", {{"sha256", subject.sha256}}}});
     statement["predicateType"] = predicate_type;

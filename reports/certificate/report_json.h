@@ -25,7 +25,7 @@ nlohmann::ordered_json parse_report(const std::string& text, const std::string& 
 
 /// The name of a set of files: the first 16 hexadecimal digits of the SHA-256 of one line
 /// "HASH  NAME" for each, as `sha256sum` prints them.
-std::string report_id(const std::vector<ReportSubject>& subjects);
+std::string report_id(const std::vector<InputFile>& subjects);
 
 /// The bytes of report.json: UTF-8, indented by 2, lists of numbers on one line, a line end at its
 /// end; `<`, `>` and `&` as escapes, so that the text can stand in a page as it is.

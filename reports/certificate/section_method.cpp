@@ -102,9 +102,9 @@ Block software_table(const ReportInputs& inputs) {
     return block;
 }
 
-Block files_table(const std::vector<ReportSubject>& subjects) {
+Block files_table(const std::vector<InputFile>& subjects) {
     Block block = table({"File|44", "What it is|40", ">Length|16"});
-    for (const ReportSubject& subject : subjects) {
+    for (const InputFile& subject : subjects) {
         const bool renamed = !subject.original.empty() && subject.original != subject.file;
         TableRow& row = add_row(
             block,
@@ -183,7 +183,7 @@ Section files_section(const ReportInputs& inputs, const std::string& report_id) 
     Section section{.anchor = "files", .title = "Files"};
     add(section, paragraph("This report is on these files, each named by the SHA-256 of its bytes, "
                            "and on nothing else."));
-    add(section, files_table(inputs.subjects));
+    add(section, files_table(inputs.files));
     add(section, software_table(inputs));
     add(section, heading("To check this report"));
     add(section, paragraph("What counts is the file report.json: this page shows what stands in it "

@@ -87,9 +87,10 @@ void add_sources(Section& section, const Attempt& attempt) {
 }
 
 /// What the raw signals say, under each rule and over the whole; empty where none were looked at.
-std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
+std::vector<std::string> raw_signal_sentences(const ReportInputs& inputs) {
+    const ReceiverResults& results = inputs.receivers.front();
     std::vector<std::string> sentences;
-    if (!results.phase_view || results.phase_view->satellites.empty() || !results.phases)
+    if (!inputs.phase_view || inputs.phase_view->satellites.empty() || !results.screened_phase)
         return sentences;
     for (const ProfileWindows& entry : results.windows.profiles)
         if (entry.best)
@@ -97,7 +98,7 @@ std::vector<std::string> raw_signal_sentences(const ReceiverResults& results) {
                 if (one.kind == WitnessKind::phases)
                     sentences.push_back(fmt::format("Under the rule {}: {}", entry.profile,
                                                     phase_window_sentence(one)));
-    for (const std::string& sentence : phase_sentences(*results.phases))
+    for (const std::string& sentence : phase_sentences(*results.screened_phase))
         sentences.push_back(sentence);
     return sentences;
 }
@@ -183,7 +184,7 @@ Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
     add(section, witness_blocks(rule_views(inputs)));
     if (const auto& notes = inputs.receivers.front().windows.witness_notes; !notes.empty())
         add(section, list_of(notes));
-    const auto sentences = raw_signal_sentences(inputs.receivers.front());
+    const auto sentences = raw_signal_sentences(inputs);
     if (sentences.empty()) return section;
     add(section, heading("The receiver's raw signals"));
     for (const std::string& sentence : sentences)
@@ -231,8 +232,8 @@ Section recording_section(const ReportInputs& inputs) {
         add_receiver_heading(section, inputs, results);
         Block recorded = recording_facts(results.observations, inputs.attempt.receivers[i],
                                          std::ssize(rows), last_time(rows));
-        if (results.phases)
-            for (const std::string& sentence : phase_sentences(*results.phases))
+        if (results.screened_phase)
+            for (const std::string& sentence : phase_sentences(*results.screened_phase))
                 add_fact(recorded, "Noticed", sentence);
         add(section, std::move(recorded));
         add(section, estimation_blocks(results.trajectory.estimation));

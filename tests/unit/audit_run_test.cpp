@@ -22,16 +22,14 @@ RunRecord record_of(const std::string& parameters = {}) {
         "receivers: [{id: primary, recording: a.pos}]\nprofiles: [nalsa]\n" +
             parameters,
         "attempt.yaml");
-    record.verdict_file = "6-verdict.yaml";
-    ReceiverRecord& one = record.receivers.emplace_back();
+    ReceiverResults& one = record.receivers.emplace_back();
     one.receiver = record.attempt.receivers.front();
-    one.recording = "a.pos";
-    one.observations_file = "1-observations.ecsv";
-    one.enu_file = "2-enu.ecsv";
-    one.screened_file = "3-screened.ecsv";
-    one.trajectory_file = "4-trajectory.ecsv";
-    one.windows_file = "5-windows.yaml";
-    Observations& observations = one.observations.emplace();
+    one.files = {{"observations", "1-observations.ecsv"},
+                 {"enu", "2-enu.ecsv"},
+                 {"screened", "3-screened.ecsv"},
+                 {"trajectory", "4-trajectory.ecsv"},
+                 {"windows", "5-windows.yaml"}};
+    Observations& observations = one.observations;
     observations.header.stage = "import";
     observations.header.program_version = "1.0.0";
     observations.header.source_revision = "abc";
@@ -44,9 +42,8 @@ RunRecord record_of(const std::string& parameters = {}) {
     observations.records = {
         .total = 3, .bad = 1, .bad_records = {{.line = 7, .byte = 400, .epoch = 2, .what = "cut"}}};
     observations.rows.resize(2);
-    record.files["1-observations.ecsv"] = {"observations", "1-observations.ecsv", hash_b, 99, ""};
-    record.files["recording.primary.pos"] = {"recording", "recording.primary.pos", hash_a, 1234,
-                                             ""};
+    record.files = {{"observations", "1-observations.ecsv", hash_b, 99, ""},
+                    {"recording", "recording.primary.pos", hash_a, 1234, ""}};
     record.named_by["recording.primary.pos"] = {"1-observations.ecsv"};
     return record;
 }
@@ -89,7 +86,7 @@ TEST(WalkThrough, TheStagesAskedForAndNoOthers) {
 
 TEST(WalkThrough, AFileThatIsNotThereAndAnotherProgramAreSaid) {
     RunRecord record = record_of();
-    record.files.erase("recording.primary.pos");
+    record.files.pop_back();  // the recording
     record.report.emplace();
     record.report->program_version = "2.0.0";
     record.report_id = "0123456789abcdef";
@@ -102,10 +99,10 @@ TEST(WalkThrough, AFileThatIsNotThereAndAnotherProgramAreSaid) {
 
 TEST(WalkThrough, ParametersAgainstTheDefaultsOfTheClass) {
     RunRecord record = record_of("parameters: {smooth: {robust_scale: 3}}\n");
-    TrajectoryTable& table = record.receivers.front().trajectory.emplace();
+    TrajectoryTable& table = record.receivers.front().trajectory;
     table.header.stage = "smooth";
     table.header.parameters = parameters_of(record.attempt, "smooth");
-    record.files["4-trajectory.ecsv"] = {"trajectory", "4-trajectory.ecsv", hash_b, 1, ""};
+    record.files.push_back({"trajectory", "4-trajectory.ecsv", hash_b, 1, ""});
     const WalkOptions smooth{.stages = {"smooth"}};
     // The defaults are those of schemas/attempt/v1.yaml.
     std::string text = text_of(record, smooth);
@@ -122,7 +119,7 @@ TEST(WalkThrough, ParametersAgainstTheDefaultsOfTheClass) {
 
 TEST(WalkThrough, NoMoreThanTwentyRecordsLeftOutUnlessAll) {
     RunRecord record = record_of();
-    RecordCount& records = record.receivers.front().observations->records;
+    RecordCount& records = record.receivers.front().observations.records;
     records.total = 5000;
     records.bad = 2000;
     records.bad_records.clear();
@@ -168,9 +165,10 @@ ProfileVerdict verdict_in(const std::string& unit) {
 RunRecord record_with(const ProfileVerdict& verdict) {
     RunRecord record = record_of("record: {speed: 216, unit: kn, source: board}\n");
     record.profiles = {read_profile(builtin_profile("nalsa"), "nalsa.yaml")};
-    record.verdict.emplace().profiles = {verdict};
-    record.verdict->header.parameters = nlohmann::ordered_json::object();
-    record.files["6-verdict.yaml"] = {"verdict", "6-verdict.yaml", hash_b, 1, ""};
+    record.verdict.profiles = {verdict};
+    record.verdict.header.stage = "check";
+    record.verdict.header.parameters = nlohmann::ordered_json::object();
+    record.files.push_back({"verdict", "6-verdict.yaml", hash_b, 1, ""});
     return record;
 }
 

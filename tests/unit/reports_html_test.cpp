@@ -88,7 +88,7 @@ TEST_P(EveryPage, ShowsNoNumberThatIsNotInTheReport) {
 TEST_P(EveryPage, HoldsEveryHashWhole) {
     const sample::Run run = sample::make_run(GetParam());
     const std::string html = print_page(report_json(run.inputs));
-    for (const ReportSubject& subject : run.inputs.subjects)
+    for (const InputFile& subject : run.inputs.files)
         EXPECT_NE(html.find("<bdi>" + subject.sha256 + "</bdi>"), std::string::npos);
 }
 

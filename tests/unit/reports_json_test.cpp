@@ -30,9 +30,9 @@ TEST(ReportJson, IsAStatementOverEveryFile) {
     const Json report = report_json(run.inputs);
     EXPECT_EQ(report["_type"], "https://in-toto.io/Statement/v1");
     EXPECT_EQ(report["predicateType"], "urn:runcert:measurement-report:1.0");
-    ASSERT_EQ(report["subject"].size(), run.inputs.subjects.size());
-    for (std::size_t i = 0; i < run.inputs.subjects.size(); ++i) {
-        const ReportSubject& subject = run.inputs.subjects[i];
+    ASSERT_EQ(report["subject"].size(), run.inputs.files.size());
+    for (std::size_t i = 0; i < run.inputs.files.size(); ++i) {
+        const InputFile& subject = run.inputs.files[i];
         EXPECT_EQ(report["subject"][i]["name"], subject.file);
         EXPECT_EQ(report["subject"][i]["digest"]["sha256"],
                   digest_of(run.files.at(subject.file)).sha256);
@@ -41,11 +41,11 @@ TEST(ReportJson, IsAStatementOverEveryFile) {
 
 TEST(ReportJson, TheIdNamesTheFiles) {
     sample::Run run = sample::make_run();
-    const std::string id = report_id(run.inputs.subjects);
+    const std::string id = report_id(run.inputs.files);
     EXPECT_EQ(id.size(), 16U);
     EXPECT_EQ(report_json(run.inputs)["predicate"]["report_id"], id);
-    run.inputs.subjects.back().sha256[0] ^= 1;
-    EXPECT_NE(report_id(run.inputs.subjects), id);
+    run.inputs.files.back().sha256[0] ^= 1;
+    EXPECT_NE(report_id(run.inputs.files), id);
     // printf 'HASH  NAME\n' | sha256sum
     EXPECT_EQ(report_id({{"", "a", std::string(64, '0'), 0, ""}}),
               sha256_hex(std::string(64, '0') + "  a\n").substr(0, 16));

@@ -175,7 +175,7 @@ TEST_F(Pdf, HoldsVerdictSpeedAndEveryHash) {
     EXPECT_NE(text.find("216.00 km/h ± 0.019 km/h (k = 2)"), std::string::npos);
     EXPECT_NE(text.find("B, rectangular"), std::string::npos);
     EXPECT_EQ(text.find("UNSIGNED"), std::string::npos);
-    for (const ReportSubject& subject : sample::make_run().inputs.subjects)
+    for (const InputFile& subject : sample::make_run().inputs.files)
         EXPECT_NE(text.find(subject.sha256), std::string::npos) << subject.file;
 }
 
@@ -187,7 +187,7 @@ TEST_F(Pdf, UnsignedStandsOnEveryPageAndLeavesTheHashesWhole) {
          begin = end + 1, end = text.find('\f', begin), ++pages)
         EXPECT_NE(text.substr(begin, end - begin).find("UNSIGNED"), std::string::npos) << pages;
     EXPECT_GT(pages, 3);
-    for (const ReportSubject& subject : sample::make_run().inputs.subjects)
+    for (const InputFile& subject : sample::make_run().inputs.files)
         EXPECT_NE(text.find(subject.sha256), std::string::npos) << subject.file;
 }
 

@@ -278,7 +278,7 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                             .accuracy_source = "recording",
                             .notes = {"The recording gives 3 decimals of a second."},
                             .rows = {}};
-    results.enu_header = header("enu", nlohmann::ordered_json::object());
+    results.enu.header = header("enu", nlohmann::ordered_json::object());
     results.screened.header = header("screen", {{"allowed_fixes", {"fixed", "unknown"}},
                                                 {"accuracy_min_m", 0.0001},
                                                 {"accuracy_max_m", 10},
@@ -398,7 +398,7 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
 inline void add_file(Run& run, const std::string& role, const std::string& name,
                      std::string contents) {
     const FileDigest digest = digest_of(contents);
-    run.inputs.subjects.push_back(
+    run.inputs.files.push_back(
         {role, name, digest.sha256, digest.bytes, role == "recording" ? "rover track.pos" : ""});
     run.files[name] = std::move(contents);
 }

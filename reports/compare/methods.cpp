@@ -95,14 +95,14 @@ void add_fitted_smoothers(const ScreenedTable& screened, NoiseFitOptions options
     const auto fitted = [&](const char* name, Motion motion) {
         options.motion = motion;
         NoiseFit fit = fit_noise<2>(spans, options);
-        const bool is_fitted = fit.status == NoiseFit::Status::fitted;
         MethodTrack& track = methods.tracks.emplace_back(
-            smoother_track(name, is_fitted ? arcs : std::vector<Arc<2>>{}, fit.model, whole_arc,
-                           screened.rows.size()));
-        if (fit.status == NoiseFit::Status::too_few_epochs)
-            track.unavailable = "too few epochs to fit noise to";
-        else if (!is_fitted)
-            track.unavailable = "the positions never change: no noise can be fitted";
+            MethodTrack{.name = name, .epochs = std::vector<MethodEpoch>(screened.rows.size())});
+        if (fit.status == NoiseFit::Status::fitted)
+            track = smoother_track(name, arcs, fit.model, whole_arc, screened.rows.size());
+        else
+            track.unavailable = fit.status == NoiseFit::Status::too_few_epochs
+                                    ? "too few epochs to fit noise to"
+                                    : "the positions never change: no noise can be fitted";
         return fit;
     };
     const NoiseFit constant =
@@ -113,13 +113,13 @@ void add_fitted_smoothers(const ScreenedTable& screened, NoiseFitOptions options
     const auto log_likelihood = [&](const NoiseFit& fit) {
         return innovation_sums<2>(spans, fit.model).log_likelihood();
     };
+    const double of_constant = log_likelihood(constant), of_singer = log_likelihood(singer);
     methods.notes.push_back(
         fmt::format("Constant acceleration: log-likelihood {:.2f}, jerk density {:.4g} m s^-2.5",
-                    log_likelihood(constant), constant.jerk_density.value));
+                    of_constant, constant.jerk_density.value));
     methods.notes.push_back(
         fmt::format("Singer: log-likelihood {:.2f} (gain {:.2f}), correlation time {:.3g} s",
-                    log_likelihood(singer), log_likelihood(singer) - log_likelihood(constant),
-                    singer.acceleration_time.value));
+                    of_singer, of_singer - of_constant, singer.acceleration_time.value));
 }
 
 bool is_stated(const std::optional<double>& sigma) {
@@ -133,8 +133,9 @@ ArcEpoch<3> measured_epoch(const ScreenedEpoch& row) {
     ArcEpoch<3> epoch;
     epoch.time_s = row.time.seconds();
     if (!row.usable) return epoch;
-    epoch.measurement = {.position = {*row.east_m, *row.north_m, row.up_m.value_or(0.0)},
-                         .covariance = stated_covariance<3>(row)};
+    epoch.measurement = {
+        .position = {row.east_m.value(), row.north_m.value(), row.up_m.value_or(0.0)},
+        .covariance = stated_covariance<3>(row)};
     if (!row.up_m || !row.sigma_up_m)
         epoch.measurement->covariance(2, 2) = loose_height_sigma_m * loose_height_sigma_m;
     return epoch;
@@ -190,8 +191,8 @@ void add_velocity_methods(const ScreenedTable& screened, Methods& methods) {
         recorded.unavailable = enhanced.unavailable = "the recording has no velocities";
     if (unstated > 0)
         methods.notes.push_back(
-            fmt::format("[EKF] takes {} m/s for the accuracy of {} of {} "
-                        "recorded velocities, which is not stated",
+            fmt::format("[EKF] takes {} m/s for the accuracy of {} of {} recorded velocities, "
+                        "which is not stated",
                         default_velocity_sigma_m_s, unstated, velocities));
     methods.tracks.push_back(std::move(recorded));
     methods.tracks.push_back(std::move(enhanced));

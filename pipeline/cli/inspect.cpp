@@ -13,7 +13,6 @@
 #include "recognised.h"
 #include "reports/document/document_text.h"
 #include "reports/inspection/described.h"
-#include "reports/inspection/inspection_page.h"
 #include "schemas/document/document.h"
 #include "store/atomic_file.h"
 #include "store/process.h"

@@ -27,10 +27,10 @@ struct TruthEpoch {
 /// times that do not increase. `where` names the file.
 std::vector<TruthEpoch> read_truth(std::string_view text, const std::string& where);
 
-/// For each row of a trajectory the truth at its time, to half a millisecond; empty where there is
-/// none. Both count seconds from the first epoch.
-std::vector<std::optional<TruthEpoch>> truth_at_rows(const std::vector<TruthEpoch>& truth,
-                                                     const TrajectoryTable& trajectory);
+/// For each row of a trajectory the truth at its time, to half a millisecond. Both count seconds
+/// from the first epoch.
+std::vector<MethodEpoch> truth_at_rows(const std::vector<TruthEpoch>& truth,
+                                       const TrajectoryTable& trajectory);
 
 CompareConfig compare_config(const Attempt& attempt);
 
@@ -48,15 +48,10 @@ struct MethodResult {
 };
 
 struct ProfileComparison {
-    std::string profile;
-    double duration_s = 0.0;
-    SpeedDefinition definition = SpeedDefinition::displacement;
-    std::int64_t candidates = 0;                 ///< certifiable windows
-    std::optional<ElapsedTime> certified_start;  ///< empty where there is no certified window
-    std::optional<ElapsedTime> certified_duration;
-    double expanded_uncertainty_m_s = 0.0;  ///< of its measured speed, k = 2; 0: not known
-    std::optional<double> true_m_s;  ///< in the certified window, by the profile's definition
-    std::vector<MethodResult> methods;
+    ProfileWindows windows;
+    std::int64_t candidates = 0;          ///< certifiable windows
+    std::optional<double> true_m_s = {};  ///< in the certified window, by the profile's definition
+    std::vector<MethodResult> methods = {};
 };
 
 struct Comparison {
@@ -76,11 +71,11 @@ struct Comparison {
 /// methods that give speeds. The truth of a window is by the profile's definition, whatever the
 /// method: the error is what a certificate by that method would have been wrong by.
 ///
-/// `truth` has a place for each row of the trajectory; null for none. Failure where it does not
-/// cover a certified window, or no epoch at all.
+/// `truth` has a place for each row of the trajectory, or is empty where none is known. Failure
+/// where it does not cover a certified window, or no epoch at all.
 Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                            const Windows& windows, const CompareConfig& config,
-                           const std::vector<std::optional<TruthEpoch>>* truth);
+                           const std::vector<MethodEpoch>& truth);
 
 /// The comparison for people, each rule's speeds in the unit of the record to beat, rounded as the
 /// measured one is.

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <array>
+
 #include "core/prose.h"
 #include "core/rounding.h"
 #include "core/text.h"
@@ -9,84 +11,54 @@
 namespace runcert {
 namespace {
 
-std::string in_seconds(std::optional<ElapsedTime> time) {
-    return time ? format_fixed(time->seconds(), 3) : "-";
-}
+/// By the order of SpeedDefinition.
+constexpr std::array short_names{"d/T", "path/T", "N+1", "N", "L/T"};
 
-std::string_view short_name(SpeedDefinition definition) {
-    switch (definition) {
-        case SpeedDefinition::displacement:
-            return "d/T";
-        case SpeedDefinition::path_length:
-            return "path/T";
-        case SpeedDefinition::mean_n_plus_1:
-            return "N+1";
-        case SpeedDefinition::mean_n:
-            return "N";
-        case SpeedDefinition::elapsed_time:
-            return "L/T";
-    }
-    return "";
-}
-
-/// How the speeds of one rule are written, without their unit.
-struct ShownSpeeds {
-    SpeedUnit unit;
-    int decimals = 2;
-
-    std::string speed(std::optional<double> speed_m_s) const {
-        return speed_m_s ? shown_figure(*speed_m_s * unit.per_m_s, decimals, SafeSide::down) : "-";
-    }
-    /// Against a truth that has no uncertainty: with one decimal more.
-    std::string error(std::optional<double> error_m_s) const {
+Section rule_section(const ProfileComparison& profile, const Record* record, bool with_truth) {
+    const ProfileWindows& windows = profile.windows;
+    const SpeedUnit& unit = speed_unit(record ? record->unit : "");
+    const int decimals = decimals_of(
+        (windows.best ? expanded_uncertainty_m_s(*windows.best, 2.0) : 0.0) * unit.per_m_s,
+        std::nullopt);
+    const auto speed = [&](const std::optional<double>& speed_m_s) -> std::string {
+        return speed_m_s ? shown_speed(SpeedKind::measured, *speed_m_s, decimals, unit) : "-";
+    };
+    // Against a truth that has no uncertainty: with one decimal more.
+    const auto error = [&](const std::optional<double>& error_m_s) -> std::string {
         return error_m_s ? format_fixed(*error_m_s * unit.per_m_s, decimals + 1) : "-";
-    }
-};
-
-Block speeds_table(const ProfileComparison& profile, const ShownSpeeds& shown) {
+    };
+    Block told =
+        facts({{.name = "Speed",
+                .value = fmt::format("over {}, {}", time_span_text(windows.rule.duration_s),
+                                     words_of(windows.rule.definition))},
+               {.name = "Windows", .value = counted(profile.candidates) + " can be certified"},
+               {.name = "Certified window",
+                .value = windows.best
+                             ? fmt::format("{} from {}", seconds_text(windows.best->span.duration),
+                                           seconds_text(windows.best->span.start))
+                             : "none"}});
+    if (profile.true_m_s)
+        add_fact(told, "True speed in it",
+                 fmt::format("{} {}", speed(profile.true_m_s), unit.name));
     Block speeds = table({"method", "by", ">best from, s", ">best", ">certified"},
                          fmt::format("Speeds in the best window of each method and in the "
                                      "certified one, {}",
-                                     shown.unit.name));
-    for (const MethodResult& method : profile.methods)
+                                     unit.name));
+    Block errors = table({"method", ">RMS", ">best", ">certified"},
+                         fmt::format("Errors of its speeds, and in these windows, {}", unit.name));
+    for (const MethodResult& method : profile.methods) {
         add_row(speeds,
-                {method.name, std::string(short_name(method.window_speed)),
-                 in_seconds(method.best_start), shown.speed(method.best_m_s),
-                 shown.speed(method.certified_m_s)},
+                {method.name, short_names[static_cast<std::size_t>(method.window_speed)],
+                 method.best_start ? format_fixed(method.best_start->seconds(), 3) : "-",
+                 speed(method.best_m_s), speed(method.certified_m_s)},
                 method.name == "certified" ? "chosen" : "");
-    return speeds;
-}
-
-Block errors_table(const ProfileComparison& profile, const ShownSpeeds& shown) {
-    Block errors =
-        table({"method", ">RMS", ">best", ">certified"},
-              fmt::format("Errors of its speeds, and in these windows, {}", shown.unit.name));
-    for (const MethodResult& method : profile.methods)
-        add_row(errors,
-                {method.name, shown.error(method.rms_error_m_s), shown.error(method.best_error_m_s),
-                 shown.error(method.certified_error_m_s)});
-    return errors;
-}
-
-Section rule_section(const ProfileComparison& profile, const Record* record, bool with_truth) {
-    const SpeedUnit& unit = speed_unit(record ? record->unit : "");
-    const ShownSpeeds shown{
-        unit, decimals_of(profile.expanded_uncertainty_m_s * unit.per_m_s, std::nullopt)};
-    std::string certified = "none";
-    if (profile.certified_start)
-        certified = fmt::format("{} s from {} s", in_seconds(profile.certified_duration),
-                                in_seconds(profile.certified_start));
-    Block told = facts({{"Speed", fmt::format("over {}, {}", time_span_text(profile.duration_s),
-                                              words_of(profile.definition))},
-                        {"Windows", counted(profile.candidates) + " can be certified"},
-                        {"Certified window", certified}});
-    if (profile.true_m_s)
-        add_fact(told, "True speed in it",
-                 fmt::format("{} {}", shown.speed(profile.true_m_s), unit.name));
-    Section section{.anchor = profile.profile,
-                    .title = "Rule " + profile.profile,
-                    .blocks = {std::move(told), speeds_table(profile, shown)}};
-    if (with_truth) add(section, errors_table(profile, shown));
+        add_row(errors, {method.name, error(method.rms_error_m_s), error(method.best_error_m_s),
+                         error(method.certified_error_m_s)});
+    }
+    Section section{.anchor = windows.profile,
+                    .title = "Rule " + windows.profile,
+                    .blocks = {std::move(told), std::move(speeds)}};
+    if (with_truth) add(section, std::move(errors));
     return section;
 }
 
@@ -113,8 +85,8 @@ Document comparison_document(const Comparison& comparison, const Attempt& attemp
         .title = "All estimators side by side",
         .subtitle = fmt::format("Attempt {}, receiver {}", attempt.id, comparison.receiver)};
     for (const ProfileComparison& profile : comparison.profiles)
-        document.sections.push_back(
-            rule_section(profile, attempt.record_for(profile.profile), comparison.with_truth));
+        document.sections.push_back(rule_section(
+            profile, attempt.record_for(profile.windows.profile), comparison.with_truth));
     document.sections.push_back(legend(comparison));
     return document;
 }

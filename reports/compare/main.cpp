@@ -27,11 +27,11 @@ std::string compare_run(const Options& options) {
     const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
     const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
     const Windows windows = run.read(products::windows, receiver, read_windows);
-    std::optional<std::vector<std::optional<TruthEpoch>>> truth;
+    std::vector<MethodEpoch> truth;
     if (!options.truth.empty())
         truth = truth_at_rows(read_truth(read_file(options.truth), options.truth), trajectory);
-    const Comparison comparison = compare_methods(
-        screened, trajectory, windows, compare_config(attempt), truth ? &*truth : nullptr);
+    const Comparison comparison =
+        compare_methods(screened, trajectory, windows, compare_config(attempt), truth);
     return document_text(comparison_document(comparison, attempt), terminal_columns());
 }
 

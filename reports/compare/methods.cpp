@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "core/failure.h"
 #include "motion/chain.h"
 #include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
 #include "witness/arcs.h"
 
 namespace runcert {
@@ -16,89 +17,62 @@ namespace {
 using Column = std::optional<double> TrajectoryEpoch::*;
 using Motion = NoiseFitOptions::Motion;
 
-/// Positions from two columns of the trajectory, speeds from a third where there is one.
-MethodTrack of_positions(const std::string& name, const TrajectoryTable& trajectory, Column east,
-                         Column north, Column speed) {
-    MethodTrack track = empty_track(name, SpeedDefinition::displacement, trajectory.rows.size());
-    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
-        const TrajectoryEpoch& row = trajectory.rows[i];
-        if (row.*east && row.*north) track.positions[i] = {*(row.*east), *(row.*north)};
-        if (speed) track.speeds_m_s[i] = row.*speed;
-    }
-    return track;
-}
+// Where the recording states no accuracy of its velocities, or zero.
+constexpr double default_velocity_sigma_m_s = 0.1;
 
-MethodTrack of_speeds(const std::string& name, const TrajectoryTable& trajectory, Column speed) {
-    MethodTrack track = empty_track(name, SpeedDefinition::mean_n_plus_1, trajectory.rows.size());
-    for (std::size_t i = 0; i < trajectory.rows.size(); ++i)
-        track.speeds_m_s[i] = trajectory.rows[i].*speed;
+/// The method whose speeds, and positions where it has some, are columns of the trajectory.
+MethodTrack track_of(const std::string& name, SpeedDefinition window_speed,
+                     const TrajectoryTable& trajectory, Column speed, Column east = nullptr,
+                     Column north = nullptr) {
+    MethodTrack track{.name = name, .window_speed = window_speed, .epochs = {}};
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        MethodEpoch& epoch = track.epochs.emplace_back();
+        if (speed) epoch.speed_m_s = row.*speed;
+        if (east && row.*east && row.*north)
+            epoch.position_m = Eigen::Vector2d(*(row.*east), *(row.*north));
+    }
     return track;
 }
 
 MethodTrack raw_positions(const ScreenedTable& screened) {
-    MethodTrack track =
-        empty_track("raw positions", SpeedDefinition::displacement, screened.rows.size());
+    MethodTrack track{.name = "raw positions",
+                      .epochs = std::vector<MethodEpoch>(screened.rows.size())};
     for (std::size_t i = 0; i < screened.rows.size(); ++i)
-        if (screened.rows[i].usable) track.positions[i] = measured_position<2>(screened.rows[i]);
+        if (screened.rows[i].usable)
+            track.epochs[i].position_m = measured_position<2>(screened.rows[i]);
     return track;
 }
 
-void take_states(const Arc<2>& arc, const std::vector<StateEstimate<2>>& states,
-                 MethodTrack& track) {
-    for (std::size_t k = 0; k < states.size(); ++k) {
-        track.positions[arc.rows[k]] = states[k].mean.head<2>();
-        track.speeds_m_s[arc.rows[k]] = states[k].mean.segment<2>(2).norm();
+/// The smoother of a model with a lag of so many epochs, in a table of so many rows.
+MethodTrack smoother_track(const std::string& name, const std::vector<Arc<2>>& arcs,
+                           const EstimationModel& model, std::size_t lag, std::size_t rows) {
+    MethodTrack track{.name = name, .epochs = std::vector<MethodEpoch>(rows)};
+    for (const Arc<2>& arc : arcs) {
+        const auto states = Chain<2>(arc.epochs, model).fixed_lag(std::min(lag, arc.epochs.size()));
+        for (std::size_t k = 0; k < states.size(); ++k)
+            track.epochs[arc.rows[k]] = {.position_m = states[k].mean.head<2>(),
+                                         .speed_m_s = states[k].mean.segment<2>(2).norm()};
     }
+    return track;
 }
 
+constexpr std::size_t whole_arc = std::numeric_limits<std::size_t>::max();
+
 /// Fixed-lag smoothers of the trajectory's own model.
-void add_fixed_lags(const std::vector<Arc<2>>& arcs, const EstimationModel& model,
-                    const TrajectoryTable& trajectory, std::vector<MethodTrack>& tracks) {
+void add_fixed_lags(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                    std::vector<MethodTrack>& tracks) {
+    const std::vector<Arc<2>> arcs = arcs_of<2>(screened, trajectory);
+    const EstimationModel model = model_of(noise_of<2>(trajectory));
     const double interval_s = trajectory.facts.nominal_interval_s;
     for (const double lag_s : {0.5, 1.0, 2.0}) {
         const auto lag = static_cast<std::size_t>(
             interval_s > 0.0 ? std::max(1.0, std::round(lag_s / interval_s)) : 1.0);
-        MethodTrack& track = tracks.emplace_back(
-            empty_track(fmt::format("fixed lag {} s ({} epoch{})", lag_s, lag, lag == 1 ? "" : "s"),
-                        SpeedDefinition::displacement, trajectory.rows.size()));
-        for (const Arc<2>& arc : arcs)
-            take_states(arc, Chain<2>(arc.epochs, model).fixed_lag(lag), track);
+        tracks.push_back(smoother_track(
+            fmt::format("fixed lag {} s ({} epoch{})", lag_s, lag, lag == 1 ? "" : "s"), arcs,
+            model, lag, screened.rows.size()));
     }
-    MethodTrack& full = tracks.emplace_back(
-        empty_track("fixed lag, full", SpeedDefinition::displacement, trajectory.rows.size()));
-    for (const Arc<2>& arc : arcs)
-        take_states(arc, Chain<2>(arc.epochs, model).fixed_lag(arc.epochs.size()), full);
-}
-
-/// The smoother with one motion model and noise fitted for it.
-struct FittedSmoother {
-    MethodTrack track;
-    NoiseFit fit;
-    double log_likelihood = 0.0;
-    bool fitted() const { return fit.status == NoiseFit::Status::fitted; }
-};
-
-FittedSmoother fitted_smoother(const std::string& name, const std::vector<Arc<2>>& arcs,
-                               std::size_t rows, NoiseFitOptions options, Motion motion) {
-    FittedSmoother result;
-    result.track = empty_track(name, SpeedDefinition::displacement, rows);
-    std::vector<std::span<const ArcEpoch<2>>> spans;
-    spans.reserve(arcs.size());
-    for (const Arc<2>& arc : arcs)
-        spans.emplace_back(arc.epochs);
-    options.motion = motion;
-    result.fit = fit_noise<2>(spans, options);
-    if (!result.fitted()) {
-        result.track.unavailable = result.fit.status == NoiseFit::Status::too_few_epochs
-                                       ? "too few epochs to fit noise to"
-                                       : "the positions never change: no noise can be fitted";
-        return result;
-    }
-    result.log_likelihood = innovation_sums<2>(spans, result.fit.model).log_likelihood();
-    for (const Arc<2>& arc : arcs)
-        take_states(arc, Chain<2>(arc.epochs, result.fit.model).fixed_lag(arc.epochs.size()),
-                    result.track);
-    return result;
+    tracks.push_back(
+        smoother_track("fixed lag, full", arcs, model, whole_arc, screened.rows.size()));
 }
 
 std::string choice_note(const NoiseSummary& noise, Motion asked) {
@@ -111,62 +85,141 @@ std::string choice_note(const NoiseSummary& noise, Motion asked) {
         "The trajectory uses {}, by likelihood: Singer needs a gain above 1.92 (5 %)", used);
 }
 
-void note_fits(const FittedSmoother& constant, const FittedSmoother& singer,
-               const NoiseSummary& noise, Motion asked, std::vector<std::string>& notes) {
-    if (constant.fitted() && singer.fitted()) {
-        notes.push_back(fmt::format(
-            "Constant acceleration: log-likelihood {:.2f}, jerk density {:.4g} m s^-2.5",
-            constant.log_likelihood, constant.fit.jerk_density.value));
-        notes.push_back(
-            fmt::format("Singer: log-likelihood {:.2f} (gain {:.2f}), correlation time {:.3g} s",
-                        singer.log_likelihood, singer.log_likelihood - constant.log_likelihood,
-                        singer.fit.acceleration_time.value));
+/// The smoothers with either motion model, each with noise fitted for it.
+void add_fitted_smoothers(const ScreenedTable& screened, NoiseFitOptions options,
+                          Methods& methods) {
+    const std::vector<Arc<2>> arcs = arcs_of<2>(screened);
+    std::vector<std::span<const ArcEpoch<2>>> spans;
+    for (const Arc<2>& arc : arcs)
+        spans.emplace_back(arc.epochs);
+    const auto fitted = [&](const char* name, Motion motion) {
+        options.motion = motion;
+        NoiseFit fit = fit_noise<2>(spans, options);
+        MethodTrack& track = methods.tracks.emplace_back(
+            MethodTrack{.name = name, .epochs = std::vector<MethodEpoch>(screened.rows.size())});
+        if (fit.status == NoiseFit::Status::fitted)
+            track = smoother_track(name, arcs, fit.model, whole_arc, screened.rows.size());
+        else
+            track.unavailable = fit.status == NoiseFit::Status::too_few_epochs
+                                    ? "too few epochs to fit noise to"
+                                    : "the positions never change: no noise can be fitted";
+        return fit;
+    };
+    const NoiseFit constant =
+        fitted("smoother, constant acceleration", Motion::constant_acceleration);
+    const NoiseFit singer = fitted("smoother, Singer acceleration", Motion::singer);
+    if (constant.status != NoiseFit::Status::fitted || singer.status != NoiseFit::Status::fitted)
+        return;
+    const auto log_likelihood = [&](const NoiseFit& fit) {
+        return innovation_sums<2>(spans, fit.model).log_likelihood();
+    };
+    const double of_constant = log_likelihood(constant), of_singer = log_likelihood(singer);
+    methods.notes.push_back(
+        fmt::format("Constant acceleration: log-likelihood {:.2f}, jerk density {:.4g} m s^-2.5",
+                    of_constant, constant.jerk_density.value));
+    methods.notes.push_back(
+        fmt::format("Singer: log-likelihood {:.2f} (gain {:.2f}), correlation time {:.3g} s",
+                    of_singer, of_singer - of_constant, singer.acceleration_time.value));
+}
+
+bool is_stated(const std::optional<double>& sigma) {
+    return sigma && *sigma > 0.0;
+}
+
+/// An epoch of the filter of [EKF]. A height that was not measured, or whose accuracy is not known,
+/// is taken loosely.
+ArcEpoch<3> measured_epoch(const ScreenedEpoch& row) {
+    constexpr double loose_height_sigma_m = 1.0;
+    ArcEpoch<3> epoch;
+    epoch.time_s = row.time.seconds();
+    if (!row.usable) return epoch;
+    epoch.measurement = {
+        .position = {row.east_m.value(), row.north_m.value(), row.up_m.value_or(0.0)},
+        .covariance = stated_covariance<3>(row)};
+    if (!row.up_m || !row.sigma_up_m)
+        epoch.measurement->covariance(2, 2) = loose_height_sigma_m * loose_height_sigma_m;
+    return epoch;
+}
+
+/// A recorded velocity with its covariance, as stated where it is.
+std::optional<MeasuredVelocity> measured_velocity(const ScreenedEpoch& row) {
+    if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s) return std::nullopt;
+    const auto variance = [](const std::optional<double>& sigma_m_s) {
+        return std::pow(is_stated(sigma_m_s) ? *sigma_m_s : default_velocity_sigma_m_s, 2);
+    };
+    const Eigen::Vector3d variances(variance(row.sigma_recorded_velocity_east_m_s),
+                                    variance(row.sigma_recorded_velocity_north_m_s),
+                                    variance(row.sigma_recorded_velocity_up_m_s));
+    return MeasuredVelocity{
+        .velocity_m_s = {*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s,
+                         row.recorded_velocity_up_m_s.value_or(0.0)},
+        .covariance_m2_s2 = variances.asDiagonal()};
+}
+
+/// What was recorded of the velocity, and the filter of [EKF].
+void add_velocity_methods(const ScreenedTable& screened, Methods& methods) {
+    const auto count = screened.rows.size();
+    MethodTrack recorded{.name = "recorded velocity",
+                         .window_speed = SpeedDefinition::mean_n_plus_1,
+                         .epochs = std::vector<MethodEpoch>(count)};
+    MethodTrack enhanced{.name = "enhanced Kalman filter [EKF]",
+                         .window_speed = SpeedDefinition::mean_n,
+                         .epochs = recorded.epochs};
+    std::int64_t velocities = 0, unstated = 0;
+    for (const Arc<2>& arc : arcs_of<2>(screened)) {
+        std::vector<ArcEpoch<3>> epochs;
+        std::vector<std::optional<MeasuredVelocity>> inputs;
+        for (const std::size_t i : arc.rows) {
+            const ScreenedEpoch& row = screened.rows[i];
+            epochs.push_back(measured_epoch(row));
+            if (!inputs.emplace_back(measured_velocity(row))) continue;
+            recorded.epochs[i].speed_m_s = inputs.back()->velocity_m_s.head<2>().norm();
+            ++velocities;
+            if (!is_stated(row.sigma_recorded_velocity_east_m_s) ||
+                !is_stated(row.sigma_recorded_velocity_north_m_s) ||
+                (row.recorded_velocity_up_m_s && !is_stated(row.sigma_recorded_velocity_up_m_s)))
+                ++unstated;
+        }
+        const auto states = filter_enhanced_kalman(epochs, inputs);
+        for (std::size_t k = 0; k < states.size(); ++k)
+            if (states[k] && states[k]->velocity_m_s)
+                enhanced.epochs[arc.rows[k]] = {
+                    .position_m = states[k]->position_m.head<2>(),
+                    .speed_m_s = states[k]->velocity_m_s->head<2>().norm()};
     }
-    notes.push_back(choice_note(noise, asked));
+    if (velocities == 0)
+        recorded.unavailable = enhanced.unavailable = "the recording has no velocities";
+    if (unstated > 0)
+        methods.notes.push_back(
+            fmt::format("[EKF] takes {} m/s for the accuracy of {} of {} recorded velocities, "
+                        "which is not stated",
+                        default_velocity_sigma_m_s, unstated, velocities));
+    methods.tracks.push_back(std::move(recorded));
+    methods.tracks.push_back(std::move(enhanced));
 }
 
 }  // namespace
 
-MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows) {
-    MethodTrack track;
-    track.name = name;
-    track.window_speed = window_speed;
-    track.positions.resize(rows);
-    track.speeds_m_s.resize(rows);
-    return track;
-}
-
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config) {
-    const NoiseSummary& noise = noise_of<2>(trajectory);
-    const std::vector<Arc<2>> arcs = arcs_of<2>(screened);
     using Row = TrajectoryEpoch;
     Methods methods;
     std::vector<MethodTrack>& tracks = methods.tracks;
+    constexpr auto displacement = SpeedDefinition::displacement;
+    constexpr auto mean = SpeedDefinition::mean_n_plus_1;
     tracks.push_back(raw_positions(screened));
-    tracks.push_back(of_speeds("v1 [DHD22]", trajectory, &Row::speed_v1_m_s));
-    tracks.push_back(of_speeds("v2 [DHD22]", trajectory, &Row::speed_v2_m_s));
-    tracks.push_back(of_speeds("Kalman filter [DHD22]", trajectory, &Row::speed_kalman_m_s));
-    add_fixed_lags(arcs_of<2>(screened, trajectory), model_of(noise), trajectory, tracks);
-
-    FittedSmoother constant =
-        fitted_smoother("smoother, constant acceleration", arcs, screened.rows.size(), config.fit,
-                        Motion::constant_acceleration);
-    FittedSmoother singer = fitted_smoother("smoother, Singer acceleration", arcs,
-                                            screened.rows.size(), config.fit, Motion::singer);
-    note_fits(constant, singer, noise, config.fit.motion, methods.notes);
-    tracks.push_back(std::move(constant.track));
-    tracks.push_back(std::move(singer.track));
-
-    tracks.push_back(of_positions("smoother of the trajectory", trajectory, &Row::east_m,
-                                  &Row::north_m, &Row::speed_m_s));
-    tracks.push_back(of_speeds("batch", trajectory, &Row::speed_batch_m_s));
-    tracks.push_back(of_positions("robust solution", trajectory, &Row::robust_east_m,
-                                  &Row::robust_north_m, nullptr));
-    tracks.push_back(recorded_speed(screened));
-    EnhancedKalmanTrack enhanced = enhanced_kalman_track(screened);
-    tracks.push_back(std::move(enhanced.track));
-    if (!enhanced.note.empty()) methods.notes.push_back(enhanced.note);
+    tracks.push_back(track_of("v1 [DHD22]", mean, trajectory, &Row::speed_v1_m_s));
+    tracks.push_back(track_of("v2 [DHD22]", mean, trajectory, &Row::speed_v2_m_s));
+    tracks.push_back(track_of("Kalman filter [DHD22]", mean, trajectory, &Row::speed_kalman_m_s));
+    add_fixed_lags(screened, trajectory, tracks);
+    add_fitted_smoothers(screened, config.fit, methods);
+    methods.notes.push_back(choice_note(noise_of<2>(trajectory), config.fit.motion));
+    tracks.push_back(track_of("smoother of the trajectory", displacement, trajectory,
+                              &Row::speed_m_s, &Row::east_m, &Row::north_m));
+    tracks.push_back(track_of("batch", mean, trajectory, &Row::speed_batch_m_s));
+    tracks.push_back(track_of("robust solution", displacement, trajectory, nullptr,
+                              &Row::robust_east_m, &Row::robust_north_m));
+    add_velocity_methods(screened, methods);
     return methods;
 }
 

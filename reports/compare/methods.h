@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "motion/kalman.h"
 #include "motion/noise_fit.h"
 #include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
@@ -12,19 +14,20 @@
 
 namespace runcert {
 
-/// What one method says of every row of the trajectory. Both lists have a place for each row;
-/// empty where the method has no value.
+/// What is said of one row of the trajectory; empty where there is no value.
+struct MethodEpoch {
+    std::optional<Eigen::Vector2d> position_m = {};  ///< east, north
+    std::optional<double> speed_m_s = {};            ///< horizontal
+};
+
+/// What one method says of every row of the trajectory.
 struct MethodTrack {
     std::string name;
     /// How its figures make the speed of a window: displacement, or a mean of its speeds.
     SpeedDefinition window_speed = SpeedDefinition::displacement;
-    std::vector<std::optional<Eigen::Vector2d>> positions;  ///< east, north, m
-    std::vector<std::optional<double>> speeds_m_s;          ///< horizontal
-    std::string unavailable;  ///< why the method has no value at all; else empty
+    std::vector<MethodEpoch> epochs;
+    std::string unavailable = {};  ///< why the method has no value at all; else empty
 };
-
-/// One that has no value at any of so many rows yet.
-MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows);
 
 /// The methods, and what is to be said of them, a sentence a line.
 struct Methods {
@@ -48,17 +51,35 @@ struct CompareConfig {
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config);
 
-/// The horizontal speed (m/s, over east and north) that the receiver recorded, at the epochs of the
-/// arcs; none at an epoch without a recorded velocity.
-MethodTrack recorded_speed(const ScreenedTable& screened);
-
-/// The filter of [EKF] over the arcs, and what was taken for the accuracy of the recorded velocity
-/// where the recording does not state it. Needs velocities, and geodetic coordinates. Heights
-/// that were not measured are those of the frame's plane.
-struct EnhancedKalmanTrack {
-    MethodTrack track;
-    std::string note;  ///< empty where there is nothing to say
+/// A measured velocity (m/s) towards east, north and up, and its covariance.
+struct MeasuredVelocity {
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance_m2_s2 = Eigen::Matrix3d::Identity();
 };
-EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened);
+
+struct EnhancedKalmanState {
+    Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d covariance_m2 = Eigen::Matrix3d::Identity();
+    /// Since the state before, over the time between; empty at the beginning.
+    std::optional<Eigen::Vector3d> velocity_m_s = {};
+};
+
+/// The "enhanced Kalman filter" of [EKF] along an arc: its state is the position, its input the
+/// measured velocity (one for each epoch), its measurement the position. The velocity it gives is
+/// the backward difference of the filtered position, so that position and velocity agree exactly.
+///
+/// [EKF] has latitude, longitude and height as its state. East, north and up of the local frame
+/// take their place, in which its equations are linear and positions, velocities and the speeds of
+/// the other methods are given. Two slips of its printed equations fall away thereby. (18), (19)
+/// have the equatorial radius in place of the meridian's, and no cosine of the latitude: at
+/// latitude 35 degrees that is 0.34 % of the speed north and 18 % of the speed east. (25), (26)
+/// divide by the radius where they must multiply.
+///
+/// Over a step the input is the mean of the velocities measured at its ends, the one there is where
+/// one is missing; its error is taken as the same all the step, so it adds covariance * dt^2. Where
+/// neither is there the filter begins anew at the next measured position. Times must increase.
+/// Empty before the first position.
+std::vector<std::optional<EnhancedKalmanState>> filter_enhanced_kalman(
+    std::span<const ArcEpoch<3>> arc, std::span<const std::optional<MeasuredVelocity>> velocities);
 
 }  // namespace runcert

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 
 #include "core/decimal.h"
 #include "core/failure.h"
@@ -25,82 +24,59 @@ std::vector<std::string_view> cells_of(std::string_view line) {
     }
 }
 
-[[noreturn]] void fail(const std::string& where, std::size_t line, const std::string& what) {
-    throw Failure(fmt::format("{}:{}", where, line), what,
-                  "Give a truth file as `runcert simulate` writes it: time_s, east_m, north_m and "
-                  "speed_m_s, separated by commas");
-}
-
-/// Where each column that is wanted stands.
-std::array<std::size_t, 4> find_columns(std::string_view header, const std::string& where) {
-    const std::vector<std::string_view> names = cells_of(header);
-    std::array<std::size_t, 4> columns{};
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
-        const auto found = std::find(names.begin(), names.end(), wanted[i]);
-        if (found == names.end()) fail(where, 1, fmt::format("there is no column {}", wanted[i]));
-        columns[i] = static_cast<std::size_t>(found - names.begin());
-    }
-    return columns;
-}
-
-TruthEpoch read_row(const std::vector<std::string_view>& cells,
-                    const std::array<std::size_t, 4>& columns, const std::string& where,
-                    std::size_t line) {
-    const auto not_a_number = [&](std::size_t i) {
-        fail(where, line,
-             fmt::format("\"{}\" is not a number (column {})",
-                         escape_for_message(cells[columns[i]]), wanted[i]));
-    };
-    const auto number = [&](std::size_t i) {
-        const std::optional<double> value = parse_double(cells[columns[i]]);
-        if (!value) not_a_number(i);
-        return *value;
-    };
-    const auto time = parse_decimal_nanoseconds(cells[columns[0]]);
-    if (!time) not_a_number(0);
-    return {.time = {*time}, .position = {number(1), number(2)}, .speed_m_s = number(3)};
-}
-
 }  // namespace
 
 std::vector<TruthEpoch> read_truth(std::string_view text, const std::string& where) {
     std::vector<TruthEpoch> truth;
-    std::array<std::size_t, 4> columns{};
-    std::size_t width = 0;
-    for (std::size_t line = 1; !text.empty(); ++line) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        const std::string_view content = trim(text.substr(0, end));
-        text.remove_prefix(std::min(end + 1, text.size()));
+    std::array<std::size_t, wanted.size()> columns{};
+    std::size_t width = 0, line = 0;
+    const auto fail = [&](const std::string& what) {
+        throw Failure(fmt::format("{}:{}", where, line), what,
+                      "Give a truth file as `runcert simulate` writes it: time_s, east_m, north_m "
+                      "and speed_m_s, separated by commas");
+    };
+    for (const std::string& content : lines_of(std::string(text))) {
+        ++line;
+        if (width == 0 && content.starts_with('#')) continue;
+        const std::vector<std::string_view> cells = cells_of(content);
         if (width == 0) {
-            if (content.starts_with('#')) continue;
-            columns = find_columns(content, where);
-            width = cells_of(content).size();
+            for (std::size_t i = 0; i < wanted.size(); ++i) {
+                const auto found = std::ranges::find(cells, wanted[i]);
+                if (found == cells.end()) fail(fmt::format("there is no column {}", wanted[i]));
+                columns[i] = static_cast<std::size_t>(found - cells.begin());
+            }
+            width = cells.size();
             continue;
         }
-        const std::vector<std::string_view> cells = cells_of(content);
-        if (cells.size() != width)
-            fail(where, line, fmt::format("{} cells, {} expected", cells.size(), width));
-        const TruthEpoch row = read_row(cells, columns, where, line);
-        if (!truth.empty() && row.time <= truth.back().time)
-            fail(where, line, "the time does not increase");
+        if (cells.size() != width) fail(fmt::format("{} cells, {} expected", cells.size(), width));
+        const auto number = [&](std::size_t i, auto parse) {
+            const std::string_view cell = cells[columns[i]];
+            const auto value = parse(cell);
+            if (!value)
+                fail(fmt::format("\"{}\" is not a number (column {})", escape_for_message(cell),
+                                 wanted[i]));
+            return *value;
+        };
+        const TruthEpoch row{.time = {number(0, parse_decimal_nanoseconds)},
+                             .position = {number(1, parse_double), number(2, parse_double)},
+                             .speed_m_s = number(3, parse_double)};
+        if (!truth.empty() && row.time <= truth.back().time) fail("the time does not increase");
         truth.push_back(row);
     }
-    if (truth.empty()) fail(where, 1, "the file holds no epoch");
+    line = 1;
+    if (truth.empty()) fail("the file holds no epoch");
     return truth;
 }
 
-std::vector<std::optional<TruthEpoch>> truth_at_rows(const std::vector<TruthEpoch>& truth,
-                                                     const TrajectoryTable& trajectory) {
-    std::vector<std::optional<TruthEpoch>> found;
-    found.reserve(trajectory.rows.size());
+std::vector<MethodEpoch> truth_at_rows(const std::vector<TruthEpoch>& truth,
+                                       const TrajectoryTable& trajectory) {
+    std::vector<MethodEpoch> found;
     for (const TrajectoryEpoch& row : trajectory.rows) {
         const ElapsedTime earliest{row.time.nanoseconds - time_tolerance_ns};
-        const auto at = std::lower_bound(
-            truth.begin(), truth.end(), earliest,
-            [](const TruthEpoch& epoch, ElapsedTime time) { return epoch.time < time; });
-        const bool matches =
-            at != truth.end() && at->time.nanoseconds - row.time.nanoseconds <= time_tolerance_ns;
-        found.push_back(matches ? std::optional(*at) : std::nullopt);
+        const auto at = std::ranges::lower_bound(truth, earliest, {}, &TruthEpoch::time);
+        MethodEpoch& epoch = found.emplace_back();
+        if (at != truth.end() && at->time.nanoseconds - row.time.nanoseconds <= time_tolerance_ns)
+            epoch = {.position_m = at->position, .speed_m_s = at->speed_m_s};
     }
     return found;
 }

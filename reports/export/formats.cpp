@@ -1,12 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <kainjow/mustache.hpp>
 #include <pugixml.hpp>
 #include <sstream>
-#include <utility>
 
+#include "core/figures.h"
 #include "core/text.h"
 #include "reports/export/export.h"
+#include "reports/run_speeds/run_speeds.h"
 #include "store/ecsv.h"
 
 namespace runcert {
@@ -16,90 +18,100 @@ void add_text(pugi::xml_node parent, const char* name, const std::string& text) 
     parent.append_child(name).text().set(plain_text(text).c_str());
 }
 
-/// Text from outside for what others show as HTML.
-std::string html_text(std::string_view text) {
-    return kainjow::mustache::html_escape(plain_text(text));
-}
-
-/// KML's colours are opacity, blue, green, red.
-std::string kml_colour(const std::string& rgb) {
-    return "ff" + rgb.substr(4, 2) + rgb.substr(2, 2) + rgb.substr(0, 2);
-}
-
-std::string coordinates(const std::vector<TrackPoint>& points) {
+/// Programs take it for HTML, so that text from outside is escaped once more.
+void add_description(pugi::xml_node parent, const std::vector<std::string>& lines) {
     std::string text;
-    for (const TrackPoint& point : points) {
-        if (!text.empty()) text += ' ';
-        text += format_fixed(point.longitude_deg, degree_decimals) + ',' +
-                format_fixed(point.latitude_deg, degree_decimals);
-        if (point.height_m) text += ',' + format_fixed(*point.height_m, height_decimals);
-    }
-    return text;
+    for (const std::string& line : lines)
+        text += kainjow::mustache::html_escape(plain_text(line)) + "<br/>\n";
+    parent.append_child("description").text().set(text.c_str());
 }
 
-void add_placemark(pugi::xml_node folder, const MapFeature& feature) {
+void add_placemark(pugi::xml_node folder, const MapLine& drawn) {
     pugi::xml_node placemark = folder.append_child("Placemark");
-    add_text(placemark, "name", feature.name);
-    std::string description;  // programs take it for HTML
-    for (const MapFact& fact : feature.facts)
-        description += fmt::format("{}: {}<br/>\n", fact.label, html_text(fact.value));
-    placemark.append_child("description").text().set(description.c_str());
-    pugi::xml_node line = placemark.append_child("Style").append_child("LineStyle");
-    add_text(line, "color", kml_colour(feature.style.rgb));
-    add_text(line, "width", std::to_string(feature.style.width));
-    const bool single = feature.points.size() == 1;
+    add_text(placemark, "name", drawn.name);
+    std::vector<std::string> lines;
+    for (const Fact& fact : drawn.facts)
+        lines.push_back(fact.name + ": " + fact.value);
+    add_description(placemark, lines);
+    pugi::xml_node style = placemark.append_child("Style").append_child("LineStyle");
+    // KML's colours are opacity, blue, green, red.
+    add_text(style, "color",
+             "ff" + drawn.rgb.substr(4, 2) + drawn.rgb.substr(2, 2) + drawn.rgb.substr(0, 2));
+    add_text(style, "width", std::to_string(drawn.width));
+    const bool single = drawn.points.size() == 1;
     pugi::xml_node geometry = placemark.append_child(single ? "Point" : "LineString");
     if (!single) add_text(geometry, "tessellate", "1");
     add_text(geometry, "altitudeMode", "clampToGround");
-    geometry.append_child("coordinates").text().set(coordinates(feature.points).c_str());
+    add_text(geometry, "coordinates", fmt::format("{}", fmt::join(drawn.points, " ")));
+}
+
+std::string csv_line(const std::vector<std::string>& cells) {
+    return fmt::format("{}\n", fmt::join(cells, ","));
+}
+
+std::string speed_cell(const std::optional<double>& speed_m_s) {
+    return speed_m_s ? format_fixed(*speed_m_s, speed_decimals_kept) : std::string();
 }
 
 }  // namespace
 
-std::string csv_text(std::string_view table, const std::string& where) {
-    EcsvReader reader(table, where);
-    const std::vector<EcsvColumn>& columns = reader.columns();
-    std::string csv;
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (i > 0) csv += ',';
-        csv += csv_cell(columns[i].name);
-    }
-    csv += '\n';
-    while (reader.next_row()) {
-        for (std::size_t i = 0; i < columns.size(); ++i) {
-            if (i > 0) csv += ',';
-            if (reader.is_missing(i)) continue;
-            const std::string& text = reader.text(i);
-            csv += columns[i].type == CellType::text ? csv_cell(text) : text;
-        }
-        csv += '\n';
-    }
-    return csv;
-}
-
-std::string kml_text(const Track& track) {
+std::string kml_text(const RunMap& map) {
     pugi::xml_document xml;
     pugi::xml_node kml = xml.append_child("kml");
     kml.append_attribute("xmlns") = "http://www.opengis.net/kml/2.2";
     pugi::xml_node document = kml.append_child("Document");
-    add_text(document, "name", track.attempt);
-    std::string description;
-    for (const std::string& line : about(track))
-        description += html_text(line) + "<br/>\n";
-    document.append_child("description").text().set(description.c_str());
-    for (const auto& [kind, name] : {std::pair{MapFeature::Kind::windows, "windows"},
-                                     std::pair{MapFeature::Kind::course, "course"},
-                                     std::pair{MapFeature::Kind::track, "track"}}) {
-        const std::vector<MapFeature> features = features_of(track, kind);
-        if (features.empty() && kind != MapFeature::Kind::track) continue;
+    add_text(document, "name", map.name);
+    add_description(document, map.about);
+    for (const MapFolder& each : map.folders) {
         pugi::xml_node folder = document.append_child("Folder");
-        add_text(folder, "name", name);
-        for (const MapFeature& feature : features)
-            add_placemark(folder, feature);
+        add_text(folder, "name", each.name);
+        for (const MapLine& line : each.lines)
+            add_placemark(folder, line);
     }
     std::ostringstream out;
     xml.save(out, "  ", pugi::format_default, pugi::encoding_utf8);
     return out.str();
+}
+
+std::string csv_text(std::string_view table, const std::string& where) {
+    EcsvReader reader(table, where);
+    const std::vector<EcsvColumn>& columns = reader.columns();
+    std::vector<std::string> cells;
+    for (const EcsvColumn& column : columns)
+        cells.push_back(csv_cell(column.name));
+    std::string csv = csv_line(cells);
+    while (reader.next_row()) {
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            cells[i] = reader.is_missing(i) ? std::string() : reader.text(i);
+            if (columns[i].type == CellType::text) cells[i] = csv_cell(cells[i]);
+        }
+        csv += csv_line(cells);
+    }
+    return csv;
+}
+
+std::string rule_speeds_csv(const TrajectoryTable& trajectory,
+                            const std::vector<Profile>& profiles) {
+    const auto& first = trajectory.facts.first_epoch;
+    std::vector<std::string> cells{"epoch", "time_s", "utc", "speed_m_s"};
+    std::vector<std::vector<std::optional<double>>> columns;
+    for (const Profile& profile : profiles) {
+        auto speeds = speeds_over_length(trajectory, profile);
+        if (speeds.empty()) continue;
+        cells.push_back(csv_cell("speed_" + profile.id + "_m_s"));
+        columns.push_back(std::move(speeds));
+    }
+    std::string csv = csv_line(cells);
+    for (std::size_t k = 0; k < trajectory.rows.size(); ++k) {
+        const TrajectoryEpoch& row = trajectory.rows[k];
+        cells = {std::to_string(row.epoch), format_fixed(row.time.seconds(), 9),
+                 first ? to_utc_iso(first->plus_nanoseconds(row.time.nanoseconds), 3) : "",
+                 speed_cell(row.speed_m_s)};
+        for (const auto& column : columns)
+            cells.push_back(speed_cell(column[k]));
+        csv += csv_line(cells);
+    }
+    return csv;
 }
 
 }  // namespace runcert

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -26,30 +27,21 @@ struct Options {
 /// The table that no stage writes.
 constexpr const char* of_rule_speeds = "rule_speeds";
 
-/// The product that holds a table; the trajectory where none was asked for.
-const ProductFile& product_of(const std::string& table) {
-    for (const ProductFile& product : products::all)
-        if (product.name == table) return product;
-    return products::trajectory;
-}
-
-std::vector<Profile> claimed_profiles(const StageRun& run) {
-    std::vector<Profile> profiles;
-    for (const std::string& claimed : run.attempt().profiles)
-        profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
-    return profiles;
+/// The table that is exported as CSV.
+std::string table_of(const Options& options) {
+    return options.table.empty() ? std::string(products::trajectory.name) : options.table;
 }
 
 std::string table_text(StageRun& run, const Receiver& receiver, const Options& options) {
-    if (options.table == of_rule_speeds)
+    const std::string name = table_of(options);
+    if (name == of_rule_speeds)
         return rule_speeds_csv(run.read(products::trajectory, receiver, read_trajectory),
-                               claimed_profiles(run));
-    const ProductFile& product = product_of(options.table);
-    if (product.of_imu && !has_imu(receiver))
-        throw Failure("--table", fmt::format("beside receiver {} no IMU was recorded", receiver.id),
-                      "Choose another table");
-    if (product.of_surface && !has_surface(receiver))
-        throw Failure("--table", fmt::format("receiver {} has no surface", receiver.id),
+                               read_claimed_rules(run.run_dir(), run.attempt()));
+    const ProductFile& product = *std::ranges::find(products::all, name, &ProductFile::name);
+    if ((product.of_imu && !has_imu(receiver)) || (product.of_surface && !has_surface(receiver)))
+        throw Failure("--table",
+                      fmt::format("receiver {} has no table {}: the attempt hands in no {}",
+                                  receiver.id, name, product.of_imu ? "IMU" : "surface"),
                       "Choose another table");
     const std::string file = run.file_of(product, receiver);
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
@@ -58,10 +50,10 @@ std::string table_text(StageRun& run, const Receiver& receiver, const Options& o
 std::string map_text(StageRun& run, const Receiver& receiver, const Options& options) {
     const Attempt& attempt = run.attempt();
     const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
-    TrackInput input{.attempt = &attempt,
-                     .receiver = &receiver,
-                     .trajectory = &trajectory,
-                     .every = options.every};
+    MapInput input{.attempt = &attempt,
+                   .receiver = &receiver,
+                   .trajectory = &trajectory,
+                   .every = options.every};
     Windows windows;
     Verdict verdict;
     if (receiver.id == attempt.receivers.front().id) {
@@ -70,7 +62,7 @@ std::string map_text(StageRun& run, const Receiver& receiver, const Options& opt
         input.windows = &windows;
         input.verdict = &verdict;
     }
-    return kml_text(track_of(input));
+    return kml_text(map_of(input));
 }
 
 std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
@@ -78,10 +70,7 @@ std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
     if (!options.out.empty()) return options.out;
     std::string name = attempt.id;
     if (receiver.id != attempt.receivers.front().id) name += "." + receiver.id;
-    if (options.format == "csv")
-        name +=
-            "." + (options.table == of_rule_speeds ? options.table
-                                                   : std::string(product_of(options.table).name));
+    if (options.format == "csv") name += "." + table_of(options);
     return name + "." + options.format;
 }
 

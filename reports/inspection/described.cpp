@@ -35,16 +35,11 @@ std::string in_line(const Json& value) {
     return text;
 }
 
-const FieldRule* rule_of(const NeededKey& needed) {
-    return attempt_schema().find("receivers[]." + needed.key);
-}
-
 /// What a line of a needed key looks like, which cannot stand as it is.
 Json example_of(const NeededKey& needed) {
-    const FieldRule* rule = rule_of(needed);
-    const std::string example = rule ? rule->example : left_open;
-    if (example == left_open) return example;
-    return json_from_yaml(YamlValue(parse_yaml(example, "the example"), "the example"));
+    const FieldRule* rule = attempt_schema().find("receivers[]." + needed.key);
+    if (!rule || rule->example == left_open) return left_open;
+    return json_from_yaml(YamlValue(parse_yaml(rule->example, "the example"), "the example"));
 }
 
 /// A map's lines; maps of maps take a line for each of their keys.

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "schemas/document/document.h"
 #include "schemas/recognition/declared.h"
@@ -21,5 +21,10 @@ Section description_section(const Recognition& is, const std::string& name);
 /// What a file is, for a person: how it is read, what it holds, what an attempt must say of it, and
 /// what an official should look at.
 Document description_of(const Recognition& is, const std::string& name);
+
+/// Such a document, and below it the recording drawn: speed, height, track, stated uncertainty and
+/// the steps between epochs, gaps shaded. `track` is what `runcert-import --track` prints. HTML in
+/// one file. Needs gnuplot; Failure if it cannot draw.
+std::string inspection_page(Document document, nlohmann::ordered_json track);
 
 }  // namespace runcert

@@ -1,5 +1,3 @@
-#include "reports/inspection/inspection_page.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "reports/certificate/json_figures.h"
 #include "reports/certificate/report_run.h"
 #include "reports/document/document_html.h"
+#include "reports/inspection/described.h"
 
 namespace runcert {
 
@@ -17,133 +16,111 @@ std::string_view inspection_page_text(std::string_view name);
 
 namespace {
 
-constexpr const char* drawn_unit = "km/h";
-
-void add_gaps(Json& figure, const Json& track) {
-    for (const Json& gap : track["gaps"])
-        figure["spans"].push_back(
-            {{"span_name", "gap"}, {"span_kind", "gap"}, {"from", gap[0]}, {"to", gap[1]}});
+/// Of so many values the least and the greatest are drawn, so that no spike is left out.
+std::size_t values_for_two(const Json& track) {
+    return 2 * thinning(track["time_s"].size()) - 1;
 }
 
-/// A list of the track over time or over another one: broken where either has nothing and, over
-/// time, at gaps. Of each `every` values the least and the greatest are drawn, so that no spike is
-/// left out.
-void add_list(Json& figure, const Json& track, const char* across, const char* up, double factor,
-              const CurveStyle& style, Range& x, Range& y) {
-    const Json &xs = track[across], &ys = track[up], &times = track["time_s"];
-    const std::size_t every = 2 * thinning(ys.size()) - 1;
+/// A list of the track over another one: broken where either has nothing, and at gaps.
+Curve curve_of(const Json& track, const char* across, const char* list, double factor,
+               const CurveStyle& style, Range& x, Range& y) {
+    const Json &xs = track[across], &ys = track[list], &times = track["time_s"];
     std::set<double> after_gap;
     for (const Json& gap : track["gaps"])
         after_gap.insert(gap[1].get<double>());
     Curve curve(style);
+    std::size_t values = 0, least = 0, most = 0;
     const auto draw = [&](std::size_t i) {
         curve.add(xs[i].get<double>(), ys[i].get<double>() * factor);
         x.widen(xs[i].get<double>());
         y.widen(ys[i].get<double>() * factor);
     };
-    const auto is_there = [&](std::size_t i) { return !xs[i].is_null() && !ys[i].is_null(); };
-    for (std::size_t i = 0; i < ys.size();) {
-        if (!is_there(i) || after_gap.contains(times[i].get<double>())) curve.interrupt();
-        if (!is_there(i)) {
-            ++i;
-            continue;
-        }
-        std::size_t least = i, most = i, end = i + 1;
-        for (; end < ys.size() && end < i + every && is_there(end) &&
-               !after_gap.contains(times[end].get<double>());
-             ++end) {
-            if (ys[end] < ys[least]) least = end;
-            if (ys[end] > ys[most]) most = end;
-        }
-        draw(std::min(least, most));
-        if (least != most) draw(std::max(least, most));
-        i = end;
+    const auto draw_both = [&] {
+        if (values > 0) draw(std::min(least, most));
+        if (values > 0 && least != most) draw(std::max(least, most));
+        values = 0;
+    };
+    for (std::size_t i = 0; i < times.size(); ++i) {
+        const bool is_there = !xs[i].is_null() && !ys[i].is_null();
+        const bool breaks = !is_there || after_gap.contains(times[i].get<double>());
+        if (breaks || values == values_for_two(track)) draw_both();
+        if (breaks) curve.interrupt();
+        if (!is_there) continue;
+        if (values == 0 || ys[i] < ys[least]) least = i;
+        if (values == 0 || ys[i] > ys[most]) most = i;
+        ++values;
     }
-    curve.add_to(figure);
+    draw_both();
+    return curve;
 }
 
-void finish(Json& figures, Json figure, const Range& x, const Range& y) {
+using Lists = std::vector<std::pair<const char*, CurveStyle>>;
+
+/// Adds a figure of lists over another one, where there is anything of them to draw; over time with
+/// the gaps shaded.
+void add_figure(Json& figures, const Json& track, Json figure, const char* across,
+                const Lists& lists, double factor = 1.0) {
+    Range x, y;
+    for (const auto& [list, style] : lists)
+        curve_of(track, across, list, factor, style, x, y).add_to(figure);
     if (figure["curves"].empty()) return;
+    if (const std::size_t values = values_for_two(track); values > 1)
+        figure["caption"] =
+            fmt::format("{} Of {} epochs the least and the greatest value are drawn.",
+                        figure["caption"].get<std::string>(), values);
+    if (std::string_view(across) != "time_s")
+        figure["equal_scale"] = true;
+    else
+        for (const Json& gap : track["gaps"])
+            figure["spans"].push_back(
+                {{"span_name", "gap"}, {"span_kind", "gap"}, {"from", gap[0]}, {"to", gap[1]}});
     set_axes(figure, *x.least, *x.most, *y.least, *y.most);
     figures.push_back(std::move(figure));
 }
 
-std::string drawn_words(const Json& track) {
-    const std::size_t every = 2 * thinning(track["time_s"].size()) - 1;
-    return every == 1
-               ? ""
-               : fmt::format(" Of {} epochs the least and the greatest value are drawn.", every);
+/// From each epoch to the next.
+Json steps_of(const Json& times) {
+    Json steps = Json::array();
+    for (std::size_t i = 0; i < times.size(); ++i)
+        steps.push_back(i == 0 ? Json()
+                               : Json(times[i].get<double>() - times[i - 1].get<double>()));
+    return steps;
 }
 
-void add_speeds(Json& figures, const Json& track) {
-    Json figure = empty_figure("speed", "Horizontal speed",
-                               "As recorded, and from each position to the next; neither is "
-                               "screened or smoothed. Shaded: gaps." +
-                                   drawn_words(track),
-                               time_label, fmt::format("speed ({})", drawn_unit));
-    Range times, speeds;
-    const double factor = speed_unit(drawn_unit).per_m_s;
-    add_list(figure, track, "time_s", "position_speed_m_s", factor,
-             {"from positions", "points", "orange"}, times, speeds);
-    add_list(figure, track, "time_s", "recorded_speed_m_s", factor, {"recorded", "line", "blue"},
-             times, speeds);
-    add_gaps(figure, track);
-    finish(figures, std::move(figure), times, speeds);
-}
-
-void add_over_time(Json& figures, const Json& track, const char* list, const char* title,
-                   const char* caption, const char* label) {
-    Json figure = empty_figure("series", title, caption + drawn_words(track), time_label, label);
-    Range times, values;
-    add_list(figure, track, "time_s", list, 1.0, {"recorded", "line", "blue"}, times, values);
-    add_gaps(figure, track);
-    finish(figures, std::move(figure), times, values);
-}
-
-void add_track(Json& figures, const Json& track) {
-    Json figure =
-        empty_figure("track", "Track", "Positions from the first one on." + drawn_words(track),
-                     "east (m)", "north (m)");
-    figure["equal_scale"] = true;
-    Range east, north;
-    add_list(figure, track, "east_m", "north_m", 1.0, {"positions", "line", "blue"}, east, north);
-    finish(figures, std::move(figure), east, north);
-}
-
-/// All steps: a gap is one epoch's.
-void add_steps(Json& figures, const Json& track) {
-    Json figure = empty_figure("steps", "Steps between epochs",
-                               "From each epoch to the next; a higher point is a gap.", time_label,
-                               "step (s)");
-    Curve curve({"steps", "points", "blue"});
-    Range times, steps;
-    const Json& time = track["time_s"];
-    const std::size_t every = thinning(time.size());
-    const double usual = time.size() > 1 ? (time.back().get<double>() - time[0].get<double>()) /
-                                               static_cast<double>(time.size() - 1)
-                                         : 0.0;
-    for (std::size_t i = 1; i < time.size(); ++i) {
-        const double at = time[i], step = at - time[i - 1].get<double>();
-        if (i % every != 0 && step < 1.4 * usual) continue;
-        curve.add(at, step);
-        times.widen(at);
-        steps.widen(step);
-    }
-    curve.add_to(figure);
-    finish(figures, std::move(figure), times, steps);
+Json figures_of(const Json& track) {
+    Json figures = Json::array();
+    const auto add_over_time = [&](const char* kind, const char* title, const char* caption,
+                                   const char* label, const Lists& lists, double factor = 1.0) {
+        add_figure(figures, track, empty_figure(kind, title, caption, time_label, label), "time_s",
+                   lists, factor);
+    };
+    const CurveStyle recorded{"recorded", "line", "blue"};
+    add_over_time("speed", "Horizontal speed",
+                  "As recorded, and from each position to the next; neither is screened or "
+                  "smoothed. Shaded: gaps.",
+                  "speed (km/h)",
+                  {{"position_speed_m_s", {"from positions", "points", "orange"}},
+                   {"recorded_speed_m_s", recorded}},
+                  speed_unit("km/h").per_m_s);
+    add_figure(
+        figures, track,
+        empty_figure("track", "Track", "Positions from the first one on.", "east (m)", "north (m)"),
+        "east_m", {{"north_m", {"positions", "line", "blue"}}});
+    add_over_time("series", "Height", "As recorded. Shaded: gaps.", "height (m)",
+                  {{"height_m", recorded}});
+    add_over_time("series", "Stated uncertainty",
+                  "The horizontal standard deviation that the recording states. Shaded: gaps.",
+                  "standard deviation (m)", {{"sigma_horizontal_m", recorded}});
+    add_over_time("steps", "Steps between epochs", "From each epoch to the next. Shaded: gaps.",
+                  "step (s)", {{"step_s", {"steps", "points", "blue"}}});
+    return figures;
 }
 
 }  // namespace
 
-std::string inspection_page(Document document, const Json& track) {
-    Json figures = Json::array();
-    add_speeds(figures, track);
-    add_track(figures, track);
-    add_over_time(figures, track, "height_m", "Height", "As recorded. Shaded: gaps.", "height (m)");
-    add_over_time(figures, track, "sigma_horizontal_m", "Stated uncertainty",
-                  "The horizontal standard deviation that the recording states. Shaded: gaps.",
-                  "standard deviation (m)");
-    add_steps(figures, track);
+std::string inspection_page(Document document, Json track) {
+    track["step_s"] = steps_of(track["time_s"]);
+    const Json figures = figures_of(track);
     Section section{.anchor = "drawn", .title = "Drawn"};
     for (std::size_t i = 0; i < figures.size(); ++i)
         add(section, plot(i, figures[i]["figure_title"], figures[i]["caption"]));

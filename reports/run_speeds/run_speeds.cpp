@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "core/statistics.h"
+
 namespace runcert {
 namespace {
 
@@ -17,63 +19,14 @@ double way_m(const TrajectoryEpoch& from, const TrajectoryEpoch& to, Dimension d
     return dimension == Dimension::vertical ? std::abs(upright_m) : std::hypot(level_m, upright_m);
 }
 
-/// The rows since the last break up to the one at hand, with what adds up along them.
-class Stretch {
-  public:
-    Stretch(const TrajectoryTable& table, const Profile& profile)
-        : table_(table), profile_(profile) {}
-
-    void add(std::size_t k) {
-        const TrajectoryEpoch& row = table_.rows[k];
-        const auto speed = row.arc ? speed_in(row, profile_.dimension) : std::nullopt;
-        if (!speed || (!times_s_.empty() && breaks_before(k))) {
-            times_s_.clear();
-            sums_m_s_.assign(1, 0.0);
-            path_m_.clear();
-            back_ = 0;
-        }
-        if (!speed) return;
-        path_m_.push_back(path_m_.empty() ? 0.0
-                                          : path_m_.back() +
-                                                way_m(table_.rows[k - 1], row, profile_.dimension));
-        times_s_.push_back(row.time.seconds());
-        sums_m_s_.push_back(sums_m_s_.back() + *speed);
-    }
-
-    /// Over the rule's length, up to the row that was added last.
-    std::optional<double> speed_m_s() {
-        if (times_s_.empty()) return std::nullopt;
-        const std::size_t last = times_s_.size() - 1;
-        while (back_ < last && reaches(back_ + 1, last))
-            ++back_;
-        if (!reaches(back_, last)) return std::nullopt;
-        if (profile_.window_kind == WindowKind::distance)
-            return (path_m_[last] - path_m_[back_]) / (times_s_[last] - times_s_[back_]);
-        return (sums_m_s_[last + 1] - sums_m_s_[back_]) / static_cast<double>(last - back_ + 1);
-    }
-
-  private:
-    bool breaks_before(std::size_t k) const {
-        constexpr double gap_factor = 1.5;
-        const TrajectoryEpoch& before = table_.rows[k - 1];
-        const TrajectoryEpoch& row = table_.rows[k];
-        return before.arc != row.arc || row.time.seconds() - before.time.seconds() >
-                                            gap_factor * table_.facts.nominal_interval_s;
-    }
-
-    bool reaches(std::size_t from, std::size_t last) const {
-        constexpr double tolerance_s = 1e-3;
-        if (profile_.window_kind == WindowKind::distance)
-            return last > from && path_m_[last] - path_m_[from] >= profile_.distance_m;
-        return times_s_[last] - times_s_[from] >= profile_.duration_s - tolerance_s;
-    }
-
-    const TrajectoryTable& table_;
-    const Profile& profile_;
-    std::vector<double> times_s_, path_m_;
-    std::vector<double> sums_m_s_{0.0};  ///< of the speeds before each row
-    std::size_t back_ = 0;               ///< the latest row that is far enough back
-};
+/// Whether a row goes on from the one before it without a break.
+bool goes_on(const TrajectoryTable& table, std::size_t k) {
+    constexpr double gap_factor = 1.5;
+    const TrajectoryEpoch& before = table.rows[k - 1];
+    const TrajectoryEpoch& row = table.rows[k];
+    return before.arc == row.arc && row.time.seconds() - before.time.seconds() <=
+                                        gap_factor * table.facts.nominal_interval_s;
+}
 
 using SpeedColumn = std::optional<double> TrajectoryEpoch::*;
 
@@ -96,40 +49,55 @@ std::optional<double> speed_in(const TrajectoryEpoch& row, Dimension dimension) 
 
 std::vector<std::optional<double>> speeds_over_length(const TrajectoryTable& table,
                                                       const Profile& profile) {
-    std::vector<std::optional<double>> speeds;
-    if (profile.window_kind != WindowKind::time && profile.window_kind != WindowKind::distance)
-        return speeds;
-    Stretch stretch(table, profile);
-    for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        stretch.add(k);
-        speeds.push_back(stretch.speed_m_s());
+    constexpr double tolerance_s = 1e-3;
+    const bool over_distance = profile.window_kind == WindowKind::distance;
+    if (!over_distance && profile.window_kind != WindowKind::time) return {};
+    const std::vector<TrajectoryEpoch>& rows = table.rows;
+    std::vector<std::optional<double>> speeds_m_s(rows.size()), over_length_m_s(rows.size());
+    // Since the last break: the sum of the speeds before each row, and the way to it.
+    std::vector<double> sums_m_s(rows.size()), path_m(rows.size());
+    std::size_t back = 0;  // the latest row that is far enough back
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (rows[k].arc) speeds_m_s[k] = speed_in(rows[k], profile.dimension);
+        if (!speeds_m_s[k]) continue;
+        if (k > 0 && speeds_m_s[k - 1] && goes_on(table, k)) {
+            sums_m_s[k] = sums_m_s[k - 1] + *speeds_m_s[k - 1];
+            path_m[k] = path_m[k - 1] + way_m(rows[k - 1], rows[k], profile.dimension);
+        } else {
+            back = k;
+        }
+        const auto time_since = [&](std::size_t from) {
+            return rows[k].time.seconds() - rows[from].time.seconds();
+        };
+        const auto reaches = [&](std::size_t from) {
+            if (!over_distance) return time_since(from) >= profile.duration_s - tolerance_s;
+            return from < k && path_m[k] - path_m[from] >= profile.distance_m;
+        };
+        while (back < k && reaches(back + 1))
+            ++back;
+        if (!reaches(back)) continue;
+        over_length_m_s[k] = over_distance ? (path_m[k] - path_m[back]) / time_since(back)
+                                           : (sums_m_s[k] + *speeds_m_s[k] - sums_m_s[back]) /
+                                                 static_cast<double>(k - back + 1);
     }
-    return speeds;
+    return over_length_m_s;
 }
 
 std::vector<MethodSpeeds> method_speeds(const TrajectoryTable& table, std::int64_t first_epoch,
                                         std::int64_t last_epoch) {
     const auto first = std::ranges::find(table.rows, first_epoch, &TrajectoryEpoch::epoch);
-    const auto last = std::find_if(first, table.rows.end(), [&](const TrajectoryEpoch& row) {
-        return row.epoch == last_epoch;
-    });
+    const auto last = std::ranges::find(table.rows, last_epoch, &TrajectoryEpoch::epoch);
     std::vector<MethodSpeeds> all;
-    if (last == table.rows.end() || first == last) return all;
-    const auto end = std::next(last);
-    const auto count = static_cast<double>(std::distance(first, end));
-    for (const auto& [name, speed] : methods) {
-        const auto has = [column = speed](const TrajectoryEpoch& row) {
-            return (row.*column).has_value();
-        };
-        if (!std::all_of(first, end, has)) continue;
-        MethodSpeeds one{.method = name, .epochs = std::distance(first, end)};
-        for (auto row = first; row != end; ++row)
-            one.mean_m_s += *((*row).*speed) / count;
-        double square = 0.0;
-        for (auto row = first; row != end; ++row)
-            square += std::pow(*((*row).*speed) - one.mean_m_s, 2);
-        one.standard_deviation_m_s = std::sqrt(square / (count - 1.0));
-        all.push_back(one);
+    if (last == table.rows.end() || last <= first) return all;
+    for (const auto& [name, column] : methods) {
+        std::vector<double> speeds_m_s;
+        for (auto row = first; row <= last && (*row).*column; ++row)
+            speeds_m_s.push_back(*((*row).*column));
+        if (std::ssize(speeds_m_s) == last - first + 1)
+            all.push_back({.method = name,
+                           .epochs = std::ssize(speeds_m_s),
+                           .mean_m_s = mean(speeds_m_s),
+                           .standard_deviation_m_s = standard_deviation(speeds_m_s)});
     }
     return all;
 }

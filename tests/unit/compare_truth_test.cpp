@@ -49,11 +49,13 @@ TEST(Truth, IsMatchedToRowsByTime) {
     for (const std::int64_t nanoseconds : {0, 100'400'000, 200'000'000, 299'400'000, 400'000'000})
         trajectory.rows.emplace_back().time.nanoseconds = nanoseconds;
     const auto rows = truth_at_rows(truth, trajectory);
-    EXPECT_EQ(rows[0]->speed_m_s, 1.0);
-    EXPECT_EQ(rows[1]->speed_m_s, 2.0);  // within half a millisecond
-    EXPECT_FALSE(rows[2].has_value());
-    EXPECT_FALSE(rows[3].has_value());  // 0.6 ms off
-    EXPECT_FALSE(rows[4].has_value());
+    EXPECT_EQ(rows[0].speed_m_s, 1.0);
+    EXPECT_EQ(rows[0].position_m, Eigen::Vector2d(0.0, 0.0));
+    EXPECT_EQ(rows[1].speed_m_s, 2.0);  // within half a millisecond
+    EXPECT_FALSE(rows[2].speed_m_s.has_value());
+    EXPECT_FALSE(rows[3].speed_m_s.has_value());  // 0.6 ms off
+    EXPECT_FALSE(rows[3].position_m.has_value());
+    EXPECT_FALSE(rows[4].speed_m_s.has_value());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <pugixml.hpp>
+#include <sstream>
 
 #include "core/failure.h"
 #include "core/geodesy.h"
@@ -98,26 +99,27 @@ TEST(TrackWithoutHeights, LiesAtTheAttemptsHeightAndStatesNone) {
     attempt.id = "flat";
     Receiver receiver;
     receiver.height_m = 100.0;
-    const Track track =
-        track_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table});
-    ASSERT_EQ(track.arcs.size(), 1u);
-    ASSERT_EQ(track.arcs[0].points.size(), 3u);
+    const RunMap map = map_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table});
+    const std::vector<MapLine>& arcs = map.folders.at(0).lines;
+    ASSERT_EQ(arcs.size(), 1u);
+    ASSERT_EQ(arcs[0].points.size(), 3u);
     const LocalFrame frame(table.origin->position);
     for (std::size_t i = 0; i < 3; ++i) {
-        const TrackPoint& point = track.arcs[0].points[i];
-        EXPECT_FALSE(point.height_m);
-        EXPECT_FALSE(point.instant);
+        std::istringstream point(arcs[0].points[i]);
+        double longitude_deg = 0.0, latitude_deg = 0.0;
+        char comma = ' ';
+        point >> longitude_deg >> comma >> latitude_deg;
+        EXPECT_EQ(point.peek(), std::istringstream::traits_type::eof()) << "no height";
         // Import put every position at 100 m: from there, the same east and north come back.
-        const Enu back =
-            frame.enu_from_geodetic({.latitude = Angle::from_degrees(point.latitude_deg),
-                                     .longitude = Angle::from_degrees(point.longitude_deg),
-                                     .height_m = 100.0});
+        const Enu back = frame.enu_from_geodetic({.latitude = Angle::from_degrees(latitude_deg),
+                                                  .longitude = Angle::from_degrees(longitude_deg),
+                                                  .height_m = 100.0});
         EXPECT_NEAR(back.m.x(), *table.rows[i].east_m, 1e-4);
         EXPECT_NEAR(back.m.y(), *table.rows[i].north_m, 1e-4);
     }
-    const std::string kml = kml_text(track);
+    const std::string kml = kml_text(map);
     EXPECT_TRUE(holds(kml, "<coordinates>15.000000000,47.000000000 "));
-    EXPECT_FALSE(holds(kml, "(UTC)"));
+    EXPECT_TRUE(holds(kml, "UTC: not known"));
     EXPECT_TRUE(holds(kml, "Heights were not measured"));
 }
 
@@ -130,9 +132,8 @@ TEST(HostileText, IsTextOnTheMap) {
         std::string(10'000, 'y');
     Receiver receiver;
     receiver.height_m = 100.0;
-    const Track track =
-        track_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table});
-    const std::string text = kml_text(track);
+    const std::string text =
+        kml_text(map_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table}));
     EXPECT_FALSE(holds(text, "\xe2\x80\xae")) << "a mark that turns writing around";
     EXPECT_TRUE(holds(text, "\xf0\x9f\x9a\xa9"));
     EXPECT_TRUE(holds(text, std::string(10'000, 'y')));
@@ -149,16 +150,16 @@ TEST(TrackAtGaps, AnotherArcAndARowOutsideEndAnArc) {
     Attempt attempt;
     Receiver receiver;
     receiver.height_m = 100.0;
-    const TrackInput input{.attempt = &attempt, .receiver = &receiver, .trajectory = &table};
+    const MapInput input{.attempt = &attempt, .receiver = &receiver, .trajectory = &table};
     for (std::size_t i = 1; i < table.rows.size(); ++i)
         ++*table.rows[i].arc;
-    EXPECT_EQ(track_of(input).arcs.size(), 2u);
+    EXPECT_EQ(map_of(input).folders.at(0).lines.size(), 2u);
     table.rows[1].arc.reset();
-    const Track track = track_of(input);
-    ASSERT_EQ(track.arcs.size(), 2u);
-    EXPECT_EQ(track.arcs[0].points.size(), 1u);
+    const RunMap map = map_of(input);
+    ASSERT_EQ(map.folders.at(0).lines.size(), 2u);
+    EXPECT_EQ(map.folders[0].lines[0].points.size(), 1u);
     // An arc of one epoch is a point on the map.
-    EXPECT_TRUE(holds(kml_text(track), "<Point>"));
+    EXPECT_TRUE(holds(kml_text(map), "<Point>"));
 }
 
 TEST(TrackOfAnotherRun, IsRefused) {
@@ -176,18 +177,19 @@ TEST(TrackOfAnotherRun, IsRefused) {
     profile.window->first_epoch = 2;
     profile.window->last_epoch = 4;
     verdict.profiles.push_back(profile);
-    const TrackInput input{.attempt = &attempt,
-                           .receiver = &receiver,
-                           .trajectory = &table,
-                           .windows = &windows,
-                           .verdict = &verdict};
-    EXPECT_THROW(track_of(input), Failure) << "epoch 4 is not there";
+    const MapInput input{.attempt = &attempt,
+                         .receiver = &receiver,
+                         .trajectory = &table,
+                         .windows = &windows,
+                         .verdict = &verdict};
+    EXPECT_THROW((void)map_of(input), Failure) << "epoch 4 is not there";
     verdict.profiles[0].window->last_epoch = 3;
-    EXPECT_EQ(track_of(input).windows.at(0).points.size(), 2u);
+    EXPECT_EQ(map_of(input).folders.at(0).name, "windows");
+    EXPECT_EQ(map_of(input).folders.at(0).lines.at(0).points.size(), 2u);
     table.facts.receiver = "secondary";
-    EXPECT_TRUE(track_of(input).windows.empty()) << "windows are the first receiver's";
+    EXPECT_EQ(map_of(input).folders.at(0).name, "track") << "windows are the first receiver's";
     table.facts.georeferenced = false;
-    EXPECT_THROW(track_of(input), Failure);
+    EXPECT_THROW((void)map_of(input), Failure);
 }
 
 }  // namespace

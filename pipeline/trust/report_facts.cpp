@@ -157,12 +157,13 @@ Subjects subjects_of(const Json& json, const std::string& where) {
 /// The verdict that it holds, by its declaration.
 Verdict verdict_of(const Json& predicate, const std::string& where) {
     const YamlValue held(yaml_node_of(nlohmann::ordered_json(predicate.at("verdict"))), where);
-    return {.header = {},
-            .attempt = held["attempt"].text(),
-            .receiver = held["receiver"].text(),
-            .profiles = member::read<std::vector<ProfileVerdict>>(held["profiles"]),
-            .with_files = member::read<std::vector<ProfileVerdict>>(held["with_files"]),
-            .second_files = member::read<std::vector<std::string>>(held["second_files"])};
+    Verdict verdict;
+    member::take(held, "attempt", verdict.attempt);
+    member::take(held, "receiver", verdict.receiver);
+    member::take(held, "profiles", verdict.profiles);
+    member::take(held, "with_files", verdict.with_files);
+    member::take(held, "second_files", verdict.second_files);
+    return verdict;
 }
 
 std::vector<RequiredSignatures> required_of(const Json& predicate, const std::string& where) {

@@ -241,6 +241,25 @@ TEST_F(ForgedReport, ThatProgramsReadDifferentlyIsRefused) {
     }
 }
 
+TEST_F(ForgedReport, WhoseVerdictCannotBeReadIsRefused) {
+    const std::string whole = read_file(run() / "report.json");
+    const auto refused = [&](const std::function<void(Json&)>& change) {
+        write_file_atomically(run() / "report.json", whole);
+        forge_predicate([&](Json& predicate) { change(predicate["verdict"]); });
+        const ProcessResult result = verify({"--pubkey", public_key("measurer")});
+        EXPECT_EQ(result.exit_status, 2) << result.output;
+        EXPECT_NE(result.errors.find("report.json"), std::string::npos) << result.errors;
+    };
+    refused([](Json& verdict) { verdict = Json::array(); });
+    refused([](Json& verdict) { verdict["profiles"] = "nalsa"; });
+    refused([](Json& verdict) { verdict["profiles"][0]["outcome"] = "won"; });
+    refused([](Json& verdict) { verdict["profiles"][0]["rule"] = Json::array({1}); });
+    refused([](Json& verdict) {
+        verdict["profiles"][0]["requirements"][0]["answered_by"] = {{"role", "judge"},
+                                                                    {"count", "many"}};
+    });
+}
+
 TEST_F(ForgedReport, LongerThanAnyIsRefusedAtOnce) {
     fs::resize_file(run() / "report.json", std::uintmax_t{65} << 20U);
     expect_refused("longer than 16777216 bytes");

@@ -131,7 +131,6 @@ std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& v
     return blocks;
 }
 
-/// What the IMU and the positions say together.
 /// Where the craft stood, and what its positions moved there.
 Block stand_table(const std::vector<Stand>& stands) {
     Block table_of_stands =
@@ -147,6 +146,7 @@ Block stand_table(const std::vector<Stand>& stands) {
     return table_of_stands;
 }
 
+/// What the IMU and the positions say together.
 std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
     if (!one.attitude) return {};
     const AttitudeTable& attitude = *one.attitude;

@@ -4,7 +4,6 @@
 
 #include "core/prose.h"
 #include "core/text.h"
-#include "reports/audit/screening.h"
 #include "reports/audit/sections.h"
 #include "reports/words/recording.h"
 
@@ -17,6 +16,31 @@ std::string place_of(const SlipRecord& slip) {
     if (slip.line) return fmt::format("line {}", *slip.line);
     if (slip.byte) return fmt::format("byte {}", *slip.byte);
     return "";
+}
+
+/// "0.98 ± 0.04 cycles; square sum of the weighted residuals 571.8, at most 22.5; Doppler 0.99
+/// cycles".
+std::string slip_evidence(const ScreenedPhase& row) {
+    std::string text;
+    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+    if (row.cycles)
+        add(fmt::format("{} ± {} cycles", format_fixed(*row.cycles, 2),
+                        format_fixed(row.sigma_cycles.value_or(0.0), 2)));
+    if (row.begins == ArcStart::geometry_free)
+        add(fmt::format("its bands parted by {} m, at most {} m",
+                        format_fixed(row.statistic.value_or(0.0), 3),
+                        format_fixed(row.threshold.value_or(0.0), 3)));
+    else
+        add(fmt::format("square sum of the weighted residuals {}, at most {}",
+                        format_fixed(row.statistic.value_or(0.0), 1),
+                        format_fixed(row.threshold.value_or(0.0), 1)));
+    if (row.wide_lane_cycles)
+        add(fmt::format("wide lane {} cycles", format_fixed(*row.wide_lane_cycles, 2)));
+    if (row.beyond_doppler_cycles)
+        add(fmt::format("beyond Doppler {} cycles", format_fixed(*row.beyond_doppler_cycles, 2)));
+    if (row.begins != ArcStart::geometry_free && row.begins != ArcStart::displacement)
+        add("repaired");
+    return text;
 }
 
 Block slip_table(const ReceiverRecord& one, std::size_t count) {
@@ -58,18 +82,6 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverRecord
     return blocks;
 }
 
-/// What the audit of screening is about beside its table.
-AuditSubject subject_of(const RunRecord& record, const ReceiverRecord& one) {
-    AuditSubject subject{.recording = one.recording};
-    if (!one.windows) return subject;
-    for (const ProfileWindows& windows : one.windows->profiles)
-        if (const auto rule = rule_view(record, windows.profile, &windows); rule && rule->best())
-            subject.windows.push_back({.profile = windows.profile,
-                                       .duration_s = windows.best->span.duration.seconds(),
-                                       .unit = rule->unit()});
-    return subject;
-}
-
 }  // namespace
 
 std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& one, bool all) {
@@ -80,7 +92,7 @@ std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverRecord& 
                     counted(summary.usable)),
         all);
     add(blocks, parameter_blocks(record.attempt, one.screened->header, all));
-    add(blocks, screening_blocks(*one.screened, subject_of(record, one), all));
+    add(blocks, screening_blocks(*one.screened, all ? Level::all : Level::record));
     add(blocks, screened_phases(record, one, all));
     return blocks;
 }

@@ -20,6 +20,10 @@
 
 namespace runcert {
 
+/// How much is told: what the annex of a report has, what an auditor needs, or that with all lists
+/// in full.
+enum class Level { annex, record, all };
+
 /// What was found by one rule.
 struct RuleView {
     const Attempt& attempt;
@@ -110,8 +114,13 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
                       std::int64_t epochs, ElapsedTime last);
 /// The frame of its positions; engineering coordinates have no origin.
 Block frame_facts(const std::optional<FrameOrigin>& origin);
-/// What screening decided and what its tests rested on, with so many faults of the time stamps.
-std::vector<Block> screening_results(const ScreenedTable& screened, std::size_t faults_shown = 3);
+/// What screening decided and what its tests rested on. To an auditor every fault of the time
+/// stamps, every decision with its rows in the recording, and the minimal detectable biases.
+std::vector<Block> screening_blocks(const ScreenedTable& screened, Level level);
+/// The decisions, in the order of the rows: every break, every row. Rows left out one after the
+/// other by the same decision are one entry. Entries begin with "epoch ..." or "epochs ...", those
+/// of breaks with "before epoch ...". With `all`, rows that are used are entries too.
+std::vector<Block> decision_blocks(const ScreenedTable& screened, bool all);
 /// The estimate, and the noise that it rests on.
 std::vector<Block> estimation_blocks(const EstimationSummary& estimation);
 /// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and

@@ -5,7 +5,6 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
-#include "reports/words/screening.h"
 #include "schemas/windows/undetected_error.h"
 
 namespace runcert {
@@ -196,15 +195,12 @@ void add_undetected(std::vector<Block>& blocks, const CertifiableWindow& window,
                     const Scale& scale) {
     if (!window.detection_power || window.reliability.empty()) return;
     blocks.push_back(heading("Undetected errors"));
-    const auto& errors = window.reliability;
-    const auto worst = std::ranges::find_if(
-        errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
-    if (worst != errors.end())
-        blocks.push_back(paragraph(sentence(
-            capitalised(undetected_error_text(*worst, *window.detection_power, scale.unit())))));
+    blocks.push_back(paragraph(fmt::format(
+        "An error larger than the size below is found with a probability of more than {:g}.",
+        *window.detection_power)));
     Block block = table({"Error|38", "Where it matters most|26", ">Size that could be missed|18",
                          fmt::format(">Change of the speed, {}|18", scale.unit().name)});
-    for (const UndetectedError& error : errors) {
+    for (const UndetectedError& error : window.reliability) {
         const bool nothing = is_harmless(error);
         const bool unlimited = is_unlimited(error);
         add_row(block, {tested_error_text(error.hypothesis), nothing ? "–" : where_text(error),

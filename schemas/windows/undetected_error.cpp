@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/figures.h"
+
 namespace runcert {
 
 std::string tested_error_text(Hypothesis hypothesis) {
@@ -45,23 +47,6 @@ bool is_harmless(const UndetectedError& error) {
 bool is_unlimited(const UndetectedError& error) {
     constexpr double without_limit = 1e6;  // stands in the file for one without limit
     return error.size >= without_limit || error.speed_m_s >= without_limit;
-}
-
-std::string undetected_error_text(const UndetectedError& error, double power,
-                                  const SpeedUnit& unit) {
-    const std::string kind = tested_error_text(error.hypothesis);
-    if (is_harmless(error))
-        return fmt::format("no undetected {} could have changed the speed", kind);
-    if (is_unlimited(error))
-        return fmt::format(
-            "an undetected {} ({}) could have any size: what it could have done to the speed has "
-            "no limit",
-            kind, where_text(error));
-    return fmt::format(
-        "an undetected {} of {} ({}) could have changed the speed by at most {} {}; a larger one "
-        "is found with a probability of more than {:g}",
-        kind, size_text(error), where_text(error),
-        significant_text(error.speed_m_s * unit.per_m_s, 3), unit.name, power);
 }
 
 }  // namespace runcert

@@ -76,16 +76,16 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverRecord& o
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
     if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
-    Block told =
-        facts({{.name = "Looked for", .value = rule_words(rule->profile)},
-               {.name = "Compared", .value = counted(windows.candidates, "certifiable window")}});
+    Block told = facts({{.name = "Looked for", .value = rule_words(rule->profile)}});
     if (windows.indicated)
         add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
-    if (!rule->best())
+    if (!rule->best()) {
+        add_fact(told, "Windows compared", counted(windows.candidates));
         add_fact(told, "Certified",
                  windows.missing.empty()
                      ? "none: breaks and epochs left out leave no stretch long enough"
                      : "none: " + windows.missing);
+    }
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));

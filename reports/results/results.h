@@ -88,6 +88,8 @@ std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span);
 std::vector<Block> refused_blocks(const RuleView& rule);
 /// The uncertainty of the certified window: what it rests on, its budget, what could be missed.
 std::vector<Block> uncertainty_blocks(const RuleView& rule);
+/// An error that the tests look for: "outlier of one epoch", "step of the positions".
+std::string tested_error_text(Hypothesis hypothesis);
 /// The blocks of the budget and of its check.
 std::vector<Block> budget_blocks(const RuleView& rule);
 /// What witnesses say of the speed; what the data say of course and craft; the runs of the craft.

@@ -9,7 +9,6 @@
 #include "core/text.h"
 #include "reports/results/results.h"
 #include "schemas/screened/witness_text.h"
-#include "schemas/windows/undetected_error.h"
 
 namespace runcert {
 namespace {

@@ -26,12 +26,12 @@ std::string bad_record_text(const BadRecord& bad) {
         bad.what);
 }
 
-Block left_out_block(const RecordCount& records, bool all) {
+Block left_out_block(const RecordCount& records, Level level) {
     if (records.bad == 0) return paragraph("Records left out. None: every one could be read.");
     constexpr std::ptrdiff_t shown_at_most = 20;
     std::vector<std::string> bad_ones;
     for (const BadRecord& bad : records.bad_records) {
-        if (!all && std::ssize(bad_ones) == shown_at_most) break;
+        if (level != Level::all && std::ssize(bad_ones) == shown_at_most) break;
         bad_ones.push_back(bad_record_text(bad));
     }
     std::string title = fmt::format("Records left out. {} of {} could not be read",
@@ -54,31 +54,33 @@ std::vector<std::string> ephemerides_of(const PhaseTable& phase) {
 }
 
 /// The part about the raw phases of a receiver that has some.
-std::vector<Block> imported_phases(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> imported_phases(const RunRecord& record, const ReceiverResults& one,
+                                   Level level) {
     if (!one.phase) return {};
     const PhaseTable& phase = *one.phase;
     std::vector<Block> blocks{heading("Raw phases")};
     add(blocks,
         product_blocks(record, phase.header, one.files.at("phase"),
-                       fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), all));
+                       fmt::format("{}, {}", phase.format, counted(phase.epochs, "epoch")), level));
     if (!phase.notes.empty()) blocks.push_back(list_of(phase.notes));
     blocks.push_back(paragraph(fmt::format(
         "Satellites' places are computed from {} (line or byte of the navigation at the end).",
         phase.ephemerides.size() == 1
             ? "one broadcast ephemeris"
             : counted(std::ssize(phase.ephemerides)) + " broadcast ephemerides")));
-    if (all) blocks.push_back(list_of(ephemerides_of(phase)));
+    if (level == Level::all) blocks.push_back(list_of(ephemerides_of(phase)));
     return blocks;
 }
 
 /// The part about the IMU beside a receiver that has one.
-std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& one, Level level) {
     if (!one.imu) return {};
     const ImuTable& imu = *one.imu;
     std::vector<Block> blocks{heading("IMU")};
-    add(blocks, product_blocks(
-                    record, imu.header, one.files.at("imu"),
-                    fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")), all));
+    add(blocks,
+        product_blocks(record, imu.header, one.files.at("imu"),
+                       fmt::format("{}, {}", imu.format, counted(imu.records.total, "sample")),
+                       level));
     Block found = facts({});
     add_fact(found, "Axes x, y, z", fmt::format("{}", fmt::join(imu.axes, ", ")));
     add_fact(found, "Rate",
@@ -92,19 +94,20 @@ std::vector<Block> imported_imu(const RunRecord& record, const ReceiverResults& 
                              format_fixed(imu.rest->down_deg, 1)));
     blocks.push_back(std::move(found));
     if (!imu.notes.empty()) blocks.push_back(list_of(imu.notes));
-    blocks.push_back(left_out_block(imu.records, all));
+    blocks.push_back(left_out_block(imu.records, level));
     return blocks;
 }
 
 /// The part about the surface that a receiver's craft runs on, where it was handed in.
-std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResults& one,
+                                    Level level) {
     if (!one.surface) return {};
     const SurfaceTable& surface = *one.surface;
     std::vector<Block> blocks{heading("Surface")};
     add(blocks, product_blocks(record, surface.header, one.files.at("surface"),
                                fmt::format("{}, {}", surface.format,
                                            counted(surface.found.triangles, "triangle")),
-                               all));
+                               level));
     Block found = facts({});
     add_fact(found, "Source", surface.source);
     add_fact(found, "Vertices",
@@ -125,26 +128,25 @@ std::vector<Block> imported_surface(const RunRecord& record, const ReceiverResul
 
 }  // namespace
 
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
     const Observations& observations = one.observations;
     const auto& rows = observations.rows;
     std::vector<Block> blocks =
         product_blocks(record, observations.header, one.files.at("observations"),
-                       counted(std::ssize(rows), "epoch"), all);
+                       counted(std::ssize(rows), "epoch"), level);
     Block recorded = recording_facts(observations, one.receiver, std::ssize(rows),
                                      rows.empty() ? ElapsedTime{} : rows.back().time);
     add_fact(recorded, "With a position", counted(positions_of(rows), "epoch"));
     blocks.push_back(std::move(recorded));
-    blocks.push_back(left_out_block(observations.records, all));
-    add(blocks, parameter_blocks(record.attempt, {&observations.header},
-                                 all ? Level::record : Level::annex));
-    add(blocks, imported_phases(record, one, all));
-    add(blocks, imported_imu(record, one, all));
-    add(blocks, imported_surface(record, one, all));
+    blocks.push_back(left_out_block(observations.records, level));
+    add(blocks, parameter_blocks(record.attempt, {&observations.header}, level));
+    add(blocks, imported_phases(record, one, level));
+    add(blocks, imported_imu(record, one, level));
+    add(blocks, imported_surface(record, one, level));
     return blocks;
 }
 
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
     const EnuTable& table = one.enu;
     const auto positions = std::ranges::count_if(
         table.rows, [](const EnuEpoch& row) { return row.east_m.has_value(); });
@@ -152,10 +154,9 @@ std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& on
         product_blocks(record, table.header, one.files.at("enu"),
                        fmt::format("{}, {} with a position",
                                    counted(std::ssize(table.rows), "epoch"), counted(positions)),
-                       all);
+                       level);
     blocks.push_back(frame_facts(table.origin));
-    add(blocks,
-        parameter_blocks(record.attempt, {&table.header}, all ? Level::record : Level::annex));
+    add(blocks, parameter_blocks(record.attempt, {&table.header}, level));
     return blocks;
 }
 

@@ -75,16 +75,16 @@ std::vector<Block> rule_windows(const RunRecord& record, const ReceiverResults& 
     std::vector<Block> blocks{heading("Rule " + windows.profile)};
     const auto rule = rule_view(record, windows.profile, &windows);
     if (!rule) return {blocks.front(), rule_is_missing(windows.profile)};
-    Block told =
-        facts({{.name = "Looked for", .value = rule_words(rule->profile)},
-               {.name = "Compared", .value = counted(windows.candidates, "certifiable window")}});
+    Block told = facts({{.name = "Looked for", .value = rule_words(rule->profile)}});
     if (windows.indicated)
         add_fact(told, "Fastest raw window", indicated_text(*windows.indicated, *rule));
-    if (!rule->best())
+    if (!rule->best()) {
+        add_fact(told, "Windows compared", counted(windows.candidates));
         add_fact(told, "Certified",
                  windows.missing.empty()
                      ? "none: breaks and epochs left out leave no stretch long enough"
                      : "none: " + windows.missing);
+    }
     blocks.push_back(std::move(told));
     if (!rule->best()) return blocks;
     add(blocks, window_blocks(*rule, rule->best()->span));
@@ -116,7 +116,6 @@ std::vector<Block> rule_verdict(const RunRecord& record, const ProfileVerdict& v
     return blocks;
 }
 
-/// What the IMU and the positions say together.
 /// Where the craft stood, and what its positions moved there.
 Block stand_table(const std::vector<Stand>& stands) {
     Block table_of_stands =
@@ -132,20 +131,22 @@ Block stand_table(const std::vector<Stand>& stands) {
     return table_of_stands;
 }
 
-std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+/// What the IMU and the positions say together.
+std::vector<Block> attitude_blocks(const RunRecord& record, const ReceiverResults& one,
+                                   Level level) {
     if (!one.attitude) return {};
     const AttitudeTable& attitude = *one.attitude;
     const InertialConsistency& found = attitude.consistency;
     std::vector<Block> blocks{heading("Attitude")};
     add(blocks, product_blocks(record, attitude.header, one.files.at("attitude"),
-                               counted(found.epochs, "position") + " took part", all));
+                               counted(found.epochs, "position") + " took part", level));
     add(blocks, attitude_facts(attitude));
     return blocks;
 }
 
 }  // namespace
 
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
     const TrajectoryTable& table = one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
@@ -153,21 +154,20 @@ std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults&
         product_blocks(record, table.header, one.files.at("trajectory"),
                        fmt::format("{}, {} with a smoothed speed",
                                    counted(std::ssize(table.rows), "epoch"), counted(smoothed)),
-                       all);
-    add(blocks,
-        parameter_blocks(record.attempt, {&table.header}, all ? Level::record : Level::annex));
+                       level);
+    add(blocks, parameter_blocks(record.attempt, {&table.header}, level));
     add(blocks, estimation_blocks(table.estimation));
-    add(blocks, attitude_blocks(record, one, all));
+    add(blocks, attitude_blocks(record, one, level));
     return blocks;
 }
 
 std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
-                                       bool all) {
+                                       Level level) {
     const Windows& windows = one.windows;
-    std::vector<Block> blocks = product_blocks(record, windows.header, one.files.at("windows"),
-                                               counted(std::ssize(windows.profiles), "rule"), all);
-    add(blocks,
-        parameter_blocks(record.attempt, {&windows.header}, all ? Level::record : Level::annex));
+    std::vector<Block> blocks =
+        product_blocks(record, windows.header, one.files.at("windows"),
+                       counted(std::ssize(windows.profiles), "rule"), level);
+    add(blocks, parameter_blocks(record.attempt, {&windows.header}, level));
     if (!windows.witness_notes.empty()) blocks.push_back(list_of(windows.witness_notes));
     if (!windows.stands.empty()) blocks.push_back(stand_table(windows.stands));
     if (windows.course) {
@@ -180,14 +180,13 @@ std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverRe
     return blocks;
 }
 
-std::vector<Block> check_blocks(const RunRecord& record, bool all) {
+std::vector<Block> check_blocks(const RunRecord& record, Level level) {
     const Verdict& verdict = record.verdict;
     std::vector<Block> blocks = product_blocks(
         record, verdict.header, std::string(products::verdict_file),
         counted(std::ssize(verdict.profiles), "verdict") + ", of receiver " + verdict.receiver,
-        all);
-    add(blocks,
-        parameter_blocks(record.attempt, {&verdict.header}, all ? Level::record : Level::annex));
+        level);
+    add(blocks, parameter_blocks(record.attempt, {&verdict.header}, level));
     for (const ProfileVerdict& each : verdict.profiles)
         add(blocks, rule_verdict(record, each));
     if (!verdict.statements.empty())

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include "core/claimed_text.h"
 #include "core/prose.h"
 #include "core/text.h"
-#include "reports/audit/screening.h"
 #include "reports/audit/sections.h"
 #include "reports/words/recording.h"
 
@@ -18,6 +16,31 @@ std::string place_of(const SlipRecord& slip) {
     if (slip.line) return fmt::format("line {}", *slip.line);
     if (slip.byte) return fmt::format("byte {}", *slip.byte);
     return "";
+}
+
+/// "0.98 ± 0.04 cycles; square sum of the weighted residuals 571.8, at most 22.5; Doppler 0.99
+/// cycles".
+std::string slip_evidence(const ScreenedPhase& row) {
+    std::string text;
+    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+    if (row.cycles)
+        add(fmt::format("{} ± {} cycles", format_fixed(*row.cycles, 2),
+                        format_fixed(row.sigma_cycles.value_or(0.0), 2)));
+    if (row.begins == ArcStart::geometry_free)
+        add(fmt::format("its bands parted by {} m, at most {} m",
+                        format_fixed(row.statistic.value_or(0.0), 3),
+                        format_fixed(row.threshold.value_or(0.0), 3)));
+    else
+        add(fmt::format("square sum of the weighted residuals {}, at most {}",
+                        format_fixed(row.statistic.value_or(0.0), 1),
+                        format_fixed(row.threshold.value_or(0.0), 1)));
+    if (row.wide_lane_cycles)
+        add(fmt::format("wide lane {} cycles", format_fixed(*row.wide_lane_cycles, 2)));
+    if (row.beyond_doppler_cycles)
+        add(fmt::format("beyond Doppler {} cycles", format_fixed(*row.beyond_doppler_cycles, 2)));
+    if (row.begins != ArcStart::geometry_free && row.begins != ArcStart::displacement)
+        add("repaired");
+    return text;
 }
 
 Block slip_table(const ReceiverResults& one, std::size_t count) {
@@ -33,22 +56,24 @@ Block slip_table(const ReceiverResults& one, std::size_t count) {
 }
 
 /// The part about the carrier phases of a receiver that has some.
-std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResults& one,
+                                   Level level) {
     if (!one.screened_phase) return {};
     const ScreenedPhaseTable& phases = *one.screened_phase;
     std::vector<Block> blocks{heading("Carrier phases")};
     add(blocks,
         product_blocks(record, phases.header, one.files.at("screened_phase"),
-                       fmt::format("{} with phases", counted(phases.epochs, "epoch")), all));
+                       fmt::format("{} with phases", counted(phases.epochs, "epoch")), level));
     blocks.push_back(list_of(phase_sentences(phases)));
-    const std::size_t count = all ? one.slips.size() : std::min(one.slips.size(), slips_shown);
+    const std::size_t count =
+        level == Level::all ? one.slips.size() : std::min(one.slips.size(), slips_shown);
     if (count > 0) blocks.push_back(slip_table(one, count));
     if (count < one.slips.size())
         blocks.push_back(
             paragraph(fmt::format("{} more are shown with --all.", one.slips.size() - count)));
     std::vector<std::string> refused;
     for (const RefusedPair& pair : phases.refused_pairs) {
-        if (!all && refused.size() >= slips_shown) break;
+        if (level != Level::all && refused.size() >= slips_shown) break;
         refused.push_back(fmt::format("epoch {}, {} s: {} ({})", pair.epoch,
                                       format_fixed(pair.time_s, 3), words_of(pair.reason),
                                       counted(pair.satellites, "satellite")));
@@ -59,31 +84,18 @@ std::vector<Block> screened_phases(const RunRecord& record, const ReceiverResult
     return blocks;
 }
 
-/// What the audit of screening is about beside its table.
-AuditSubject subject_of(const RunRecord& record, const ReceiverResults& one) {
-    AuditSubject subject{.recording = claimed_value(recording_names(one.receiver))};
-    if (!is_there(one.windows.header)) return subject;
-    for (const ProfileWindows& windows : one.windows.profiles)
-        if (const auto rule = rule_view(record, windows.profile, &windows); rule && rule->best())
-            subject.windows.push_back({.profile = windows.profile,
-                                       .duration_s = windows.best->span.duration.seconds(),
-                                       .unit = rule->unit()});
-    return subject;
-}
-
 }  // namespace
 
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, bool all) {
+std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, Level level) {
     const ScreeningSummary summary = summarise(one.screened.rows);
     std::vector<Block> blocks = product_blocks(
         record, one.screened.header, one.files.at("screened"),
         fmt::format("{}, {} of them used", counted(std::ssize(one.screened.rows), "epoch"),
                     counted(summary.usable)),
-        all);
-    add(blocks, parameter_blocks(record.attempt, {&one.screened.header},
-                                 all ? Level::record : Level::annex));
-    add(blocks, screening_blocks(one.screened, subject_of(record, one), all));
-    add(blocks, screened_phases(record, one, all));
+        level);
+    add(blocks, parameter_blocks(record.attempt, {&one.screened.header}, level));
+    add(blocks, screening_blocks(one.screened, level));
+    add(blocks, screened_phases(record, one, level));
     return blocks;
 }
 

@@ -18,19 +18,20 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 /// The first digits of a hash, or all.
-std::string hash_text(const std::string& sha256, bool all) {
+std::string hash_text(const std::string& sha256, Level level) {
     constexpr std::size_t enough_to_tell_apart = 12;
-    return all || sha256.size() <= enough_to_tell_apart ? sha256
-                                                        : sha256.substr(0, enough_to_tell_apart);
+    return level == Level::all || sha256.size() <= enough_to_tell_apart
+               ? sha256
+               : sha256.substr(0, enough_to_tell_apart);
 }
 
-Block inputs_table(const RunRecord& record, const Header& header, bool all) {
+Block inputs_table(const RunRecord& record, const Header& header, Level level) {
     Block inputs = table({"as", "file", ">bytes", "SHA-256", "in the folder"}, "Came in");
     for (const InputFile& input : header.inputs) {
         TableRow& row = add_row(
-            inputs,
-            {input.role, input.file, counted(static_cast<std::int64_t>(input.bytes)),
-             hash_text(input.sha256, all), file_in(record, input.file) != nullptr ? "yes" : "NO"});
+            inputs, {input.role, input.file, counted(static_cast<std::int64_t>(input.bytes)),
+                     hash_text(input.sha256, level),
+                     file_in(record, input.file) != nullptr ? "yes" : "NO"});
         if (!input.original.empty()) row.further = {"handed in as " + input.original};
     }
     return inputs;
@@ -50,7 +51,7 @@ struct Product {
     const Header* header = nullptr;  ///< null where the file is not there
     /// Of a receiver's: whose, and what makes its blocks.
     const ReceiverResults* of = nullptr;
-    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverResults&, bool) = nullptr;
+    std::vector<Block> (*blocks)(const RunRecord&, const ReceiverResults&, Level) = nullptr;
 };
 
 const Header* header_if_there(const Header& header) {
@@ -156,14 +157,15 @@ std::string replaced_text(const Attempt& attempt) {
 }
 
 /// What the run is, who made its files, and what is missing.
-Section run_section(const RunRecord& record, bool all) {
+Section run_section(const RunRecord& record, Level level) {
     const std::vector<Product> products = products_of(record);
     std::vector<std::string> findings = findings_of(products);
     findings.push_back(replaced_text(record.attempt));
     findings.emplace_back(
         "Every hash (SHA-256) that one file of the folder names of another that is there was "
         "computed again, and holds.");
-    if (!all) findings.emplace_back("Hashes are cut to their first digits (--all: in full).");
+    if (level != Level::all)
+        findings.emplace_back("Hashes are cut to their first digits (--all: in full).");
     return {.anchor = "run",
             .title = "The run",
             .blocks = {facts_of(record), makers_of(products), list_of(std::move(findings))}};
@@ -194,12 +196,13 @@ const InputFile* file_in(const RunView& run, const std::string& name) {
 }
 
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
-                                  const std::string& file, const std::string& contents, bool all) {
+                                  const std::string& file, const std::string& contents,
+                                  Level level) {
     const InputFile& own = *file_in(record, file);
-    return {inputs_table(record, header, all),
+    return {inputs_table(record, header, level),
             facts({{"Went out", fmt::format("{}: {}, {} bytes", file, contents,
                                             counted(static_cast<std::int64_t>(own.bytes)))},
-                   {"Its SHA-256", hash_text(own.sha256, all)},
+                   {"Its SHA-256", hash_text(own.sha256, level)},
                    {"That hash is named", named_text(record, file)},
                    {"Made by", fmt::format("runcert {}, source {}", header.program_version,
                                            header.source_revision)},
@@ -226,7 +229,8 @@ const std::vector<std::string>& audited_stages() {
 
 Document walk_through(const RunRecord& record, const WalkOptions& options) {
     Document walk{.title = fmt::format("Audit of the attempt {}", record.attempt.id)};
-    if (options.stages.empty()) walk.sections.push_back(run_section(record, options.all));
+    const Level level = options.all ? Level::all : Level::record;
+    if (options.stages.empty()) walk.sections.push_back(run_section(record, level));
     const std::vector<Product> products = products_of(record);
     for (const std::string& stage : audited_stages()) {
         if (!options.stages.empty() && !options.stages.contains(stage)) continue;
@@ -236,8 +240,8 @@ Document walk_through(const RunRecord& record, const WalkOptions& options) {
             if (product.stage != stage || !asked) continue;
             Section& section = walk.sections.emplace_back(stage_section(product));
             if (product.header)
-                add(section, product.of ? product.blocks(record, *product.of, options.all)
-                                        : check_blocks(record, options.all));
+                add(section, product.of ? product.blocks(record, *product.of, level)
+                                        : check_blocks(record, level));
         }
     }
     return walk;

@@ -11,18 +11,19 @@
 namespace runcert {
 
 /// What a stage's section holds, where its product is there.
-std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
-std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
-std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
-std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, bool all);
+std::vector<Block> import_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
+std::vector<Block> enu_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
+std::vector<Block> screen_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
+std::vector<Block> smooth_blocks(const RunRecord& record, const ReceiverResults& one, Level level);
 std::vector<Block> window_stage_blocks(const RunRecord& record, const ReceiverResults& one,
-                                       bool all);
-std::vector<Block> check_blocks(const RunRecord& record, bool all);
+                                       Level level);
+std::vector<Block> check_blocks(const RunRecord& record, Level level);
 
 /// Where a product comes from and what became of it, as a table of its inputs and the facts of its
 /// own file. `contents` says what is in it ("601 epochs").
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
-                                  const std::string& file, const std::string& contents, bool all);
+                                  const std::string& file, const std::string& contents,
+                                  Level level);
 
 /// What was found by a rule, in these windows; nothing where the folder lacks the rule's text.
 std::optional<RuleView> rule_view(const RunRecord& record, const std::string& profile,

@@ -169,7 +169,7 @@ Section screening_section(const ReportInputs& inputs, const Json& figures) {
     Section section{.anchor = "screening", .title = "Screening"};
     for (const ReceiverResults& results : inputs.receivers) {
         add_receiver_heading(section, inputs, results);
-        add(section, screening_results(results.screened));
+        add(section, screening_blocks(results.screened, Level::annex));
         add(section, paragraph("runcert audit RUN_FOLDER lists every decision with its row of the "
                                "recording.",
                                "note"));

@@ -59,7 +59,7 @@ std::vector<Block> parameter_blocks(const Attempt& attempt,
             const bool is_default = rule && is_same(used, fallback);
             ++count;
             replaced += is_default ? 0 : 1;
-            if (is_default && level != Level::record) continue;
+            if (is_default && level != Level::all) continue;
             add_row(block,
                     {path, value_text(used),
                      !rule                ? "not known"
@@ -73,7 +73,7 @@ std::vector<Block> parameter_blocks(const Attempt& attempt,
                              counted(replaced), counted(count), attempt.craft.kind);
     std::vector<Block> blocks;
     if (!block.rows.empty()) blocks.push_back(std::move(block));
-    if (level != Level::record)
+    if (level != Level::all)
         blocks.push_back(paragraph(
             fmt::format("{} the default of the class {} (runcert audit --all lists them).",
                         replaced == 0 ? fmt::format("Parameters. All {} have", counted(count))

@@ -1,9 +1,8 @@
-#include "reports/words/recording.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/claimed_text.h"
 #include "core/rounding.h"
@@ -13,6 +12,38 @@
 
 namespace runcert {
 namespace {
+
+std::string noise_status_text(const NoiseSummary& noise) {
+    if (noise.status == NoiseBasis::fitted)
+        return fmt::format("estimated from {}", counted(noise.epochs, "epoch"));
+    if (noise.status == NoiseBasis::too_few_epochs)
+        return fmt::format("not estimated: {}, at least {} required; the stated noise is used",
+                           counted(noise.epochs, "usable epoch"), counted(noise.epochs_needed));
+    return fmt::format("not estimated: {}; the stated noise is used", words_of(noise.status));
+}
+
+/// A parameter with its standard uncertainty: as a sum where that is small, else as a factor, since
+/// it is the logarithm that is nearly normal: "0.0121 m ± 0.0009 m", "0.42 m, × or ÷ 1.7".
+std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSummary& noise,
+                                 std::string_view unit) {
+    constexpr double small = 0.3;
+    constexpr double hardly_any = 5.0;  // a factor of 150 either way
+    const auto with_unit = [&](std::string figure) {
+        return unit.empty() ? figure : fmt::format("{} {}", figure, unit);
+    };
+    const auto& relative = parameter.relative_uncertainty;
+    const std::string value = with_unit(significant_text(parameter.value, 3));
+    if (noise.status != NoiseBasis::fitted) return value;
+    const std::string limit = parameter.at_bound ? "; at the limit of its range" : "";
+    if (!relative || !(*relative < hardly_any))
+        return value + ", uncertainty not determined by the data" + limit;
+    const double sigma = *relative * parameter.value;
+    if (*relative < small && sigma > 0.0)
+        return fmt::format("{} ± {}{}",
+                           with_unit(format_fixed(parameter.value, uncertainty_decimals(sigma))),
+                           with_unit(uncertainty_text(sigma)), limit);
+    return fmt::format("{}, × or ÷ {}{}", value, significant_text(std::exp(*relative), 3), limit);
+}
 
 std::string innovations_text(const FilterHealth& health) {
     if (health.innovations == 0) return "no innovations";
@@ -101,6 +132,12 @@ std::string frame_words(const std::string& frame) {
            : frame == "utm"         ? "UTM coordinates"
            : frame == "local_plane" ? "engineering coordinates of the recording"
                                     : frame;
+}
+
+std::string place_words(const Geodetic& at) {
+    return fmt::format("latitude {}°, longitude {}°, ellipsoidal height {} m",
+                       format_fixed(at.latitude.degrees(), 9),
+                       format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3));
 }
 
 std::string scale_words(const std::string& scale) {
@@ -220,19 +257,19 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
 
 Block frame_facts(const std::optional<FrameOrigin>& origin) {
     Block list = facts({}, "Coordinates");
-    add_fact(list, "Frame",
-             origin ? "east, north and up at the origin, on WGS 84, without the scale of a map"
-                    : engineering_crs_text());
+    add_fact(
+        list, "Frame",
+        origin ? "east, north and up at the origin, on WGS 84, without the scale of a map"
+               : "engineering CRS, not tied to the Earth: its place, orientation and scale are not "
+                 "stated");
     if (!origin) return list;
-    const Geodetic& at = origin->position;
-    add_fact(list, "Origin",
-             fmt::format("latitude {}°, longitude {}°, ellipsoidal height {} m",
-                         format_fixed(at.latitude.degrees(), 9),
-                         format_fixed(at.longitude.degrees(), 9), format_fixed(at.height_m, 3)));
+    add_fact(list, "Origin", place_words(origin->position));
     add_fact(list, "Chosen by",
              origin->source == "attempt" ? "the attempt" : "the first usable position");
     for (const FramePlace& place : origin->places)
-        add_fact(list, "Another place, from", place_text(place));
+        add_fact(list, "Another place, from",
+                 fmt::format("{} s on: {}", format_fixed(place.from.seconds(), 1),
+                             place_words(place.position)));
     return list;
 }
 

@@ -20,6 +20,10 @@
 
 namespace runcert {
 
+/// How much is told: the first page, the annex of a report, what an auditor needs, or that with all
+/// lists in full. Each holds what the one before does.
+enum class Level { page, annex, record, all };
+
 /// What was found by one rule.
 struct RuleView {
     const Attempt& attempt;
@@ -38,10 +42,6 @@ struct RuleView {
     /// the required speed alone where there is neither.
     ShownFigures shown() const;
 };
-
-/// How much is told: the first page, the annex, the whole record. Each holds what the one before
-/// does.
-enum class Level { page, annex, record };
 
 /// Which speed counts, "Speed over 3 s, by the definition: displacement over time."
 std::string rule_words(const Profile& profile);
@@ -120,6 +120,8 @@ std::vector<Block> points_and_further_blocks(const RuleView& rule);
 std::vector<Block> refused_blocks(const RuleView& rule);
 /// The uncertainty of the certified window: what it rests on, its budget, what could be missed.
 std::vector<Block> uncertainty_blocks(const RuleView& rule);
+/// An error that the tests look for: "outlier of one epoch", "step of the positions".
+std::string tested_error_text(Hypothesis hypothesis);
 /// The blocks of the budget and of its check.
 std::vector<Block> budget_blocks(const RuleView& rule);
 /// What witnesses say of the speed; what the data say of course and craft; the runs of the craft,
@@ -140,7 +142,7 @@ std::vector<Block> windows_of_all(const std::vector<RuleView>& rules);
 std::vector<Block> budgets_of_all(const std::vector<RuleView>& rules);
 
 /// What the stages were told: of each parameter the figure used, its default, and who set it; those
-/// that have the default only of the record.
+/// that have the default only with all lists in full.
 std::vector<Block> parameter_blocks(const Attempt& attempt,
                                     const std::vector<const Header*>& headers, Level level);
 
@@ -151,8 +153,13 @@ Block recording_facts(const Observations& observations, const Receiver& receiver
                       std::int64_t epochs, ElapsedTime last);
 /// The frame of its positions; engineering coordinates have no origin.
 Block frame_facts(const std::optional<FrameOrigin>& origin);
-/// What screening decided and what its tests rested on, with so many faults of the time stamps.
-std::vector<Block> screening_results(const ScreenedTable& screened, std::size_t faults_shown = 3);
+/// What screening decided and what its tests rested on. To an auditor every fault of the time
+/// stamps, every decision with its rows in the recording, and the minimal detectable biases.
+std::vector<Block> screening_blocks(const ScreenedTable& screened, Level level);
+/// The decisions, in the order of the rows: every break, every row. Rows left out one after the
+/// other by the same decision are one entry. Entries begin with "epoch ..." or "epochs ...", those
+/// of breaks with "before epoch ...". With `all`, rows that are used are entries too.
+std::vector<Block> decision_blocks(const ScreenedTable& screened, bool all);
 /// The estimate, and the noise that it rests on.
 std::vector<Block> estimation_blocks(const EstimationSummary& estimation);
 /// Whether IMU and positions agree, with what the solution found of the IMU's clock, place and

@@ -1,11 +1,9 @@
-#include "reports/words/screening.h"
-
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 
 #include "core/rounding.h"
 #include "core/text.h"
@@ -27,19 +25,102 @@ std::string model_text(const ScreeningModel& model) {
             : "no time-correlated error");
 }
 
-/// Fix types in their order, a line for each with all of its axes.
-void add_kinds(Block& facts, const std::vector<FixTypeErrors>& kinds) {
-    std::vector<std::pair<FixType, std::string>> lines;
-    for (const FixTypeErrors& kind : kinds) {
-        const auto line = std::find_if(lines.begin(), lines.end(),
-                                       [&](const auto& each) { return each.first == kind.fix; });
-        if (line == lines.end())
-            lines.emplace_back(kind.fix, fix_type_errors_text(kind));
-        else
-            line->second += "; " + fix_type_errors_text(kind);
+std::string delay_text(const VelocityComparison& velocity) {
+    if (!velocity.delay_s) return "the motion does not determine their delay";
+    const double delay_s = *velocity.delay_s;
+    const auto& sigma_s = velocity.sigma_delay_s;
+    const int decimals = sigma_s && *sigma_s > 0.0 ? uncertainty_decimals(*sigma_s) : 3;
+    return fmt::format("{} s{} {} the positions, which is allowed for",
+                       format_fixed(std::abs(delay_s), decimals),
+                       sigma_s ? fmt::format(" ± {} s", format_fixed(*sigma_s, decimals)) : "",
+                       delay_s < 0.0 ? "ahead of" : "behind");
+}
+
+std::string tests_text(const ScreeningBasis& basis) {
+    return fmt::format(
+        "{}, the recording gone through {}; each raises a false alarm with a probability of {}",
+        counted(basis.tests), counted(basis.passes, "time"), scientific_text(basis.test_size));
+}
+
+std::string false_alarm_text(const ScreeningBasis& basis) {
+    const double rate = basis.family_false_alarm_rate;
+    if (!(rate > 0.0)) return "not stated";
+    return fmt::format(
+        "of {} recordings without an outlier at most one would have anything marked, by all tests "
+        "together",
+        counted(static_cast<std::int64_t>(std::floor(1.0 / rate + 1e-9))));
+}
+
+/// A time-correlated error is not in it.
+std::string fix_type_errors_text(const FixTypeErrors& errors) {
+    const bool decided = errors.judgement != AccuracyJudgement::too_few_epochs;
+    return fmt::format("{}: {}{} ({})", words_of(errors.fix),
+                       decided ? fmt::format("{} times the stated standard deviation, ",
+                                             significant_text(std::sqrt(errors.variance_factor), 2))
+                               : "",
+                       words_of(errors.judgement), counted(errors.epochs, "epoch"));
+}
+
+std::string velocity_comparison_text(const VelocityComparison& velocity) {
+    if (velocity.origin == VelocityOrigin::positions) return std::string(words_of(velocity.origin));
+    std::string text =
+        velocity.compared == 0
+            ? "too few could be compared with the motion, or they never change"
+            : fmt::format("{}; compared at {}, they differ by {} m/s and contradict {}",
+                          delay_text(velocity), counted(velocity.compared, "epoch"),
+                          format_fixed(velocity.scale_m_s, 3), counted(velocity.rejected));
+    if (const std::string others = other_moments_text(velocity); !others.empty())
+        text = (velocity.compared == 0 ? "" : text + "; ") + others;
+    if (const std::string unfit = unfit_text(velocity); !unfit.empty())
+        text += fmt::format("; {}, and are no source of a speed", unfit);
+    return text;
+}
+
+std::string device_signs_text(const DeviceSigns& device) {
+    if (device.moving == 0) return "none looked for: the craft hardly moved";
+    if (device.held + device.interpolated == 0)
+        return fmt::format("none in {} recorded in motion", counted(device.moving, "position"));
+    return fmt::format(
+        "{} of {} recorded in motion repeat the one before, {} lie on a line or curve through "
+        "others to the last digit; chance makes {}",
+        counted(device.held), counted(device.moving, "position"), counted(device.interpolated),
+        significant_text(device.by_chance, 2));
+}
+
+std::string time_fault_text(const TimeFault& fault) {
+    const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
+    switch (fault.kind) {
+        case TimeFaultKind::gap:
+            return size + " missing";
+        case TimeFaultKind::backward:
+            return "the clock goes back by " + size;
+        case TimeFaultKind::duplicate:
+            return "the time of the epoch before";
+        case TimeFaultKind::session:
+            return fmt::format("another session begins, {} {}", size,
+                               fault.size_s < 0.0 ? "earlier" : "later");
+        case TimeFaultKind::whole_second_shift:
+            break;
     }
-    for (auto& [fix, text] : lines)
-        add_fact(facts, capitalised(words_of(fix)), std::move(text));
+    return fmt::format("the clock jumps by {} while the positions go on", size);
+}
+
+std::string baseline_comparison_text(const BaselineComparison& baseline) {
+    if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
+    return fmt::format(
+        "“{}”: antennas {} m apart, standard deviation {} m over {}; contradicted at {}",
+        baseline.receiver, format_fixed(baseline.length_m, 3), format_fixed(baseline.sd_m, 3),
+        counted(baseline.compared, "epoch"), counted(baseline.rejected));
+}
+
+std::string surface_text(const SurfaceComparison& surface) {
+    return fmt::format(
+        "{} compared, {} beside it; median {}{} m{}, scatter {} m; {} contradicted; "
+        "an error of {} m is found with a probability of 0.8",
+        counted(surface.compared), counted(surface.outside), surface.offset_m > 0.0 ? "+" : "",
+        format_fixed(surface.offset_m, 3), surface.offset_removed ? " (a datum's, taken off)" : "",
+        format_fixed(surface.scatter_m, 3), counted(surface.rejected),
+        format_fixed(surface.detectable_m, 2));
 }
 
 std::string time_text(const ScreenedTable& table) {
@@ -92,99 +173,36 @@ std::string limits_text(const ScreenedTable& table) {
                               format_fixed(limits.vertical_rate_m_s, 1),
                               format_fixed(limits.vertical_rate_max_m_s, 1))
                 : "") +
-           fmt::format("; {} beyond them", counted(limits.rejected, "epoch"));
-}
-
-/// What rows have of a figure: how many do, and which has the largest.
-struct LargestOf {
-    std::int64_t count = 0;
-    const ScreenedEpoch* row = nullptr;
-    double value = 0.0;
-};
-
-LargestOf largest_of(const std::vector<ScreenedEpoch>& rows, auto figure) {
-    LargestOf found;
-    for (const ScreenedEpoch& row : rows) {
-        const auto value = row.*figure;
-        if (!value) continue;
-        ++found.count;
-        if (!found.row || *value > found.value)
-            found = {.count = found.count, .row = &row, .value = *value};
-    }
-    return found;
+           fmt::format("; {} beyond them and the uncertainty of the motion",
+                       counted(limits.rejected, "epoch"));
 }
 
 /// Sudden motion that tests allowed for, and where the errors around an epoch were larger.
 void add_allowances(Block& facts, const std::vector<ScreenedEpoch>& rows) {
-    const LargestOf loudest = largest_of(rows, &ScreenedEpoch::local_variance_factor);
-    if (loudest.value > 1.0)
+    const auto loudest = std::ranges::max_element(rows, {}, &ScreenedEpoch::local_variance_factor);
+    if (loudest != rows.end() && loudest->local_variance_factor > 1.0)
         add_fact(facts, "Locally larger errors",
                  fmt::format("its statistics are divided by the ratio of the variances, at most "
                              "{} (epoch {})",
-                             format_fixed(loudest.value, 2), loudest.row->epoch));
-    const LargestOf sudden = largest_of(rows, &ScreenedEpoch::manoeuvre_m_s2);
-    if (sudden.row)
+                             format_fixed(*loudest->local_variance_factor, 2), loudest->epoch));
+    const auto sudden = std::ranges::max_element(rows, {}, &ScreenedEpoch::manoeuvre_m_s2);
+    if (sudden != rows.end() && sudden->manoeuvre_m_s2)
         add_fact(facts, "Manoeuvres allowed for",
                  fmt::format("at {}: a change of the acceleration explains the data better than an "
                              "error, at most {} m/s^2 (epoch {})",
-                             counted(sudden.count, "epoch"), format_fixed(sudden.value, 1),
-                             sudden.row->epoch));
-}
-
-/// What was decided for, as a noun that can be counted.
-struct Noun {
-    std::string one;
-    std::string several;
-};
-
-Noun decided_for(Hypothesis hypothesis) {
-    switch (hypothesis) {
-        case Hypothesis::outlier:
-            return {"single outlier", "single outliers"};
-        case Hypothesis::burst:
-            return {"position in a run of wrong ones", "positions in runs of wrong ones"};
-        case Hypothesis::step:
-            return {"step of the positions", "steps of the positions"};
-        case Hypothesis::ramp:
-            return {"drift of the positions", "drifts of the positions"};
-        case Hypothesis::time_shift:
-            return {"jump of the time stamps", "jumps of the time stamps"};
-        case Hypothesis::model:
-            return {"position in a stretch that no single error explains",
-                    "positions in stretches that no single error explains"};
-        case Hypothesis::velocity:
-            return {"position that the recorded velocity contradicts",
-                    "positions that the recorded velocities contradict"};
-        case Hypothesis::acceleration:
-            return {"acceleration that the craft cannot make",
-                    "accelerations that the craft cannot make"};
-        case Hypothesis::jerk:
-            return {"jerk that the craft cannot make", "jerks that the craft cannot make"};
-        case Hypothesis::vertical_rate:
-            return {"vertical rate that the craft cannot make",
-                    "vertical rates that the craft cannot make"};
-        case Hypothesis::baseline:
-            return {"position that the other receiver contradicts",
-                    "positions that the other receiver contradicts"};
-        case Hypothesis::surface:
-            return {"height that the surface contradicts", "heights that the surface contradicts"};
-        case Hypothesis::phase:
-        case Hypothesis::wheel:
-            break;
-    }
-    const auto witness = witness_of(hypothesis);
-    return {fmt::format("position that the {} contradict", witness.at(0)),
-            fmt::format("positions that the {} contradict", witness.at(0))};
+                             counted(std::ranges::count_if(
+                                         rows, [](const auto& found) { return found.has_value(); },
+                                         &ScreenedEpoch::manoeuvre_m_s2),
+                                     "epoch"),
+                             format_fixed(*sudden->manoeuvre_m_s2, 1), sudden->epoch));
 }
 
 std::string decisions_text(const ScreeningSummary& summary) {
-    std::string text;
-    for (const auto& [hypothesis, count] : summary.decisions) {
-        const Noun noun = decided_for(hypothesis);
-        text += fmt::format("{}{} {}", text.empty() ? "" : "; ", count,
-                            count == 1 ? noun.one : noun.several);
-    }
-    return text.empty() ? "nothing" : text;
+    std::vector<std::string> decisions;
+    for (const auto& [hypothesis, count] : summary.decisions)
+        decisions.push_back(
+            fmt::format("{} at {}", tested_error_text(hypothesis), counted(count, "epoch")));
+    return decisions.empty() ? "nothing" : fmt::format("{}", fmt::join(decisions, "; "));
 }
 
 std::string used_text(const ScreenedTable& table, const ScreeningSummary& summary) {
@@ -198,12 +216,15 @@ std::string used_text(const ScreenedTable& table, const ScreeningSummary& summar
 
 void add_basis(Block& facts, const ScreenedTable& table, std::size_t faults_shown) {
     const ScreeningBasis& basis = table.basis;
+    add_fact(facts, "Tests", tests_text(basis));
     add_fact(facts, "False alarms", false_alarm_text(basis));
     for (const ScreeningModel& model : basis.models)
         add_fact(facts, fmt::format("Noise assumed, {}", to_text(model.axes)), model_text(model));
     if (basis.models.empty()) add_fact(facts, "Noise assumed", "none: nothing could be tested");
     add_allowances(facts, table.rows);
-    add_kinds(facts, basis.fix_types);
+    for (const FixTypeErrors& errors : basis.fix_types)
+        add_fact(facts, fmt::format("Errors between epochs, {}", to_text(errors.axes)),
+                 fix_type_errors_text(errors));
     add_fact(facts, "Recorded velocities",
              basis.velocity ? velocity_comparison_text(*basis.velocity)
                             : "too few were recorded to compare");
@@ -242,17 +263,21 @@ ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     return last;
 }
 
-std::vector<Block> screening_results(const ScreenedTable& screened, std::size_t faults_shown) {
+std::vector<Block> screening_blocks(const ScreenedTable& screened, Level level) {
+    constexpr std::size_t faults_in_annex = 3;
     const ScreeningSummary summary = summarise(screened.rows);
     Block list = facts({});
     add_fact(list, "Epochs used", used_text(screened, summary));
     add_fact(list, "Decided by the tests", decisions_text(summary));
-    add_basis(list, screened, faults_shown);
+    add_basis(list, screened,
+              level == Level::annex ? faults_in_annex : screened.basis.time.faults.size());
     Block counts = table({">Epochs|14", "Decision of screening|86"});
     for (const auto& [reason, count] : summary.reasons)
         add_row(counts,
                 {counted(count), reason == Reason::none ? "used" : std::string(words_of(reason))});
-    return {std::move(list), std::move(counts)};
+    std::vector<Block> blocks{std::move(list), std::move(counts)};
+    if (level != Level::annex) add(blocks, decision_blocks(screened, level == Level::all));
+    return blocks;
 }
 
 }  // namespace runcert

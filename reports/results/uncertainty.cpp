@@ -5,8 +5,6 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
-#include "reports/words/screening.h"
-#include "schemas/windows/undetected_error.h"
 
 namespace runcert {
 namespace {
@@ -192,28 +190,42 @@ std::string drift_words(const CertifiableWindow& window, const WitnessedSpeed* h
         unit.name);
 }
 
+/// "at epoch 812", "before epoch 812", "from epoch 812 on", "at epochs 812 to 815".
+std::string where_text(const UndetectedError& error) {
+    if (error.epoch != error.last_epoch)
+        return fmt::format("at epochs {} to {}", error.epoch, error.last_epoch);
+    switch (error.hypothesis) {
+        case Hypothesis::outlier:
+        case Hypothesis::burst:
+            return fmt::format("at epoch {}", error.epoch);
+        case Hypothesis::ramp:
+            return fmt::format("from epoch {} on", error.epoch);
+        default:
+            return fmt::format("before epoch {}", error.epoch);
+    }
+}
+
 void add_undetected(std::vector<Block>& blocks, const CertifiableWindow& window,
                     const Scale& scale) {
     if (!window.detection_power || window.reliability.empty()) return;
     blocks.push_back(heading("Undetected errors"));
-    const auto& errors = window.reliability;
-    const auto worst = std::ranges::find_if(
-        errors, [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
-    if (worst != errors.end())
-        blocks.push_back(paragraph(sentence(
-            capitalised(undetected_error_text(*worst, *window.detection_power, scale.unit())))));
+    blocks.push_back(paragraph(fmt::format(
+        "An error larger than the size below is found with a probability of more than {:g}.",
+        *window.detection_power)));
     Block block = table({"Error|38", "Where it matters most|26", ">Size that could be missed|18",
                          fmt::format(">Change of the speed, {}|18", scale.unit().name)});
-    for (const UndetectedError& error : errors) {
-        const bool nothing = is_harmless(error);
-        const bool unlimited = is_unlimited(error);
-        add_row(block, {tested_error_text(error.hypothesis), nothing ? "–" : where_text(error),
-                        nothing     ? "–"
-                        : unlimited ? "any"
-                                    : size_text(error),
-                        nothing     ? "0"
-                        : unlimited ? "no limit"
-                                    : significant_text(error.speed_m_s * scale.unit().per_m_s, 3)});
+    constexpr double without_limit = 1e6;  // stands in the file for one without limit
+    for (const UndetectedError& error : window.reliability) {
+        const std::string name = tested_error_text(error.hypothesis);
+        if (!(error.speed_m_s > 0.0))
+            add_row(block, {name, "–", "–", "0"});
+        else if (error.size >= without_limit || error.speed_m_s >= without_limit)
+            add_row(block, {name, where_text(error), "any", "no limit"});
+        else
+            add_row(block, {name, where_text(error),
+                            fmt::format("{} {}", significant_text(error.size, 2),
+                                        error.unit == "m / s" ? "m/s" : error.unit),
+                            significant_text(error.speed_m_s * scale.unit().per_m_s, 3)});
     }
     blocks.push_back(std::move(block));
     const auto heard = std::ranges::max_element(window.witnesses, {}, &WitnessedSpeed::share);
@@ -223,6 +235,21 @@ void add_undetected(std::vector<Block>& blocks, const CertifiableWindow& window,
 }
 
 }  // namespace
+
+std::string tested_error_text(Hypothesis hypothesis) {
+    switch (hypothesis) {
+        case Hypothesis::outlier:
+            return "outlier of one epoch";
+        case Hypothesis::burst:
+            return "outlier of several epochs";
+        case Hypothesis::step:
+            return "step of the positions";
+        case Hypothesis::ramp:
+            return "drift of the positions";
+        default:
+            return std::string(words_of(hypothesis));
+    }
+}
 
 std::vector<Block> uncertainty_blocks(const RuleView& rule) {
     const CertifiableWindow& best = *rule.best();

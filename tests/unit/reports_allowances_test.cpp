@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "reports/certificate/report_json.h"
+#include "reports/results/results.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
 
@@ -185,6 +186,21 @@ TEST(DecisionMembers, HoldTheWitnessesAndSayThereAreNone) {
     verdict_of(run).witnesses = {"the recorded velocities give 216.008 km/h", "a <radar>"};
     EXPECT_EQ(profile_of(run)["witnesses"],
               Json({"the recorded velocities give 216.008 km/h", "a <radar>"}));
+}
+
+// Float and fixed in turn, or a recording of 5 s: "Stoi" was all that was said of exp(1000).
+TEST(EstimatedNoise, AParameterThatTheDataDoNotDetermineSaysSo) {
+    EstimationSummary estimation;
+    NoiseSummary& noise = estimation.horizontal.noise;
+    noise.status = NoiseBasis::fitted;
+    const auto density_given = [&](double relative_uncertainty) {
+        noise.jerk_density = {.value = 0.25, .relative_uncertainty = relative_uncertainty};
+        return estimation_blocks(estimation).at(1).rows.at(1).cells.at(1);
+    };
+    for (const double relative : {5.0, 40.0, 700.0, 1000.0, 1e300})
+        EXPECT_EQ(density_given(relative), "0.250 m s^-2.5, uncertainty not determined by the data")
+            << relative;
+    EXPECT_EQ(density_given(4.5), "0.250 m s^-2.5, × or ÷ 90.0");
 }
 
 TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {

@@ -5,7 +5,6 @@
 
 #include "core/failure.h"
 #include "core/prose.h"
-#include "reports/words/recording.h"
 #include "schemas/verdict/figures.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -20,18 +19,6 @@ TEST(WordsOfFigures, AnUncertaintyHasTwoSignificantDigits) {
     EXPECT_EQ(uncertainty_text(9.96), "10");
     EXPECT_EQ(uncertainty_text(23.4), "23");
     EXPECT_EQ(uncertainty_text(0.000012), "0.000012");
-}
-
-// Float and fixed in turn, or a recording of 5 s: "Stoi" was all that was said of exp(1000).
-TEST(WordsOfFigures, AParameterThatTheDataDoNotDetermineSaysSo) {
-    const NoiseSummary fitted{.status = NoiseBasis::fitted};
-    for (const double relative : {5.0, 40.0, 700.0, 1000.0, 1e300})
-        EXPECT_EQ(
-            noise_parameter_text({.value = 0.25, .relative_uncertainty = relative}, fitted, "m"),
-            "0.250 m, uncertainty not determined by the data")
-            << relative;
-    EXPECT_EQ(noise_parameter_text({.value = 0.25, .relative_uncertainty = 4.5}, fitted, "m"),
-              "0.250 m, × or ÷ 90.0");
 }
 
 TEST(WordsOfFigures, FiguresHaveTheirSignificantDigits) {

@@ -134,4 +134,15 @@ DayComparison compare_days(const fs::path& old_out, const fs::path& new_out) {
     return comparison;
 }
 
+nlohmann::ordered_json comparison_json(const DayComparison& comparison) {
+    nlohmann::ordered_json json{{"schema", "day-comparison/1.0"}};
+    json.update(members_json(comparison));
+    // Of days it is the old and the new.
+    for (auto& causes : json["causes"])
+        for (const char* kind : {"programs", "inputs", "parameters", "attempt"})
+            for (auto& change : causes[kind])
+                change = {{"what", change["what"]}, {"old", change["a"]}, {"new", change["b"]}};
+    return json;
+}
+
 }  // namespace runcert

@@ -18,7 +18,7 @@ std::vector<std::string> keys_of(const Json& list) {
     std::vector<std::string> keys;
     for (const Json& entry : list) {
         keys.push_back(fmt::format("{}", keys.size()));
-        for (const char* name : {"id", "profile", "clause", "receiver"})
+        for (const char* name : {"id", "profile", "clause", "receiver", "symbol", "role", "name"})
             if (const Json* key = member_of(&entry, name); key != nullptr && key->is_string()) {
                 keys.back() = key->get<std::string>();
                 break;
@@ -27,55 +27,44 @@ std::vector<std::string> keys_of(const Json& list) {
     return keys;
 }
 
-class TreeWalk {
-  public:
-    /// `place` says where the two are.
-    void compare(const Json* a, const Json* b, const TreeDifference& place) {
-        if (a != nullptr && b != nullptr) {
-            if (*a == *b) return;
-            if (a->is_object() && b->is_object()) return compare_maps(*a, *b, place);
-            if (a->is_array() && b->is_array()) return compare_lists(*a, *b, place);
-        }
-        found_.push_back(place);
-        found_.back().a = a;
-        found_.back().b = b;
-    }
-    std::vector<TreeDifference> take() && { return std::move(found_); }
+std::string below(const std::string& path, const std::string& name) {
+    return path.empty() ? name : fmt::format("{}.{}", path, name);
+}
 
-  private:
-    static std::string below(const std::string& path, const std::string& name) {
-        return path.empty() ? name : fmt::format("{}.{}", path, name);
-    }
-
-    void compare_maps(const Json& a, const Json& b, const TreeDifference& place) {
-        TreeDifference member = place;
-        member.maps.push_back(&a);
-        member.map_b = &b;
-        const auto compare_member = [&](const std::string& key) {
-            member.path = below(place.path, key);
-            member.declared = below(place.declared, key);
-            compare(member_of(&a, key), member_of(&b, key), member);
+/// Adds the places at which two values differ; `at` says where they are, and holds them.
+void find_differences(std::vector<TreeDifference>& found, const TreeDifference& at) {
+    const bool both = at.a != nullptr && at.b != nullptr;
+    if (both && *at.a == *at.b) return;
+    TreeDifference inner = at;
+    if (both && at.a->is_object() && at.b->is_object()) {
+        inner.maps.push_back(at.a);
+        inner.map_b = at.b;
+        const auto find_in = [&](const std::string& name) {
+            inner.path = below(at.path, name);
+            inner.declared = below(at.declared, name);
+            inner.a = member_of(at.a, name);
+            inner.b = member_of(at.b, name);
+            find_differences(found, inner);
         };
-        for (const auto& [key, value] : a.items())
-            compare_member(key);
-        for (const auto& [key, value] : b.items())
-            if (!a.contains(key)) compare_member(key);
-    }
-
-    void compare_lists(const Json& a, const Json& b, const TreeDifference& place) {
-        const auto keys_a = keys_of(a), keys_b = keys_of(b);
-        TreeDifference entry = place;
-        entry.declared += "[]";
-        for (const MatchedPlaces& at : match_by_key(keys_a, keys_b)) {
-            entry.path = below(place.path, fmt::format("{}", at.a ? *at.a : *at.b));
-            entry.keys = place.keys;
-            entry.keys.push_back(at.a ? keys_a[*at.a] : keys_b[*at.b]);
-            compare(at.a ? &a[*at.a] : nullptr, at.b ? &b[*at.b] : nullptr, entry);
+        for (const auto& [name, value] : at.a->items())
+            find_in(name);
+        for (const auto& [name, value] : at.b->items())
+            if (!at.a->contains(name)) find_in(name);
+    } else if (both && at.a->is_array() && at.b->is_array()) {
+        const auto keys_a = keys_of(*at.a), keys_b = keys_of(*at.b);
+        inner.declared += "[]";
+        inner.keys.emplace_back();
+        for (const MatchedPlaces& place : match_by_key(keys_a, keys_b)) {
+            inner.path = below(at.path, fmt::format("{}", place.a ? *place.a : *place.b));
+            inner.keys.back() = place.a ? keys_a[*place.a] : keys_b[*place.b];
+            inner.a = place.a ? &(*at.a)[*place.a] : nullptr;
+            inner.b = place.b ? &(*at.b)[*place.b] : nullptr;
+            find_differences(found, inner);
         }
+    } else {
+        found.push_back(at);
     }
-
-    std::vector<TreeDifference> found_;
-};
+}
 
 std::string text_of(const Json* value) {
     if (value == nullptr) return "absent";
@@ -205,9 +194,9 @@ double last_digit_tolerance(int decimals) {
 }
 
 std::vector<TreeDifference> tree_differences(const Json& a, const Json& b) {
-    TreeWalk walk;
-    walk.compare(&a, &b, {});
-    return std::move(walk).take();
+    std::vector<TreeDifference> found;
+    find_differences(found, {.path = {}, .declared = {}, .a = &a, .b = &b});
+    return found;
 }
 
 std::vector<ValueDifference> value_differences(const Json& a, const Json& b,

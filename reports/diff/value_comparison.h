@@ -64,8 +64,8 @@ struct TreeDifference {
 };
 
 /// Every place at which two documents differ, in the order of the first; what only the second has
-/// comes after. Entries of lists are matched by what names them (`id`, `profile`, `clause`,
-/// `receiver`), others by their place. One that a document lacks is one difference.
+/// comes after. Entries of lists are matched by what names them (`profile`, `clause`, `symbol`),
+/// others by their place. One that a document lacks is one difference.
 std::vector<TreeDifference> tree_differences(const nlohmann::ordered_json& a,
                                              const nlohmann::ordered_json& b);
 

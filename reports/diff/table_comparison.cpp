@@ -48,11 +48,10 @@ struct Table {
     std::size_t next = 0;
 };
 
-std::vector<MatchedPlaces> match_rows(Table& a, Table& b) {
+std::vector<MatchedPlaces> match_rows(const Table& a, Table& b) {
     if (a.first_epoch_ns && b.first_epoch_ns)
-        for (Table* table : {&a, &b})
-            for (std::int64_t& time_ns : table->times_ns)
-                time_ns += *table->first_epoch_ns;
+        for (std::int64_t& time_ns : b.times_ns)
+            time_ns += *b.first_epoch_ns - *a.first_epoch_ns;
     return match_by_key(a.times_ns, b.times_ns);
 }
 

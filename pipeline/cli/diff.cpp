@@ -48,11 +48,12 @@ void add_diff(CLI::App& app, Command& chosen) {
     command->footer(
         "Programs, inputs (by hash), parameters, attempt, epochs whose state changed, windows,\n"
         "verdicts, and the largest change in each column of each table against its standard\n"
-        "uncertainty. Rows are joined by their time. One line says what is the same. Not "
-        "compared:\n"
-        "run.yaml, report, pages and signatures, which follow from the rest. Exit status: 0 "
-        "nothing\n"
-        "differs, 1 something does, 2 they could not be compared.");
+        "uncertainty. Rows are matched by their time, rules, requirements and other entries of "
+        "lists\n"
+        "by what names them. One line says what is the same. Not compared: run.yaml, report, "
+        "pages\n"
+        "and signatures, which follow from the rest. Exit status: 0 nothing differs, 1 something\n"
+        "does, 2 they could not be compared.");
     command->callback([&chosen, options] { chosen = [options] { return diff(*options); }; });
 }
 

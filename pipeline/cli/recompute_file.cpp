@@ -94,15 +94,6 @@ void judge_table(FileComparison& file, const TableComparison& table) {
     judge_values(file, table.header, "header ");
 }
 
-/// What must be the same to the letter: parameters are given, and a report follows from its files.
-void judge_exact(FileComparison& file, const Json& recomputed, const Json& in_folder,
-                 const std::string& in) {
-    auto differences = value_differences(recomputed, in_folder);
-    for (ValueDifference& value : differences)
-        value.tolerated = false;
-    judge_values(file, differences, in);
-}
-
 bool is_of_this_program(const Json& predicate) {
     const Json program = predicate.value("program", Json::object());
     return program.value("version", "") == program_version() &&
@@ -129,8 +120,8 @@ Json measurement_of(Json predicate, bool made_here) {
     return predicate;
 }
 
-std::string maker_of(const std::string& text, const std::string& where) {
-    const Json header = header_of(text, where);
+/// Who made a product; empty where it is this program.
+std::string maker_of(const Json& header) {
     const Json stage = header.value("stage", Json::object());
     const std::string version = stage.value("version", "");
     const std::string revision = stage.value("source_revision", "");
@@ -150,37 +141,35 @@ void judge_report(FileComparison& file, const std::string& old_text, const std::
     const Json old_report = predicate_of(old_text, where);
     const bool made_here = is_of_this_program(old_report);
     if (!made_here) file.maker = "another program";
-    judge_exact(file, measurement_of(predicate_of(new_text, where), made_here),
-                measurement_of(old_report, made_here), "");
-}
-
-/// Windows and verdict hold the figures that decide.
-ComparisonRules rules_for(const std::string& name, bool same_arithmetic) {
-    return {.declared = &product_fields(name),
-            .deciding = same_arithmetic && name.ends_with(".yaml")};
+    judge_values(file,
+                 value_differences(measurement_of(predicate_of(new_text, where), made_here),
+                                   measurement_of(old_report, made_here)),
+                 "");
 }
 
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
            const std::string& old_where, const std::string& new_where, bool same_arithmetic) {
     if (file.file == report_file) return judge_report(file, old_text, new_text, old_where);
-    file.maker = maker_of(old_text, old_where);
-    const ComparisonRules rules = rules_for(file.file, same_arithmetic);
-    if (file.file.ends_with(".ecsv"))
+    const ProductParts old_parts = parts_of(old_text, old_where);
+    const ProductParts new_parts = parts_of(new_text, new_where);
+    file.maker = maker_of(old_parts.header);
+    const bool is_table = file.file.ends_with(".ecsv");
+    // Windows and verdict hold the figures that decide.
+    const ComparisonRules rules{.declared = &product_fields(file.file),
+                                .deciding = same_arithmetic && !is_table};
+    if (is_table)
         judge_table(file, compare_tables(new_text, old_text, new_where, old_where, rules));
     else
-        judge_values(file,
-                     value_differences(results_of(new_text, new_where),
-                                       results_of(old_text, old_where), rules),
-                     "");
-    // Who made it does not count; by which parameters does.
-    judge_exact(file, given_in(header_of(new_text, new_where)),
-                given_in(header_of(old_text, old_where)), "parameter ");
+        judge_values(file, value_differences(new_parts.results, old_parts.results, rules), "");
+    // Who made it does not count; by which parameters does: they are given, so to the letter.
+    judge_values(file, value_differences(given_in(new_parts.header), given_in(old_parts.header)),
+                 "parameter ");
 }
 
 /// Whether two files were made from the same bytes, by the same programs of others.
 bool have_one_origin(const std::string& a, const std::string& b, const std::string& name) {
-    const Json header_a = header_of(a, name);
-    const Json header_b = header_of(b, name);
+    const Json header_a = parts_of(a, name).header;
+    const Json header_b = parts_of(b, name).header;
     const auto programs = [](const Json& header) {
         return header.value("stage", Json::object()).value("programs", Json::array());
     };

@@ -19,35 +19,30 @@ const AttemptResult* find(const AttemptsById& attempts, const std::string& id) {
     return found == attempts.end() ? nullptr : found->second;
 }
 
-bool same_failure(const std::optional<DayFailure>& a, const std::optional<DayFailure>& b) {
-    if (!a || !b) return a.has_value() == b.has_value();
-    return a->step == b->step && a->problem == b->problem;
+/// What tells one failure from another.
+std::pair<std::string, std::string> told(const std::optional<DayFailure>& failure) {
+    return failure ? std::pair(failure->step, failure->problem)
+                   : std::pair<std::string, std::string>();
 }
 
-std::optional<double> standard_uncertainty(const DayResult& result) {
-    if (!result.expanded_uncertainty_m_s || !(result.coverage_factor > 0.0)) return std::nullopt;
+/// 0 where the result states none.
+double standard_uncertainty(const DayResult& result) {
+    if (!result.expanded_uncertainty_m_s || !(result.coverage_factor > 0.0)) return 0.0;
     return *result.expanded_uncertainty_m_s / result.coverage_factor;
 }
 
 /// Sets what moved of a result that both days have.
 void compare_speeds(ResultChange& change) {
-    const DayResult& from = *change.old_result;
-    const DayResult& to = *change.new_result;
-    if (!from.speed_m_s || !to.speed_m_s) {
-        change.speed_moved = from.speed_m_s.has_value() != to.speed_m_s.has_value();
+    const DayResult &from = *change.old_result, &to = *change.new_result;
+    const double u_old = standard_uncertainty(from), u_new = standard_uncertainty(to);
+    const double smaller = std::min(u_old, u_new);
+    if (!from.speed_m_s || !to.speed_m_s || !(smaller > 0.0)) {
+        change.speed_moved = from.speed_m_s != to.speed_m_s;
         return;
     }
-    const double difference = *to.speed_m_s - *from.speed_m_s;
-    const auto u_old = standard_uncertainty(from);
-    const auto u_new = standard_uncertainty(to);
-    if (!u_old || !u_new || !(std::min(*u_old, *u_new) > 0.0)) {
-        change.speed_moved = difference != 0.0;
-        return;
-    }
-    const double smaller = std::min(*u_old, *u_new);
-    change.moved_by = difference / smaller;
+    change.moved_by = (*to.speed_m_s - *from.speed_m_s) / smaller;
     change.speed_moved = std::abs(*change.moved_by) > moved_fraction_of_uncertainty;
-    change.uncertainty_moved = std::abs(*u_new - *u_old) > moved_fraction_of_uncertainty * smaller;
+    change.uncertainty_moved = std::abs(u_new - u_old) > moved_fraction_of_uncertainty * smaller;
 }
 
 void compare_rule(DayComparison& comparison, const std::string& profile, const AttemptResult& from,
@@ -55,12 +50,9 @@ void compare_rule(DayComparison& comparison, const std::string& profile, const A
     ResultChange change{.id = from.id, .profile = profile};
     if (const DayResult* result = result_by(from, profile)) change.old_result = *result;
     if (const DayResult* result = result_by(to, profile)) change.new_result = *result;
-    if (change.old_result && change.new_result) {
-        change.outcome_changed = change.old_result->outcome != change.new_result->outcome;
-        compare_speeds(change);
-    } else {
-        change.outcome_changed = true;
-    }
+    const bool both = change.old_result && change.new_result;
+    change.outcome_changed = !both || change.old_result->outcome != change.new_result->outcome;
+    if (both) compare_speeds(change);
     if (change.outcome_changed || change.speed_moved || change.uncertainty_moved)
         comparison.results.push_back(std::move(change));
 }
@@ -68,12 +60,8 @@ void compare_rule(DayComparison& comparison, const std::string& profile, const A
 void compare_attempt(DayComparison& comparison, const AttemptResult& from,
                      const AttemptResult& to) {
     const std::size_t before = comparison.states.size() + comparison.results.size();
-    if (from.state != to.state || !same_failure(from.failure, to.failure)) {
-        comparison.states.push_back({.id = from.id,
-                                     .old_state = from.state,
-                                     .new_state = to.state,
-                                     .old_failure = from.failure,
-                                     .new_failure = to.failure});
+    if (from.state != to.state || told(from.failure) != told(to.failure)) {
+        comparison.states.push_back({from.id, from.state, to.state, from.failure, to.failure});
     } else {
         for (const DayResult& result : from.results)
             compare_rule(comparison, result.profile, from, to);
@@ -132,6 +120,17 @@ DayComparison compare_days(const fs::path& old_out, const fs::path& new_out) {
         if (comparison.causes.empty() || comparison.causes.back().id != change.id)
             comparison.causes.push_back(causes_of(change.id, old_out, new_out));
     return comparison;
+}
+
+nlohmann::ordered_json comparison_json(const DayComparison& comparison) {
+    nlohmann::ordered_json json{{"schema", "day-comparison/1.0"}};
+    json.update(members_json(comparison));
+    // Of days it is the old and the new.
+    for (auto& causes : json["causes"])
+        for (const char* kind : {"programs", "inputs", "parameters", "attempt"})
+            for (auto& change : causes[kind])
+                change = {{"what", change["what"]}, {"old", change["a"]}, {"new", change["b"]}};
+    return json;
 }
 
 }  // namespace runcert

@@ -25,21 +25,28 @@ void add_cut(Section& section, Block table, bool all, const char* where_all) {
 }
 
 constexpr const char* option_of_all = "--all lists them";
+constexpr const char* json_has_all = "--json has them all";
+
+/// Notes stand in a column of their own where there is a head for them.
+Block changes_table(const std::vector<std::string>& heads, const std::vector<Change>& changes,
+                    const std::string& title = {}) {
+    Block all = table(heads, title);
+    for (const Change& change : changes) {
+        TableRow& row = add_row(all, {change.what, change.a, change.b});
+        if (heads.size() > row.cells.size()) row.cells.push_back(change.note);
+    }
+    return all;
+}
 
 /// What differs of one kind; one sentence where nothing does.
 void add_changes(Section& section, const char* title, const char* same,
                  const std::vector<Change>& changes) {
     if (changes.empty()) return add(section, paragraph(fmt::format("{}: {}.", title, same)));
-    const bool noted =
-        std::ranges::any_of(changes, [](const Change& c) { return !c.note.empty(); });
-    Block all = table({"", "A", "B"},
-                      fmt::format("{}, {}", title, counted(std::ssize(changes), "difference")));
-    if (noted) all.columns.push_back({});
-    for (const Change& change : changes) {
-        TableRow& row = add_row(all, {change.what, change.a, change.b});
-        if (noted) row.cells.push_back(change.note);
-    }
-    add(section, std::move(all));
+    std::vector<std::string> heads{"", "A", "B"};
+    if (!std::ranges::all_of(changes, &std::string::empty, &Change::note)) heads.emplace_back();
+    add(section,
+        changes_table(heads, changes,
+                      fmt::format("{}, {}", title, counted(std::ssize(changes), "difference"))));
 }
 
 void add_epochs(Section& section, const EpochDifference& epochs, bool all) {
@@ -76,24 +83,38 @@ std::string size_text(const std::optional<double>& difference, const std::option
     return text;
 }
 
+/// Not every table has epochs, or times.
+std::string place_of(const JoinedRow& row) {
+    std::string place = fmt::format("line {} in A, {} in B", row.line_a, row.line_b);
+    if (row.epoch_a == 0 && row.time_s == 0.0) return place;
+    const std::string epoch = row.epoch_a == 0 ? "" : fmt::format("epoch {}, ", row.epoch_a);
+    return fmt::format("at {}{} s ({})", epoch, format_fixed(row.time_s, 3), place);
+}
+
 Block columns_table(const TableComparison& compared) {
     Block columns = table({"Column", ">Cells", "Largest", "A", "B", "Difference"});
     for (const ColumnDifference& column : compared.columns) {
         const CellDifference& cell = column.largest;
-        add_row(columns,
-                {column.column, counted(column.cells),
-                 fmt::format("at epoch {}, {} s (line {} in A, {} in B)", cell.row.epoch_a,
-                             format_fixed(cell.row.time_s, 3), cell.row.line_a, cell.row.line_b),
-                 cell.a, cell.b, size_text(cell.difference, cell.ratio, column.unit)});
+        add_row(columns, {column.column, counted(column.cells), place_of(cell.row), cell.a, cell.b,
+                          size_text(cell.difference, cell.ratio, column.unit)});
     }
     return columns;
 }
 
-Block values_table(const std::vector<ValueDifference>& values) {
-    Block all = table({"Value", "A", "B", "Difference"});
+/// A value as it is; the beginning of a long map or list that one of two documents does not have.
+std::string shown_value(const std::string& value, bool all) {
+    constexpr std::size_t shown_characters = 160;
+    const bool whole =
+        all || value.size() <= shown_characters || (value.front() != '{' && value.front() != '[');
+    return whole ? value : value.substr(0, shown_characters) + "...";
+}
+
+void add_values(Section& section, const std::vector<ValueDifference>& values, bool all) {
+    std::vector<Change> changes;
     for (const ValueDifference& value : values)
-        add_row(all, {value.path, value.a, value.b, size_text(value.difference, value.ratio, "")});
-    return all;
+        changes.push_back({value.path, shown_value(value.a, all), shown_value(value.b, all),
+                           size_text(value.difference, value.ratio, "")});
+    add_cut(section, changes_table({"Value", "A", "B", "Difference"}, changes), all, option_of_all);
 }
 
 void add_product(Section& section, const ProductDifference& product, bool all) {
@@ -105,7 +126,7 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
     if (!product.table) {
         say(fmt::format("{} {}.", counted(std::ssize(product.values), "value"),
                         product.values.size() == 1 ? "differs" : "differ"));
-        return add_cut(section, values_table(product.values), all, option_of_all);
+        return add_values(section, product.values, all);
     }
     const TableComparison& compared = *product.table;
     say(fmt::format(
@@ -121,21 +142,23 @@ void add_product(Section& section, const ProductDifference& product, bool all) {
         if (!columns->empty())
             add(section, paragraph(fmt::format("Columns {}: {}.", what, listed(*columns))));
     if (!compared.columns.empty()) add(section, columns_table(compared));
-    add_cut(section, values_table(compared.header), all, option_of_all);
+    add_values(section, compared.header, all);
 }
 
-constexpr const char* json_has_all = "--json has them all";
+/// The first of them unless `all`, then how many more there are, in these words.
+std::vector<std::string> cut(std::vector<std::string> names, bool all, const std::string& words) {
+    const std::ptrdiff_t left = std::ssize(names) - shown_at_most;
+    if (all || left <= 0) return names;
+    names.resize(shown_at_most);
+    names.push_back(fmt::format(fmt::runtime(words), counted(left)));
+    return names;
+}
 
-void add_list(Section& section, const std::string& title, std::vector<std::string> ids, bool all) {
+void add_list(Section& section, const std::string& title, const std::vector<std::string>& ids,
+              bool all) {
     if (ids.empty()) return;
-    const std::ptrdiff_t left = all ? 0 : std::ssize(ids) - shown_at_most;
-    Block list = list_of(std::move(ids));
-    list.text = fmt::format("{}: {}", title, counted(std::ssize(list.items)));
-    if (left > 0) {
-        list.items.resize(shown_at_most);
-        list.items.push_back(fmt::format("and {} more ({})", counted(left), json_has_all));
-    }
-    add(section, std::move(list));
+    add(section, titled_list(fmt::format("{}: {}", title, counted(std::ssize(ids))),
+                             cut(ids, all, "and {} more (--json has them all)")));
 }
 
 std::string state_words(const std::string& state, const std::optional<DayFailure>& failure) {
@@ -188,20 +211,15 @@ std::string short_value(const std::string& text) {
     return is_hash ? text.substr(0, digits_shown) : text;
 }
 
-void add_causes(std::vector<std::string>& lines, const char* kind,
-                const std::vector<Change>& changes) {
-    for (const Change& change : changes)
-        lines.push_back(fmt::format("{} {}: {} -> {}", kind, change.what, short_value(change.a),
-                                    short_value(change.b)));
-}
-
-std::vector<std::string> lines_of(const ChangeCauses& causes) {
-    if (!causes.unknown.empty()) return {"not known, " + causes.unknown};
+std::vector<std::string> lines_of(const ChangeCauses& of) {
+    if (!of.unknown.empty()) return {"not known, " + of.unknown};
     std::vector<std::string> lines;
-    add_causes(lines, "input", causes.causes.inputs);
-    add_causes(lines, "parameter", causes.causes.parameters);
-    add_causes(lines, "attempt", causes.causes.attempt);
-    add_causes(lines, "program of", causes.causes.programs);
+    for (const auto& [kind, changes] :
+         {std::pair{"input", &of.causes.inputs}, std::pair{"parameter", &of.causes.parameters},
+          std::pair{"attempt", &of.causes.attempt}, std::pair{"program of", &of.causes.programs}})
+        for (const Change& change : *changes)
+            lines.push_back(fmt::format("{} {}: {} -> {}", kind, change.what, short_value(change.a),
+                                        short_value(change.b)));
     if (lines.empty())
         lines.emplace_back(
             "programs, inputs, parameters and attempt are the same: another processor or compiler, "
@@ -211,27 +229,19 @@ std::vector<std::string> lines_of(const ChangeCauses& causes) {
 
 /// Attempts that changed for the same reasons, together, in the order of their first.
 std::vector<Block> causes_blocks(const DayComparison& comparison, bool all) {
-    std::vector<std::pair<std::vector<std::string>, std::vector<std::string>>> reasons;
+    std::vector<Block> blocks;
+    std::vector<std::vector<std::string>> ids;  // of each
     for (const ChangeCauses& causes : comparison.causes) {
         const std::vector<std::string> lines = lines_of(causes);
-        const auto known = std::ranges::find_if(
-            reasons, [&](const auto& reason) { return reason.first == lines; });
-        if (known == reasons.end())
-            reasons.push_back({lines, {causes.id}});
-        else
-            known->second.push_back(causes.id);
-    }
-    std::vector<Block> blocks;
-    for (const auto& [lines, ids] : reasons) {
-        std::vector<std::string> named = ids;
-        if (!all && std::ssize(named) > shown_at_most) {
-            named.resize(shown_at_most);
-            named.push_back(counted(std::ssize(ids) - shown_at_most) + " more");
+        const auto known = std::ranges::find(blocks, lines, &Block::items) - blocks.begin();
+        if (known == std::ssize(blocks)) {
+            blocks.push_back(list_of(lines));
+            ids.emplace_back();
         }
-        Block list = list_of(lines);
-        list.text = fmt::format("Why, of {}", listed(named));
-        blocks.push_back(std::move(list));
+        ids[static_cast<std::size_t>(known)].push_back(causes.id);
     }
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+        blocks[i].text = fmt::format("Why, of {}", listed(cut(ids[i], all, "{} more")));
     return blocks;
 }
 
@@ -280,13 +290,14 @@ Document comparison_document(const DayComparison& comparison, const std::filesys
                         "note"));
     add_list(days, "Only in the old day", comparison.only_old, all);
     add_list(days, "Only in the new day", comparison.only_new, all);
-    Block states =
-        table({"Attempt", "Old", "New"},
-              fmt::format("Processed otherwise: {}", counted(std::ssize(comparison.states))));
+    std::vector<Change> states;
     for (const StateChange& change : comparison.states)
-        add_row(states, {change.id, state_words(change.old_state, change.old_failure),
-                         state_words(change.new_state, change.new_failure)});
-    add_cut(days, std::move(states), all, json_has_all);
+        states.push_back({change.id, state_words(change.old_state, change.old_failure),
+                          state_words(change.new_state, change.new_failure)});
+    add_cut(days,
+            changes_table({"Attempt", "Old", "New"}, states,
+                          fmt::format("Processed otherwise: {}", counted(std::ssize(states)))),
+            all, json_has_all);
     for (const bool outcomes : {true, false})
         add_cut(days, results_table(comparison, outcomes), all, json_has_all);
     add(days, causes_blocks(comparison, all));

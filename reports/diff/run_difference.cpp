@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
+#include <map>
 
 #include "core/failure.h"
 #include "reports/diff/table_comparison.h"
 #include "run/attempt_files.h"
-#include "run/stage_run.h"
+#include "run/steps.h"
+#include "schemas/common/header.h"
+#include "schemas/products/products.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
 
@@ -18,93 +20,162 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-std::vector<std::string> attempt_file_names(const Attempt& attempt) {
-    std::vector<std::string> names;
-    for (const Receiver& receiver : attempt.receivers) {
-        for (const AttemptFile& file : files_of_receiver(receiver))
-            names.push_back(file.name);
-        for (const AttemptFile& file : solution_files(receiver))
-            names.push_back(file.name);
-    }
-    for (const AttemptFile& file : series_files(attempt))
-        names.push_back(file.name);
-    for (const std::string& claimed : attempt.profiles)
-        names.push_back(profile_copy_name(claimed));
-    return names;
+struct RunFolder {
+    fs::path folder;
+    Attempt attempt;
+    Json claims;                            ///< the attempt, but for its parameters
+    std::map<std::string, Json> headers{};  ///< of the products that are there
+};
+
+RunFolder read_run_folder(const fs::path& folder) {
+    const fs::path file = folder / attempt_copy_name;
+    if (!fs::is_directory(folder) || !fs::exists(file))
+        throw Failure(folder.string(), "this is not the folder of a run",
+                      "Name two folders that `runcert certify` wrote");
+    const std::string text = read_handwritten(file);
+    RunFolder run{
+        .folder = folder,
+        .attempt = read_attempt(text, file.string()),
+        .claims = json_from_yaml(YamlValue(parse_yaml(text, file.string()), file.string()))};
+    run.claims.erase("parameters");
+    for (const std::string& name : product_files(run.attempt))
+        if (const fs::path product = folder / name; fs::exists(product))
+            run.headers[name] = parts_of(FileView(product).bytes(), product.string()).header;
+    if (run.headers.empty())
+        throw Failure(folder.string(), "the folder holds no file of any stage",
+                      "Name two folders that `runcert certify` wrote");
+    return run;
 }
 
-HashesByName hashes_of(const RunFolder& run) {
-    HashesByName hashes;
-    for (const std::string& name : attempt_file_names(run.attempt))
-        hashes[name] =
-            fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : "missing";
+/// Whether a file was handed in: the attempt is compared key by key, and products are no causes.
+bool is_input(const std::string& file) {
+    return file != attempt_copy_name && !is_product_name(file);
+}
+
+/// SHA-256 of the inputs by their names, as the headers claim them.
+Json claimed_hashes(const RunFolder& run) {
+    Json hashes = Json::object();
+    for (const auto& [product, header] : run.headers)
+        for (const Json& input : header.value("inputs", Json::array()))
+            if (const std::string file = text_in(&input, "file"); is_input(file))
+                hashes[file] = text_in(&input, "sha256");
     return hashes;
 }
 
-bool holds(const std::vector<std::string>& names, const std::string& name) {
-    return std::ranges::find(names, name) != names.end();
+/// Of the files in the folder.
+Json file_hashes(const RunFolder& run) {
+    Json hashes = Json::object();
+    for (const std::string& name : inventory_of(run.attempt).files)
+        if (const fs::path file = run.folder / name; is_input(name))
+            hashes[name] = fs::exists(file) ? digest_file(file).sha256 : "missing";
+    return hashes;
 }
 
-std::vector<std::string> in_either(const std::vector<std::string>& a,
-                                   const std::vector<std::string>& b) {
-    std::vector<std::string> names = a;
-    for (const std::string& name : b)
-        if (!holds(names, name)) names.push_back(name);
-    std::ranges::sort(names);
-    return names;
+std::vector<Change> hash_changes(const Json& a, const Json& b, const std::string& absent) {
+    const auto hash = [&](const Json* value) {
+        return value == nullptr ? absent : value->get<std::string>();
+    };
+    std::vector<Change> changes;
+    for (const TreeDifference& file : tree_differences(a, b))
+        changes.push_back({file.path, hash(file.a), hash(file.b)});
+    std::ranges::sort(changes, {}, &Change::what);
+    return changes;
 }
 
-/// One product in both runs.
-class ProductPair {
-  public:
-    ProductPair(const RunFolder& a, const RunFolder& b, const std::string& name)
-        : name_(name),
-          where_a_((a.folder / name).string()),
-          where_b_((b.folder / name).string()),
-          text_a_(read_file(where_a_)),
-          text_b_(read_file(where_b_)),
-          header_a_(header_of(text_a_, where_a_)),
-          header_b_(header_of(text_b_, where_b_)) {}
+std::vector<Change> as_changes(const std::string& of, const Json& a, const Json& b) {
+    std::vector<Change> changes;
+    for (const ValueDifference& value : value_differences(a, b))
+        changes.push_back({of + value.path, value.a, value.b});
+    return changes;
+}
 
-    void add_to(RunDifference& difference) const {
-        add_header_changes(difference.causes, name_, header_a_, header_b_);
-        add_results(difference);
+std::string stage_text(const Json& header, const char* member) {
+    const Json stage = header.value("stage", Json());
+    return text_in(&stage, member);
+}
+
+std::string maker_of(const Json& header) {
+    return fmt::format("runcert {}, source {}", stage_text(header, "version"),
+                       stage_text(header, "source_revision"));
+}
+
+/// Adds what the headers of a product say of its programs and parameters. Files of the same two
+/// programs stand together; what the files of all receivers say stands once.
+void add_header_changes(RunCauses& causes, const std::string& product, const Json& a,
+                        const Json& b) {
+    if (const Change made{product, maker_of(a), maker_of(b)}; made.a != made.b) {
+        const auto known = std::ranges::find_if(causes.programs, [&](const Change& change) {
+            return change.a == made.a && change.b == made.b;
+        });
+        if (known == causes.programs.end())
+            causes.programs.push_back(made);
+        else
+            known->what += ", " + product;
     }
+    for (Change& change :
+         as_changes(stage_text(a, "name") + ".", a.value("parameters", Json::object()),
+                    b.value("parameters", Json::object())))
+        if (std::ranges::find(causes.parameters, change) == causes.parameters.end())
+            causes.parameters.push_back(std::move(change));
+}
 
-  private:
-    std::string stage() const { return header_a_.at("stage").value("name", ""); }
+RunCauses causes_of(const RunFolder& a, const RunFolder& b, std::vector<Change> inputs) {
+    RunCauses causes{.inputs = std::move(inputs), .attempt = as_changes("", a.claims, b.claims)};
+    for (const auto& [product, header] : a.headers)
+        if (const auto other = b.headers.find(product); other != b.headers.end())
+            add_header_changes(causes, product, header, other->second);
+    return causes;
+}
 
-    void add_results(RunDifference& difference) const {
-        ProductDifference product{.file = name_};
-        if (name_.ends_with(".ecsv")) {
-            product.table = compare_tables(text_a_, text_b_, where_a_, where_b_);
-            if (stage() == "screen")
-                difference.epochs
-                    .emplace_back(epoch_difference(text_a_, text_b_, where_a_, where_b_))
-                    .receiver = receiver();
-        } else {
-            const Json a = results_of(text_a_, where_a_);
-            const Json b = results_of(text_b_, where_b_);
-            product.values = value_differences(a, b);
-            const std::string of = " of receiver " + receiver();
-            auto& changes = stage() == "window" ? difference.windows : difference.verdicts;
-            for (Change& change : stage() == "window" ? window_changes(a, b, is_first() ? "" : of)
-                                                      : verdict_changes(a, b))
-                changes.push_back(std::move(change));
-        }
-        difference.products.push_back(std::move(product));
+/// What became of the epoch at hand.
+std::string epoch_state(const EcsvReader& table) {
+    const std::size_t reason = column_of(table, "reason");
+    const std::size_t before = column_of(table, "break_before");
+    return (table.boolean(column_of(table, "usable")) ? "used"
+                                                      : "left out: " + table.text(reason)) +
+           (table.is_missing(before) ? "" : fmt::format("; {} before it", table.text(before)));
+}
+
+void note_epoch(EpochDifference& epochs, const JoinedRow& row, const EcsvReader& a,
+                const EcsvReader& b) {
+    if (std::string one = epoch_state(a), other = epoch_state(b); one != other)
+        epochs.changes.push_back({row, std::move(one), std::move(other)});
+}
+
+void add_table(RunDifference& difference, ProductDifference& product, const fs::path& a,
+               const fs::path& b) {
+    const FileView text_a(a), text_b(b);
+    const ComparisonRules rules{.declared = &product_fields(product.file)};
+    const bool screened = product.file.starts_with(products::screened.stem);
+    EpochDifference epochs;
+    const DifferentRow note = [&](const auto& row, const auto& in_a, const auto& in_b) {
+        if (screened) note_epoch(epochs, row, in_a, in_b);
+    };
+    product.table =
+        compare_tables(text_a.bytes(), text_b.bytes(), a.string(), b.string(), rules, note);
+    if (!screened) return;
+    const Json results = parts_of(text_a.bytes(), a.string()).results;
+    epochs.receiver = text_in(&results, "receiver");
+    epochs.rows_a = product.table->rows_a;
+    epochs.rows_b = product.table->rows_b;
+    epochs.joined = product.table->joined;
+    difference.epochs.push_back(std::move(epochs));
+}
+
+void add_document(RunDifference& difference, ProductDifference& product, const fs::path& in_a,
+                  const fs::path& in_b) {
+    const Json a = parts_of(FileView(in_a).bytes(), in_a.string()).results;
+    const Json b = parts_of(FileView(in_b).bytes(), in_b.string()).results;
+    product.values = value_differences(a, b, {.declared = &product_fields(product.file)});
+    if (product.file == products::verdict_file) {
+        difference.verdicts = verdict_changes(a, b);
+        return;
     }
-
-    /// The products of the first receiver do not name it.
-    bool is_first() const { return std::ranges::count(name_, '.') == 1; }
-    std::string receiver() const {
-        const Json results = results_of(text_a_, where_a_);
-        return results.value("receiver", "");
-    }
-
-    std::string name_, where_a_, where_b_, text_a_, text_b_;
-    Json header_a_, header_b_;
-};
+    const bool of_first = product.file == products::windows_file;
+    for (Change& change :
+         window_changes(a, b, of_first ? "" : " of receiver " + text_in(&a, "receiver")))
+        difference.windows.push_back(std::move(change));
+}
 
 }  // namespace
 
@@ -133,21 +204,34 @@ bool RunDifference::equal() const {
            std::ranges::all_of(products, &ProductDifference::equal);
 }
 
+RunCauses causes_between(const fs::path& folder_a, const fs::path& folder_b) {
+    const RunFolder a = read_run_folder(folder_a), b = read_run_folder(folder_b);
+    return causes_of(a, b, hash_changes(claimed_hashes(a), claimed_hashes(b), "not used"));
+}
+
 RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folder_b) {
-    const RunFolder a = read_run_folder(folder_a);
-    const RunFolder b = read_run_folder(folder_b);
-    RunDifference difference;
-    difference.causes.inputs = hash_changes(hashes_of(a), hashes_of(b), "not named");
-    difference.causes.attempt = attempt_changes(a, b);
-    for (const std::string& name : in_either(a.products, b.products)) {
-        if (holds(a.products, name) && holds(b.products, name)) {
-            ProductPair(a, b, name).add_to(difference);
-            continue;
-        }
-        difference.products.push_back(
-            {.file = name, .missing_in = holds(a.products, name) ? "b" : "a"});
+    const RunFolder a = read_run_folder(folder_a), b = read_run_folder(folder_b);
+    RunDifference difference{
+        .causes = causes_of(a, b, hash_changes(file_hashes(a), file_hashes(b), "not named"))};
+    std::map<std::string, Json> in_either = a.headers;
+    in_either.insert(b.headers.begin(), b.headers.end());
+    for (const auto& [name, header] : in_either) {
+        ProductDifference product{.file = name};
+        if (!a.headers.contains(name) || !b.headers.contains(name))
+            product.missing_in = a.headers.contains(name) ? "b" : "a";
+        else if (name.ends_with(".ecsv"))
+            add_table(difference, product, folder_a / name, folder_b / name);
+        else
+            add_document(difference, product, folder_a / name, folder_b / name);
+        difference.products.push_back(std::move(product));
     }
     return difference;
+}
+
+Json difference_json(const RunDifference& difference) {
+    Json json{{"schema", "run-difference/1.0"}};
+    json.update(members_json(difference));
+    return json;
 }
 
 }  // namespace runcert

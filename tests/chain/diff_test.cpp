@@ -153,6 +153,41 @@ TEST_F(Diff, AMissingRowIsCountedAndTheOthersAreCompared) {
         EXPECT_NE(column["column"], "latitude") << column;
 }
 
+// The table of a surface has no time, and that of screened phases no word of what became of an
+// epoch: neither kind of run could be compared.
+TEST_F(Diff, RunsWithASurfaceOrPhasesAreCompared) {
+    for (const char* name : {"oval", "phases"})
+        fs::create_directory(folder_->path() / name);
+    ASSERT_NE(certify(examples / "oval" / "attempt.yaml", run("oval"), {"--no-render"}).exit_status,
+              2);
+    const fs::path phases = folder_->path() / "phases" / "made";
+    ASSERT_EQ(
+        runcert({"simulate", (examples / "phase" / "spec.yaml").string(), "--out", phases.string()})
+            .exit_status,
+        0);
+    ASSERT_NE(certify(phases / "attempt.yaml", run("phases"), {"--no-render"}).exit_status, 2);
+    for (const std::string name : {"oval", "phases"}) {
+        const ProcessResult result = diff(name, name);
+        EXPECT_EQ(result.exit_status, 0) << result.errors;
+    }
+    EXPECT_EQ(json_of("oval", "phases")["epochs"].size(), 1U);
+}
+
+TEST_F(Diff, ARuleThatOneRunAloneClaimsIsOneDifference) {
+    make("both", {}, {});
+    const fs::path attempt = folder_->path() / "both" / "attempt.yaml";
+    std::string text = read_file(attempt);
+    const std::size_t rule = text.find("  - nalsa");
+    ASSERT_NE(rule, std::string::npos);
+    write_file_atomically(attempt, text.insert(rule, "  - fisly\n"));
+    ASSERT_NE(certify(attempt, run("both"), {"--no-render"}).exit_status, 2);
+    const nlohmann::json found = json_of("plain", "both");
+    EXPECT_EQ(found["windows"],
+              nlohmann::json::parse(R"([{"what": "fisly", "a": "not claimed", "b": "claimed"}])"));
+    ASSERT_EQ(found["verdicts"].size(), 1U) << found["verdicts"];
+    EXPECT_EQ(found["verdicts"][0]["what"], "fisly, outcome");
+}
+
 TEST_F(Diff, WhatCannotBeComparedIsRefused) {
     const auto refused = [&](const fs::path& other, const std::string& said) {
         const ProcessResult result = runcert({"diff", run("plain").string(), other.string()});

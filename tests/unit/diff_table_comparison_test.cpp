@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "reports/diff/joined_tables.h"
 #include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
 #include "reports/document/document_text.h"
@@ -117,13 +116,37 @@ TEST(TableComparison, TimesAreComparedOnTheGpsScaleWhereBothHaveIt) {
 }
 
 TEST(TableComparison, EqualTimesAreJoinedInTheirOrderAndNoRowTwice) {
-    EXPECT_TRUE(join_by_time({}, {1}).empty());
-    const auto pairs = join_by_time({5, 5, 3, 7}, {5, 3, 5, 7, 7});
-    std::vector<std::string> found;
-    for (const RowPair& pair : pairs)
-        found.push_back(fmt::format("{}-{}", pair.a, pair.b));
-    // 3 lies before what was joined already.
-    EXPECT_EQ(found, (std::vector<std::string>{"0-0", "1-2", "3-3"}));
+    const auto match = [](const std::vector<int>& a, const std::vector<int>& b) {
+        std::vector<std::string> found;
+        for (const MatchedPlaces& places : match_by_key(a, b))
+            found.push_back(fmt::format("{}-{}", places.a ? fmt::format("{}", *places.a) : "",
+                                        places.b ? fmt::format("{}", *places.b) : ""));
+        return found;
+    };
+    EXPECT_EQ(match({}, {1}), std::vector<std::string>{"-0"});
+    // 3 lies before what was matched already.
+    EXPECT_EQ(match({5, 5, 3, 7}, {5, 3, 5, 7, 7}),
+              (std::vector<std::string>{"0-0", "1-2", "2-", "3-3", "-1", "-4"}));
+}
+
+std::string without_time(std::string table) {
+    table = replaced(std::move(table), ",time,", ",north,");
+    return replaced(std::move(table), "name: time", "name: north");
+}
+
+// A surveyed surface has no time: two runs with one could not be compared.
+TEST(TableComparison, RowsWithoutATimeAreMatchedByTheirOrder) {
+    const std::string other = replaced(three, "12.000000", "12.500000");
+    const TableComparison found =
+        compare(without_time(table(three)), without_time(table(other + other)));
+    EXPECT_EQ(found.joined, 3);
+    EXPECT_EQ(found.rows_b, 6);
+    EXPECT_EQ(found.only_b_line.value(), 17);
+    ASSERT_EQ(found.columns.size(), 1U);
+    EXPECT_EQ(found.columns[0].largest.row.line_a, 16);
+    // One that lost its times is no table as the other.
+    EXPECT_EQ(compare(table(three), without_time(table(three))).columns_only_a,
+              std::vector<std::string>{"time"});
 }
 
 TEST(TableComparison, WhoMadeATableIsNoneOfItsResults) {
@@ -133,7 +156,7 @@ TEST(TableComparison, WhoMadeATableIsNoneOfItsResults) {
     EXPECT_TRUE(compare(table(three, {}, made), table(three)).equal());
     EXPECT_FALSE(
         compare(table(three, {}, "#   arcs: 2\n"), table(three, {}, "#   arcs: 3\n")).equal());
-    EXPECT_EQ(header_of(table(three, {}, made), "t.ecsv")["parameters"]["x"], 1);
+    EXPECT_EQ(parts_of(table(three, {}, made), "t.ecsv").header["parameters"]["x"], 1);
 }
 
 TEST(TableComparison, WhatIsNoTableIsRefused) {
@@ -166,6 +189,9 @@ TEST(RunDifference, ASpeedsChangeIsInUnitsOfTheCombinedExpandedUncertainty) {
     EXPECT_TRUE(window_changes(windows_of(60.0, 0.3, 5.0), windows_of(60.0, 0.3, 5.0), "").empty());
     const Json none{{"profiles", {{{"profile", "nalsa"}}}}};
     EXPECT_EQ(window_changes(windows_of(60.0, 0.3, 5.0), none, "").front().b, "none");
+    Json odd = windows_of(60.0, 0.3, 5.0);
+    odd["profiles"][0]["best"]["speed_m_s"] = Json::object();
+    EXPECT_TRUE(window_changes(windows_of(60.0, 0.3, 5.0), odd, "").empty());
 }
 
 TEST(RunDifference, OutcomesAndRequirements) {
@@ -181,6 +207,14 @@ TEST(RunDifference, OutcomesAndRequirements) {
     ASSERT_EQ(changes.size(), 2U);
     EXPECT_EQ(changes[0], (Change{"nalsa, outcome", "beaten", "not_proven"}));
     EXPECT_EQ(changes[1], (Change{"nalsa, margin", "met", "not_met"}));
+    // Of a rule that one run alone claims the outcome, and no more.
+    EXPECT_EQ(verdict_changes({{"profiles", Json::array()}}, verdict("beaten", "met")),
+              (std::vector<Change>{{"nalsa, outcome", "none", "beaten"}}));
+    // What nobody writes is no reason to fail.
+    EXPECT_EQ(verdict_changes({{"profiles", {{{"profile", 1}, {"outcome", {{"x", 1}}}}}}},
+                              verdict("beaten", "met"))
+                  .size(),
+              1U);
 }
 
 TEST(RunDifference, HostileNamesDoNotSteerTheTerminalAndListsAreCut) {

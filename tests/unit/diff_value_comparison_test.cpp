@@ -10,8 +10,30 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// What the documents of these tests hold, as a field table declares it.
+const DocumentSchema& declared() {
+    static const DocumentSchema schema = DocumentSchema::parse(
+        "schema: x\nversion: \"1.0\"\nfields:\n"
+        "  best: {type: map, description: window}\n"
+        "  best.speed_m_s: {type: real, decimals: 9, description: v}\n"
+        "  speed_km_h: {type: real, decimals: 6, description: v}\n"
+        "  value: {type: real, decimals: 6, description: x}\n"
+        "  coarse: {type: real, decimals: 4, description: x}\n"
+        "  sigma_m: {type: real, decimals: 6, description: s}\n"
+        "  whole: {type: integer, description: n}\n"
+        "  words: {type: text, description: w}\n"
+        "  runs: {type: list, description: runs}\n"
+        "  runs[]: {type: map, description: run}\n"
+        "  runs[].probability: {type: real, decimals: 4, description: p}\n"
+        "  runs[].duration_s: {type: real, decimals: 3, description: d}\n"
+        "  runs[].count: {type: integer, description: n}\n"
+        "  runs[].words: {type: text, description: w}\n",
+        "x.yaml");
+    return schema;
+}
+
 ValueDifference only_difference(const Json& a, const Json& b) {
-    const auto found = value_differences(a, b);
+    const auto found = value_differences(a, b, {.declared = &declared()});
     EXPECT_EQ(found.size(), 1U) << a << b;
     return found.empty() ? ValueDifference{} : found.front();
 }
@@ -66,31 +88,28 @@ TEST(ValueComparison, UnitsOfASpeedAndUncertaintiesBesideAValue) {
         only_difference(figure, {{"value", 0.372600}, {"expanded_uncertainty", 0.058}}).tolerated);
 }
 
-TEST(ValueComparison, WithoutUncertaintyTheLastDigitDecides) {
-    EXPECT_TRUE(only_difference({{"x", 0.1234}}, {{"x", 0.1235}}).tolerated);
-    EXPECT_FALSE(only_difference({{"x", 0.1234}}, {{"x", 0.1236}}).tolerated);
-    EXPECT_TRUE(only_difference({{"x", 1e-06}}, {{"x", 2e-06}}).tolerated);
-    EXPECT_FALSE(only_difference({{"x", 1e-06}}, {{"x", 3e-06}}).tolerated);
-    EXPECT_FALSE(only_difference({{"x", 7}}, {{"x", 8}}).tolerated);
+TEST(ValueComparison, WithoutUncertaintyTheLastDigitDeclaredDecides) {
+    EXPECT_TRUE(only_difference({{"coarse", 0.1234}}, {{"coarse", 0.1235}}).tolerated);
+    EXPECT_FALSE(only_difference({{"coarse", 0.1234}}, {{"coarse", 0.1236}}).tolerated);
+    EXPECT_TRUE(only_difference({{"value", 1e-06}}, {{"value", 2e-06}}).tolerated);
+    EXPECT_FALSE(only_difference({{"value", 1e-06}}, {{"value", 3e-06}}).tolerated);
+    EXPECT_FALSE(only_difference({{"whole", 7}}, {{"whole", 8}}).tolerated);
+    // Reals that are no difference apart, and whole numbers that are.
+    EXPECT_FALSE(
+        only_difference({{"whole", 9007199254740992}}, {{"whole", 9007199254740993}}).tolerated);
+    EXPECT_FALSE(only_difference({{"undeclared", 0.1}}, {{"undeclared", 0.2}}).tolerated);
     // An uncertainty to a thousandth of itself.
     EXPECT_TRUE(only_difference({{"sigma_m", 0.018281}}, {{"sigma_m", 0.018295}}).tolerated);
     EXPECT_FALSE(only_difference({{"sigma_m", 0.018281}}, {{"sigma_m", 0.018381}}).tolerated);
+    // Without a declaration nothing is tolerated.
+    EXPECT_FALSE(value_differences({{"coarse", 0.1234}}, {{"coarse", 0.1235}})[0].tolerated);
 }
 
 TEST(ValueComparison, ADeclarationDecidesWhatAValueIsWrittenTo) {
-    const DocumentSchema declared = DocumentSchema::parse(
-        "schema: x\nversion: \"1.0\"\nfields:\n"
-        "  runs: {type: list, description: runs}\n"
-        "  runs[]: {type: map, description: run}\n"
-        "  runs[].probability: {type: real, decimals: 4, description: p}\n"
-        "  runs[].duration_s: {type: real, decimals: 3, description: d}\n"
-        "  runs[].count: {type: integer, description: n}\n"
-        "  runs[].words: {type: text, description: w}\n",
-        "x.yaml");
     const auto tolerated = [&](const Json& from, const Json& to, bool deciding) {
         const Json a{{"runs", {from}}};
         const Json b{{"runs", {to}}};
-        const auto found = value_differences(a, b, {.declared = &declared, .deciding = deciding});
+        const auto found = value_differences(a, b, {.declared = &declared(), .deciding = deciding});
         EXPECT_EQ(found.size(), 1U) << a << b;
         return found.size() == 1 && found.front().tolerated;
     };
@@ -111,14 +130,47 @@ TEST(ValueComparison, ADeclarationDecidesWhatAValueIsWrittenTo) {
         tolerated(speed, {{"speed_m_s", 62.130473}, {"standard_uncertainty_m_s", 0.02}}, true));
 }
 
-TEST(ValueComparison, TextsByTheirNumbers) {
-    EXPECT_TRUE(
-        only_difference({{"t", "speed 62.131 m/s"}}, {{"t", "speed 62.132 m/s"}}).tolerated);
-    EXPECT_FALSE(
-        only_difference({{"t", "speed 62.131 m/s"}}, {{"t", "speed 62.133 m/s"}}).tolerated);
-    EXPECT_FALSE(only_difference({{"t", "epoch 597"}}, {{"t", "epoch 598"}}).tolerated);
-    EXPECT_FALSE(only_difference({{"outcome", "beaten"}}, {{"outcome", "not_beaten"}}).tolerated);
-    EXPECT_FALSE(only_difference({{"t", "0.1 m"}}, {{"t", "0.1 m, and more"}}).tolerated);
+TEST(ValueComparison, NoTextIsTolerated) {
+    EXPECT_FALSE(only_difference({{"words", "speed 62.131 m/s"}}, {{"words", "speed 62.132 m/s"}})
+                     .tolerated);
+}
+
+std::vector<std::string> paths_of(const Json& a, const Json& b) {
+    std::vector<std::string> paths;
+    for (const ValueDifference& each : value_differences(a, b)) {
+        paths.push_back(each.path);
+        EXPECT_FALSE(each.tolerated) << each.path;
+    }
+    return paths;
+}
+
+TEST(ValueComparison, EntriesOfListsAreMatchedByWhatNamesThem) {
+    const Json nalsa{{"profile", "nalsa"}, {"speed", 1.5}}, fisly{{"profile", "fisly"}};
+    Json faster = nalsa;
+    faster["speed"] = 1.6;
+    const Json alone{{"profiles", {nalsa}}}, behind{{"profiles", {fisly, faster}}};
+    EXPECT_EQ(paths_of(alone, behind),
+              (std::vector<std::string>{"profiles.0.speed", "profiles.0"}));
+    const auto places = tree_differences(behind, alone);
+    ASSERT_EQ(places.size(), 2U);
+    EXPECT_EQ(places[0].path, "profiles.0");
+    EXPECT_EQ(places[0].declared, "profiles[]");
+    EXPECT_EQ(places[0].b, nullptr);
+    EXPECT_EQ(places[1].path, "profiles.1.speed");
+    EXPECT_EQ(places[1].declared, "profiles[].speed");
+    EXPECT_EQ(places[1].keys, std::vector<std::string>{"nalsa"});
+    EXPECT_EQ(*places[1].maps.back(), faster);
+    EXPECT_EQ(*places[1].map_b, nalsa);
+}
+
+TEST(ValueComparison, AnotherOrderIsADifference) {
+    const Json one{{"id", "one"}}, two{{"id", "two"}}, none{{"id", 3}};
+    EXPECT_EQ(paths_of({{"list", {one, two}}}, {{"list", {two, one}}}),
+              (std::vector<std::string>{"list.1", "list.0"}));
+    EXPECT_EQ(paths_of({{"list", {one, one}}}, {{"list", {one}}}),
+              std::vector<std::string>{"list.1"});
+    EXPECT_EQ(paths_of({{"list", {none, one}}}, {{"list", {one}}}),
+              std::vector<std::string>{"list.0"});
 }
 
 }  // namespace

@@ -84,15 +84,17 @@ Answer answer_of(const Verdict& verdict, const std::vector<StageDone>& done,
     if (const std::string missing = missing_sandbox(); !missing.empty())
         details.push_back({"note", missing});
     // What a stage's line has no room for, such as a witness that says nothing, and why.
-    const auto is_of_a_rule = [&](const std::string& said) {
+    // Of a rule the answer itself says which window it is, or that there is none.
+    const auto is_answered = [&](const std::string& said) {
         return std::ranges::any_of(verdict.profiles, [&](const ProfileVerdict& rule) {
-            return said.starts_with(rule.profile + ": ");
+            return said == rule.profile + ": no certifiable window" ||
+                   (rule.speed_m_s && said.starts_with(rule.profile + ": "));
         });
     };
     for (const StageDone& stage : done)
         for (std::size_t i = 0; i < stage.said.size() && stage.name != "check"; ++i)
             if ((i > 0 || characters_in(stage.said[i]) > stage_columns) &&
-                !is_of_a_rule(stage.said[i]))
+                !is_answered(stage.said[i]))
                 details.push_back({"note", stage.said[i]});
     const std::size_t used = stages + blank + 2 * lines_in(answer.result) + lines_in(answer.next);
     answer.details =

@@ -47,7 +47,9 @@ std::string measures_words(const Profile& profile) {
 }
 
 std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
-                               const std::vector<Profile>& profiles, const std::string& wanted) {
+                               const std::vector<Profile>& profiles,
+                               const ExplainOptions& options) {
+    const std::string& wanted = options.profile;
     std::vector<RuleView> views;
     std::vector<std::string_view> known;
     for (const ProfileVerdict& entry : verdict.profiles) {
@@ -60,7 +62,7 @@ std::vector<RuleView> views_of(const Attempt& attempt, const Verdict& verdict,
                                       "not claim",
                                       escape_for_message(entry.profile)),
                           "Run the stages again, or `runcert certify`");
-        views.push_back({attempt, entry, *profile});
+        views.push_back({attempt, entry, *profile, windows_of(options.windows, entry.profile)});
     }
     if (views.empty())
         throw Failure("--profile",
@@ -164,7 +166,7 @@ std::string inputs_table_text() {
 Document explained(const Attempt& attempt, const Verdict& verdict,
                    const std::vector<Profile>& profiles, const ExplainOptions& options) {
     Document document{.title = fmt::format("Verdict on the attempt {}", verdict.attempt)};
-    const std::vector<RuleView> views = views_of(attempt, verdict, profiles, options.profile);
+    const std::vector<RuleView> views = views_of(attempt, verdict, profiles, options);
     if (!options.clause.empty()) {
         document.sections = one_clause(views, options);
         return document;

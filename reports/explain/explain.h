@@ -8,6 +8,7 @@
 #include "schemas/document/document.h"
 #include "schemas/profile/profile.h"
 #include "schemas/verdict/declared.h"
+#include "schemas/windows/windows.h"
 
 namespace runcert {
 
@@ -20,6 +21,7 @@ struct ExplainOptions {
     /// Of "PROFILE/CLAUSE", what became of it and who answered, a line each.
     std::map<std::string, std::vector<std::string>> answers = {};
     std::string vouched_by = {};  ///< by whose roster the verdict's standing counts, see outcome.h
+    Windows windows = {};         ///< of the judged receiver, where they are there
 };
 
 /// The verdict in plain words: one clause of the rules in full, or the decision, or all in short.

@@ -53,9 +53,10 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
     return missing;
 }
 
-/// What was answered since the verdict was made, and where each rule stands by it.
-void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
-    if (options.roster.empty() && envelope_files(options.run_dir).empty()) return;
+/// Adds what was answered since the verdict was made, and where each rule stands by it. Returns
+/// whether second files count.
+bool add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
+    if (options.roster.empty() && envelope_files(options.run_dir).empty()) return false;
     const RunStanding standing = stated_standing(
         options.run_dir, read_report_facts(options.run_dir), read_roster(options.roster));
     if (standing.with_files) verdict.profiles = verdict.with_files;
@@ -66,6 +67,7 @@ void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what)
         for (const ClauseStanding& clause : rule.clauses)
             what.answers[rule.profile + "/" + clause.due.clause] = clause_words(clause);
     }
+    return standing.with_files;
 }
 
 std::string explain_run(const Options& options) {
@@ -78,7 +80,12 @@ std::string explain_run(const Options& options) {
         run.note_file("profile", profile_copy_name(claimed));
     const std::vector<std::string> missing = check_inputs(run, verdict);
     ExplainOptions what = options.what;
-    add_answers(verdict, options, what);
+    const bool with_files = add_answers(verdict, options, what);
+    const Receiver& judged = run.attempt().receivers.front();
+    if (std::filesystem::exists(run_dir / run.file_of(products::windows, judged)))
+        what.windows = run.read(products::windows, judged, read_windows);
+    if (with_files && !what.windows.with_files.empty())
+        what.windows.profiles = what.windows.with_files;
     Document document = explained(run.attempt(), verdict, profiles, what);
     if (!missing.empty())
         document.sections.push_back(

@@ -167,7 +167,7 @@ TEST_F(Recompute, AReportThatDoesNotFollowFromTheFilesIsFound) {
     expect_in(
         recomputed(),
         {"yes  files", "NO   contents      report.json is not what its files make",
-         "report.json, profiles.0.", "\"beaten\" in the folder, \"not_certifiable\" recomputed"});
+         "report.json, verdict.profiles.0.", "\"beaten\" in the folder, \"not_certifiable\" recomputed"});
 }
 
 TEST_F(Recompute, TheHeaderOfAFileDoesNotSayHowItIsCompared) {

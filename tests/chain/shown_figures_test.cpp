@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "chain_support.h"
+#include "schemas/common/header.h"
 #include "schemas/verdict/figures.h"
 
 // A figure is decided once: whatever a person reads of a run, on its page, in its explanation and
@@ -146,6 +147,8 @@ void expect_one_figure_each(const fs::path& run, const std::string& said) {
         expect_equal_decimals(line);
     std::set<double> speeds;
     collect_speeds(predicate, speeds);
+    const std::string windows = (run / "5-windows.yaml").string();
+    collect_speeds(body_of(read_file(windows), windows), speeds);
     ASSERT_GT(read.size(), 5U);
     for (const Json& profile : predicate["verdict"]["profiles"]) {
         std::set<double> others = speeds;

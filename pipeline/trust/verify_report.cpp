@@ -51,9 +51,7 @@ std::string text_of(const Json& object, const std::string& key) {
 void compare_values(const std::string& path, const Json& in_report, const Json& in_file,
                     Comparison& compare) {
     constexpr const char* absent = "absent";
-    const auto below = [&](const std::string& name) {
-        return path.empty() ? name : path + "." + name;
-    };
+    const auto below = [&](const std::string& name) { return path + "." + name; };
     if (in_report.is_object() && in_file.is_object()) {
         for (const auto& [key, value] : in_file.items())
             compare_values(below(key), in_report.value(key, Json(absent)), value, compare);
@@ -69,7 +67,7 @@ void compare_values(const std::string& path, const Json& in_report, const Json& 
                        ? fmt::format("a {} of {}", value.is_array() ? "list" : "map", value.size())
                        : value.dump();
         };
-        compare.equal("verdict." + path, words(in_report), words(in_file), verdict_file);
+        compare.equal(path, words(in_report), words(in_file), verdict_file);
     }
 }
 
@@ -123,7 +121,7 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
     const Verdict verdict = read_verdict(text, where);
     const Json& predicate = report.json->at("predicate");
     compare.equal("the attempt's id", report.attempt_id, verdict.attempt, verdict_file);
-    compare_values({}, predicate.at("verdict"), body_of(text, where), compare);
+    compare_values("verdict", predicate.at("verdict"), body_of(text, where), compare);
     compare_document(predicate, verdict.profiles, compare);
     if (!verdict.with_files.empty())
         compare_document(predicate.at("with_files"), verdict.with_files, compare);

@@ -9,6 +9,7 @@
 #include "reports/audit/record.h"
 #include "reports/document/document_html.h"
 #include "reports/document/document_text.h"
+#include "reports/run/reader/read_run.h"
 #include "run/stage_main.h"
 #include "store/atomic_file.h"
 #include "store/program.h"

@@ -18,9 +18,6 @@ struct RunRecord : RunView {
     std::vector<std::string> signatures = {};  ///< files beside report.json
 };
 
-/// The file of that name, hashed; null where it is not there.
-const InputFile* file_in(const RunView& run, const std::string& name);
-
 /// The stages, in the order of the chain, by the names of the programs.
 const std::vector<std::string>& audited_stages();
 

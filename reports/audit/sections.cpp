@@ -190,11 +190,6 @@ Section stage_section(const Product& product) {
 
 }  // namespace
 
-const InputFile* file_in(const RunView& run, const std::string& name) {
-    const auto found = std::ranges::find(run.files, name, &InputFile::file);
-    return found == run.files.end() ? nullptr : &*found;
-}
-
 std::vector<Block> product_blocks(const RunRecord& record, const Header& header,
                                   const std::string& file, const std::string& contents,
                                   Level level) {

@@ -9,6 +9,7 @@
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
+#include "reports/run/reader/read_run.h"
 #include "run/stage_main.h"
 #include "schemas/phase/declared.h"
 #include "schemas/screened_phase/declared.h"

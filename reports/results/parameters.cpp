@@ -60,13 +60,15 @@ std::vector<Block> parameter_blocks(const Attempt& attempt,
             ++count;
             replaced += is_default ? 0 : 1;
             if (is_default && level != Level::all) continue;
-            add_row(block,
-                    {path, value_text(used),
-                     !rule                ? "not known"
-                     : fallback.is_null() ? "none"
-                                          : value_text(fallback),
-                     rule ? rule->unit : "", set_by(attempt, path, is_default)},
-                    is_default ? "" : "changed");
+            TableRow& row = add_row(block,
+                                    {path, value_text(used),
+                                     !rule                ? "not known"
+                                     : fallback.is_null() ? "none"
+                                                          : value_text(fallback),
+                                     rule ? rule->unit : "", set_by(attempt, path, is_default)},
+                                    is_default ? "" : "changed");
+            // What it means, of what somebody chose.
+            if (rule && !is_default) row.further = {sentence(rule->description)};
         }
     if (count == 0) return {paragraph("Parameters. The stage has none.")};
     block.text = fmt::format("Parameters, {} of {} not the default of the class {}",

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "run/stage_run.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/attitude/declared.h"
 #include "schemas/common/header.h"
@@ -67,13 +66,7 @@ struct RunView {
     std::map<std::string, std::vector<std::string>> named_by = {};
 };
 
-/// How much of a run is read.
-enum class Reading {
-    whole,         ///< for a report: what is missing is a Failure; IMU and surface are hashed alone
-    what_is_there  ///< for an audit, with every file that a product names
-};
-
-/// Reads a run folder. All hashes that its files name of one another are held against the files.
-RunView read_run_view(StageRun& run, Reading reading);
+/// The file of that name, hashed; null where it is not there.
+const InputFile* file_in(const RunView& run, const std::string& name);
 
 }  // namespace runcert

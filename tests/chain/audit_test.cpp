@@ -226,7 +226,7 @@ TEST(Audit, WhatTheAttemptReplacedIsNamedWithTheDefault) {
     const std::string text = unwrapped(runcert({"audit", run.string()}).output);
     for (const char* pattern : {"replaces smooth.robust_scale and nalsa accuracy.limit",
                                 R"(1 of \d+ not the default of the class land-yacht)",
-                                R"(\nsmooth.robust_scale +2.5 +2 +the attempt\n)",
+                                R"(\nsmooth.robust_scale +2.5 +2 +the attempt Scale of)",
                                 R"(\naccuracy.limit +0.8 km/h +0.75 km/h +agreed before\n)"})
         EXPECT_TRUE(std::regex_search(text, std::regex(pattern))) << pattern << "\n" << text;
 }

@@ -76,9 +76,9 @@ struct EnhancedKalmanState {
 /// divide by the radius where they must multiply.
 ///
 /// Over a step the input is the mean of the velocities measured at its ends, the one there is where
-/// one is missing; its error is taken as the same all the step, so it adds covariance * dt^2. Where
-/// neither is there the filter begins anew at the next measured position. Times must increase.
-/// Empty before the first position.
+/// one is missing; its error is taken to be the same over the whole step, so it adds covariance *
+/// dt^2. Where neither is there the filter begins anew at the next measured position. Times must
+/// increase. Empty before the first position.
 std::vector<std::optional<EnhancedKalmanState>> filter_enhanced_kalman(
     std::span<const ArcEpoch<3>> arc, std::span<const std::optional<MeasuredVelocity>> velocities);
 

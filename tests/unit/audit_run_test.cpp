@@ -106,8 +106,10 @@ TEST(WalkThrough, ParametersAgainstTheDefaultsOfTheClass) {
     const WalkOptions smooth{.stages = {"smooth"}};
     // The defaults are those of schemas/attempt/v1.yaml.
     std::string text = text_of(record, smooth);
-    expect_in(text, {"Parameters, 1 of 7 not the default of the class land-yacht",
-                     "smooth.robust_scale  3     2              the attempt\n"});
+    expect_in(text,
+              {"Parameters, 1 of 7 not the default of the class land-yacht",
+               "smooth.robust_scale  3     2              the attempt Scale of the Cauchy loss "
+               "of the robust solution, in standard deviations.\n"});
     EXPECT_EQ(text.find("smooth.jerk_density"), std::string::npos) << text;
     expect_in(text_of(record, {.stages = {"smooth"}, .all = true}),
               {"smooth.jerk_density              0.6     0.6      m s-2.5  default"});

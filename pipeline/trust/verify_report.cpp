@@ -34,9 +34,12 @@ class Comparison {
     void fail(std::string detail) { step_.fail(std::move(detail)); }
     void equal(const std::string& what, const std::string& in_report, const std::string& in_file,
                const std::string& file) {
-        if (in_report != in_file)
-            fail(fmt::format("report.json: {} is \"{}\", in {} it is \"{}\"", what,
-                             shown(in_report), file, shown(in_file)));
+        if (in_report != in_file) differs(what, in_report, in_file, file);
+    }
+    void differs(const std::string& what, const std::string& in_report, const std::string& in_file,
+                 const std::string& file) {
+        fail(fmt::format("report.json: {} is \"{}\", in {} it is \"{}\"", what, shown(in_report),
+                         file, shown(in_file)));
     }
 
   private:
@@ -47,27 +50,36 @@ std::string text_of(const Json& object, const std::string& key) {
     return object.contains(key) ? object.at(key).get<std::string>() : "";
 }
 
-/// Every value of the verdict that the report holds otherwise than the file.
-void compare_values(const std::string& path, const Json& in_report, const Json& in_file,
+/// What a map holds under that name; null where it has nothing there.
+const Json* member_of(const Json& map, const std::string& name) {
+    const auto found = map.find(name);
+    return found == map.end() ? nullptr : &*found;
+}
+
+std::string words_of(const Json* value) {
+    if (value == nullptr) return "absent";
+    if (value->is_string()) return value->get<std::string>();
+    if (!value->is_structured()) return value->dump();
+    return fmt::format("a {} of {}", value->is_array() ? "list" : "map", value->size());
+}
+
+/// Every value of the verdict that the report holds otherwise than the file; null where one of the
+/// two has none.
+void compare_values(const std::string& path, const Json* in_report, const Json* in_file,
                     Comparison& compare) {
-    constexpr const char* absent = "absent";
     const auto below = [&](const std::string& name) { return path + "." + name; };
-    if (in_report.is_object() && in_file.is_object()) {
-        for (const auto& [key, value] : in_file.items())
-            compare_values(below(key), in_report.value(key, Json(absent)), value, compare);
-        for (const auto& [key, value] : in_report.items())
-            if (!in_file.contains(key)) compare_values(below(key), value, absent, compare);
-    } else if (in_report.is_array() && in_file.is_array() && in_report.size() == in_file.size()) {
-        for (std::size_t i = 0; i < in_file.size(); ++i)
-            compare_values(below(std::to_string(i)), in_report[i], in_file[i], compare);
-    } else if (in_report != in_file) {
-        const auto words = [](const Json& value) {
-            return value.is_string() ? value.get<std::string>()
-                   : value.is_structured()
-                       ? fmt::format("a {} of {}", value.is_array() ? "list" : "map", value.size())
-                       : value.dump();
-        };
-        compare.equal(path, words(in_report), words(in_file), verdict_file);
+    const bool both = in_report != nullptr && in_file != nullptr;
+    if (both && in_report->is_object() && in_file->is_object()) {
+        for (const auto& [key, value] : in_file->items())
+            compare_values(below(key), member_of(*in_report, key), &value, compare);
+        for (const auto& [key, value] : in_report->items())
+            if (!in_file->contains(key)) compare_values(below(key), &value, nullptr, compare);
+    } else if (both && in_report->is_array() && in_file->is_array() &&
+               in_report->size() == in_file->size()) {
+        for (std::size_t i = 0; i < in_file->size(); ++i)
+            compare_values(below(std::to_string(i)), &(*in_report)[i], &(*in_file)[i], compare);
+    } else if (!both || *in_report != *in_file) {
+        compare.differs(path, words_of(in_report), words_of(in_file), verdict_file);
     }
 }
 
@@ -121,7 +133,8 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
     const Verdict verdict = read_verdict(text, where);
     const Json& predicate = report.json->at("predicate");
     compare.equal("the attempt's id", report.attempt_id, verdict.attempt, verdict_file);
-    compare_values("verdict", predicate.at("verdict"), body_of(text, where), compare);
+    const Json in_file = body_of(text, where);
+    compare_values("verdict", &predicate.at("verdict"), &in_file, compare);
     compare_document(predicate, verdict.profiles, compare);
     if (!verdict.with_files.empty())
         compare_document(predicate.at("with_files"), verdict.with_files, compare);

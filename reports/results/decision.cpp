@@ -192,7 +192,7 @@ Block decision_facts(const RuleView& rule, Level from, Level to) {
     add_decision(told, rule);
     const OwnArithmetic& own = verdict.own_arithmetic;
     told.add(Level::page, "By the body's arithmetic",
-             to == Level::record ? own_arithmetic_text(own)
+             to >= Level::record ? own_arithmetic_text(own)
              : own.shown.empty() ? "not known"
                                  : own.shown);
     add_window(told, rule);

@@ -65,7 +65,7 @@ std::vector<std::string> requirement_lines(const Requirement& requirement) {
 }
 
 Block requirement_rows(const ProfileVerdict& verdict, Level level) {
-    const bool whole = level == Level::record;
+    const bool whole = level >= Level::record;
     Block rows = whole ? table({"state", "clause", "decided by"}, "Requirements") : table({"", ""});
     for (const Requirement& requirement : verdict.requirements) {
         const std::string doubt = requirement.certainty == Certainty::unconfirmed
@@ -100,7 +100,7 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names) {
     std::vector<std::string> words;
     for (const Override& figure : verdict.overrides)
-        if (names.empty() || std::ranges::find(names, figure.figure) != names.end())
+        if (std::ranges::find(names, figure.figure) != names.end())
             words.push_back(fmt::format(
                 "{} is {} in place of the rule's {}. {}", figure.figure,
                 number_text(figure.used, figure.unit), number_text(figure.rule, figure.unit),

@@ -88,9 +88,9 @@ Block decision_facts(const RuleView& rule, Level from, Level to);
 /// What else is known of it: its figures, and its source.
 std::vector<std::string> requirement_lines(const Requirement& requirement);
 /// "margin.value is 2 mph in place of the rule's 1 mph. Reason: agreed": the figures whose names
-/// are among these, or all.
+/// are among these.
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
-                                        const std::vector<std::string>& names = {});
+                                        const std::vector<std::string>& names);
 /// What holds for all rules, and is said of them together.
 struct SaidOfAll {
     std::vector<Fact> facts = {};

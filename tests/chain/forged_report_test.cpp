@@ -91,6 +91,12 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
     expect_found("required_speed_km_h", [](Json& rule) { rule["required_speed_km_h"] = 100.0; });
     expect_found("coverage_factor", [](Json& rule) { rule["coverage_factor"] = 1.0; });
     expect_found("speed is \\\"255.5\\\"", [](Json& rule) { rule["shown"]["speed"] = "255.5"; });
+    // Neither does a word stand for what is not there, nor one value for its text.
+    expect_found("extra is \\\"absent\\\"", [](Json& rule) { rule["extra"] = "absent"; });
+    expect_found("speed_km_h is", [](Json& rule) {
+        const std::string text = rule["speed_km_h"].dump();
+        rule["speed_km_h"] = text;
+    });
     expect_found("outcome is \\\"not_proven\\\"",
                  [](Json& rule) { rule["outcome"] = "not_proven"; });
     expect_found("reason", [](Json& rule) { rule["reason"] = "Everybody saw it."; });

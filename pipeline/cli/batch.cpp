@@ -75,7 +75,8 @@ BatchOrder order_of(const BatchOptions& options) {
     context.out = options.out.empty() ? default_out(options.day.front()) : fs::path(options.out);
     context.program_folder = program_folder();
     context.programs = programs_of_steps(context.program_folder);
-    context.report = {.render = !options.no_render, .pdf = !options.no_pdf};
+    if (options.no_pdf) context.report.pages = {"report.html"};
+    if (options.no_render) context.report.pages.clear();
     if (!options.key.empty()) {
         context.key = load_secret_key(options.key);
         context.report.signer = key_id_text({.key_id = context.key->key_id()});

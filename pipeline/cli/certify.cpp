@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
+#include <future>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -64,6 +65,10 @@ std::size_t lines_in(const std::string& text) {
     return static_cast<std::size_t>(std::ranges::count(text, '\n'));
 }
 
+std::string page_to_read(const CertifyOptions& options) {
+    return options.no_render ? "report.json" : options.no_pdf ? "report.html" : "certificate.pdf";
+}
+
 /// What is said of a verdict, all of it on one screen.
 struct Answer {
     std::string details = {}, result = {}, next = {};
@@ -72,14 +77,12 @@ struct Answer {
 Answer answer_of(const Verdict& verdict, const std::vector<StageDone>& done,
                  const fs::path& run_dir, const CertifyOptions& options) {
     constexpr std::size_t screen = 24, stages = 8, blank = 2;
-    const std::string page = options.no_render ? "report.json"
-                             : options.no_pdf  ? "report.html"
-                                               : "report.pdf";
     const std::size_t columns = columns_of_output();
     Answer answer;
     answer.result = answer_text({answer_result(verdict)}, columns);
-    answer.next =
-        answer_text({answer_next(verdict, run_dir.string(), (run_dir / page).string())}, columns);
+    answer.next = answer_text(
+        {answer_next(verdict, run_dir.string(), (run_dir / page_to_read(options)).string())},
+        columns);
     std::vector<AnswerLine> details = answer_details(verdict);
     if (const std::string missing = missing_sandbox(); !missing.empty())
         details.push_back({"note", missing});
@@ -122,6 +125,29 @@ void print_stage(const StageDone& stage) {
     std::fflush(stdout);
 }
 
+/// report.pdf, which takes longest: drawn beside the first page, in a folder of its own, and put
+/// into the run when that is in its place.
+class WholeReport {
+  public:
+    explicit WholeReport(const fs::path& staged) {
+        take_report(staged, folder_.path());
+        const fs::path attempt = folder_.path() / attempt_copy_name;
+        fs::copy_file(staged / attempt_copy_name, attempt);
+        drawn_ = std::async(std::launch::async, [this, attempt] {
+            run_step("render", {.attempt = attempt, .run_dir = folder_.path(), .pages = {name}});
+        });
+    }
+    void put_into(const fs::path& run_dir) {
+        drawn_.get();
+        write_file_atomically(run_dir / name, read_file(folder_.path() / name));
+    }
+
+  private:
+    static constexpr const char* name = "report.pdf";
+    TemporaryFolder folder_;
+    std::future<void> drawn_;
+};
+
 /// Whether a step is one that the user sees by itself: not what it takes no time to do.
 bool is_shown(const StageDone& step) {
     return !step_named(step.name).program.empty();
@@ -148,6 +174,13 @@ std::pair<Attempt, std::string> attempt_in(const std::string& file) {
     }
 }
 
+/// Those that are drawn before the run takes its place.
+std::vector<std::string> first_pages(const CertifyOptions& options) {
+    if (options.no_render) return {};
+    if (options.no_pdf) return {"report.html"};
+    return {"report.html", "certificate.pdf"};
+}
+
 int certify(const CertifyOptions& options) {
     const std::time_t started = std::time(nullptr);
     const auto read = attempt_in(options.attempt);
@@ -168,10 +201,7 @@ int certify(const CertifyOptions& options) {
                           .source = {.file = options.attempt},
                           .folder = staging.path(),
                           .known_as = run_dir,
-                          .report = {.render = !options.no_render,
-                                     .pdf = !options.no_pdf,
-                                     .brief = options.brief,
-                                     .signer = options.key},
+                          .report = {.pages = first_pages(options), .signer = options.key},
                           .latest = end_of_tomorrow(started),
                           .sign = [&] {
                               return sign_report(staging.path(), read_report_facts(staging.path()),
@@ -202,11 +232,14 @@ int certify(const CertifyOptions& options) {
         }
     };
     StageDone report;  // one to the user, with its pages
+    std::optional<WholeReport> whole;
+    const bool is_whole = !options.no_render && !options.no_pdf && !options.brief;
     try {
         make_run(
             run,
             [&](const Step& step) {
                 line.begins(step.name);
+                if (step.name == "render" && is_whole) whole.emplace(staging.path());
                 return false;
             },
             [&](const StageDone& done) {
@@ -230,6 +263,16 @@ int certify(const CertifyOptions& options) {
     write_file_unsynced(staging.path() / run_times_name, run_times_text(started, stages));
     const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
+    if (!options.json)
+        fmt::print("        {}{}\n", (run_dir / page_to_read(options)).string(),
+                   is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)");
+    std::fflush(stdout);
+    try {
+        if (whole) whole->put_into(run_dir);
+    } catch (const StageFailed& failed) {
+        fmt::print(stderr, "{}", message_of(failed));
+        return 2;
+    }
     const bool all_beaten = std::ranges::all_of(
         verdict.profiles, [](const auto& one) { return one.outcome == Outcome::beaten; });
     const int status = all_beaten ? 0 : 1;
@@ -237,10 +280,7 @@ int certify(const CertifyOptions& options) {
         print_json(verdict, run_dir, is_signed, status);
         return status;
     }
-    fmt::print("        {}{}\n{}{}",
-               (run_dir / (options.no_render ? "report.json" : "report.html")).string(),
-               is_signed ? " (signed)" : " (UNSIGNED: give --key to sign it)", answer.result,
-               answer.next);
+    fmt::print("{}{}", answer.result, answer.next);
     return status;
 }
 
@@ -255,7 +295,7 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_option("--key", options->key, "secret key to sign the report with");
     command->add_flag("--no-pdf", options->no_pdf, "report.json and HTML alone");
     command->add_flag("--brief", options->brief,
-                      "of the PDF the first page alone, the certificate");
+                      "certificate.pdf, the first page, and no report.pdf");
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     CLI::Option* quiet = command->add_flag("--quiet", options->quiet,
                                            "print the verdict, and nothing of the stages");

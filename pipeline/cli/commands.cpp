@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include "core/text.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
+#include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
 #include "store/sha256.h"
@@ -41,9 +43,10 @@ int run_companion(const std::string& name, const std::string& run,
 }
 
 int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
-    // Whoever asked for no PDF gets none later, and whoever asked for the certificate alone that.
-    const bool pdf = fs::exists(run_dir / "report.pdf") || !fs::exists(run_dir / "report.html");
-    const bool brief = is_first_page_alone(run_dir / "report.pdf");
+    // Whoever asked for some pages gets no others later.
+    std::vector<std::string> pages(page_names.begin(), page_names.end());
+    std::erase_if(pages, [&](const std::string& page) { return !fs::exists(run_dir / page); });
+    if (pages.empty()) pages.assign(page_names.begin(), page_names.end());
     try {
         {
             const RunLock lock(run_dir);
@@ -51,15 +54,14 @@ int render_pages(const fs::path& run_dir, const std::string& roster, const std::
         }
         run_step("render", {.attempt = run_dir / "attempt.yaml",
                             .run_dir = run_dir,
-                            .pdf = pdf,
-                            .brief = brief,
+                            .pages = pages,
                             .roster = roster});
     } catch (const StageFailed& failed) {
         fmt::print(stderr, "{}{}; its pages could not be made again and do not show it\n",
                    message_of(failed), done);
         return 2;
     }
-    fmt::print("pages   report.html{}\n", pdf ? ", report.pdf" : "");
+    fmt::print("pages   {}\n", fmt::join(pages, ", "));
     return 0;
 }
 

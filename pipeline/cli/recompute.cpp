@@ -79,16 +79,13 @@ Recomputation recompute(const fs::path& run_dir, const fs::path& folder) {
 }
 
 /// report.json again, from the stage files of the run folder itself: where those are as good as
-/// the recomputed ones, it must follow from them to the letter, on any processor. Drawings are not
-/// drawn: their hashes are a layer of their own.
+/// the recomputed ones, it must follow from them to the letter, on any processor.
 std::optional<std::string> recompute_report(const fs::path& run_dir, const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(run_dir))
         if (entry.is_regular_file() && !entry.path().filename().string().starts_with("report."))
             fs::copy_file(entry.path(), folder / entry.path().filename());
     try {
-        run_step(
-            "report",
-            {.attempt = folder / "attempt.yaml", .run_dir = folder, .as = run_dir / report_file});
+        run_step("report", {.attempt = folder / "attempt.yaml", .run_dir = folder});
     } catch (const StageFailed& failed) {
         return message_of(failed);
     }
@@ -143,8 +140,6 @@ std::string finding_of(const Comparisons& all) {
 void require_own_contents(const fs::path& run_dir, const ReportFacts& report,
                           const std::string& remedy) {
     require_passed(run_dir, verify_report_text(run_dir, report), remedy);
-    const VerificationStep drawings = verify_drawings(run_dir, report);
-    if (drawings.is(LayerAnswer::not_verified)) require_passed(run_dir, drawings, remedy);
 }
 
 VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts& report) {

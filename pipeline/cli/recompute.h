@@ -41,12 +41,10 @@ FileComparison compare_file(const std::filesystem::path& run_dir,
 
 /// Makes report.json again from the folder's stage files: it must be the same, byte for byte; of
 /// another program, or with another mathematical library, in all that it says of the measurement.
-/// Nothing is drawn: `verify_drawings` does that.
 VerificationStep verify_report_text(const std::filesystem::path& run_dir,
                                     const ReportFacts& report);
 
-/// Failure, saying that nothing was signed, where report.json is not what its files make, or a
-/// drawing not the one that it names. One that cannot be drawn here does not hinder.
+/// Failure, saying that nothing was signed, where report.json is not what its files make.
 void require_own_contents(const std::filesystem::path& run_dir, const ReportFacts& report,
                           const std::string& remedy);
 

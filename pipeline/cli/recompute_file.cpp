@@ -108,8 +108,7 @@ Json predicate_of(const std::string& text, const std::string& where) {
 }
 
 /// What the report says of the measurement, without what names programs and bytes; of the page only
-/// where the report that is judged has it from this very program. The recomputed report has the
-/// hashes of drawings from the other.
+/// where the report that is judged has it from this very program.
 Json measurement_of(Json predicate, bool made_here) {
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);

@@ -70,8 +70,7 @@ SignatureRules read_rules(const VerifyOptions& options) {
 
 /// Layers beside the decision: where one of these cannot be checked here, the others stand, and the
 /// last line names it.
-constexpr std::array<std::string_view, 4> beside_the_decision{"bundle", "time stamps", "drawings",
-                                                              "pages"};
+constexpr std::array<std::string_view, 3> beside_the_decision{"bundle", "time stamps", "pages"};
 
 /// All that `runcert verify` found.
 struct VerificationResult {
@@ -321,8 +320,6 @@ int verify(const VerifyOptions& options) {
     AttestationLayer attestations = verify_attestations(run_dir, report, result.signers, rules);
     result.layers.push_back(std::move(attestations.step));
     result.standing = std::move(attestations.standing);
-    add_long_layer(result, options.keep_going, "drawings",
-                   [&] { return verify_drawings(run_dir, report); });
     add_long_layer(result, options.keep_going, "pages", [&] {
         return verify_pages(run_dir, report, rules, result.standing.value_or(RunStanding{}));
     });
@@ -410,7 +407,7 @@ void add_verify(CLI::App& app, Command& chosen) {
         "was signed does.\n"
         "Exit status: 0 verified, or signed and not recomputed; 1 not verified; 2 not checkable, "
         "as "
-        "where\n--recompute could not be done. Pages, drawings, time stamps and the form of a "
+        "where\n--recompute could not be done. Pages, time stamps and the form of a "
         "bundle "
         "do not change it\nwhere they cannot be checked.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });

@@ -45,8 +45,8 @@ void add_done(Json& json, const DayAttempt& attempt, const FileHashes& files, co
             {{"file", file}, {"sha256", digest.sha256}, {"bytes", digest.bytes}});
     }
     json["pages"] = Json::array();
-    for (const char* page : {"report.html", "report.pdf"})
-        if (files.contains(page)) json["pages"].push_back(attempt.id + "/" + page);
+    for (const char* const page : page_names)
+        if (files.contains(page)) json["pages"].push_back(fmt::format("{}/{}", attempt.id, page));
     json["notes"] = Json::array();
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "run/steps.h"
+#include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
 #include "store/external_program.h"
 #include "store/sha256.h"
@@ -44,8 +45,7 @@ StepRecord step_of(const Json& json) {
 
 /// Whether a batch makes files of that name.
 bool is_made_by_a_batch(const std::string& name) {
-    return is_file_of_a_run(name) || name == "report.json" || name == "report.html" ||
-           name == "report.pdf";
+    return is_file_of_a_run(name) || name == "report.json" || is_page_name(name);
 }
 
 RunRecord foreign_record() {

@@ -38,8 +38,7 @@ StageDone run_program(const Step& step, const RunInMaking& run) {
                         {.attempt = copy,
                          .run_dir = run.folder,
                          .import_options = taken_from,
-                         .pdf = run.report.pdf,
-                         .brief = run.report.brief},
+                         .pages = run.report.pages},
                         run.process, run.programs);
     } catch (StageFailed& failed) {
         replace_all(failed.result.errors, copy.string(), run.source.file.string());

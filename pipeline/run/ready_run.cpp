@@ -11,6 +11,7 @@
 
 #include "core/failure.h"
 #include "run/run_lock.h"
+#include "schemas/common/product_files.h"
 #include "store/record_key.h"
 #include "store/sha256.h"
 
@@ -150,8 +151,8 @@ void finish_in_place(const Folder& run) {
             return known != replaced.end() && run.kind_of(name) == EntryKind::file &&
                    digest_file(run.path() / name).sha256 == known->second;
         };
-        for (const char* name : {report_name, "report.html", "report.pdf"})
-            if (may_go(name)) run.remove(name);
+        for (const std::string& name : run.names())
+            if ((name == report_name || is_page_name(name)) && may_go(name)) run.remove(name);
         for (const std::string& name : run.names())
             if (made.kind_of(name) == EntryKind::none && may_go(name)) run.remove(name);
         place_all(made, run);

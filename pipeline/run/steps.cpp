@@ -108,15 +108,12 @@ const std::vector<Step>& steps() {
          .program = "runcert-check",
          .products = {verdict},
          .made_from = {observations, surface, products::enu, screened, trajectory, windows}},
-        {.name = "report",
-         .program = "runcert-report",
-         .options = {"--no-render"},
-         .calls = {"gnuplot"}},
+        {.name = "report", .program = "runcert-report", .options = {"--no-render"}},
         {.name = "sign"},
         {.name = "render",
          .program = "runcert-report",
          .options = {"--render-only"},
-         .calls = {"gnuplot", "weasyprint"}}};
+         .calls = {"weasyprint"}}};
     return all;
 }
 
@@ -158,7 +155,7 @@ const Step& step_named(std::string_view name) {
 
 bool is_step_of(const Step& step, const ReportChoice& choice) {
     if (step.name == "sign") return !choice.signer.empty();
-    return step.name != "render" || choice.render;
+    return step.name != "render" || !choice.pages.empty();
 }
 
 Names inputs_of(const Step& step, const Attempt& attempt) {
@@ -185,8 +182,7 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
 Names outputs_of(const Step& step, const Attempt& attempt, const ReportChoice& choice) {
     if (step.name == "claim") return claim_files(attempt);
     if (step.name == "report") return {"report.json"};
-    if (step.name == "render")
-        return choice.pdf ? Names{"report.html", "report.pdf"} : Names{"report.html"};
+    if (step.name == "render") return choice.pages;
     if (is_of_run(step)) return files_of(step.products, attempt, attempt.receivers.front());
     Names names;
     if (step.products.empty()) return names;
@@ -248,15 +244,11 @@ Names command_of(const Step& step, const StepCall& call, const std::filesystem::
                   "--run-dir", call.run_dir.string()};
     append(command, step.options);
     if (step.name == "import") append(command, call.import_options);
-    if (step.name == "render" && !call.pdf) command.emplace_back("--no-pdf");
-    if (step.name == "render" && call.brief) command.emplace_back("--brief");
+    if (step.name == "render")
+        for (const std::string& page : call.pages)
+            command.insert(command.end(), {"--page", page});
     if (step.name == "render" && !call.roster.empty())
         command.insert(command.end(), {"--roster", call.roster.string()});
-    if (step.name == "render" && !call.drawings.empty())
-        command.insert(command.end(), {"--drawings", call.drawings.string()});
-    if (step.name == "render" && call.draw_only) command.emplace_back("--draw-only");
-    if (step.name == "report" && !call.as.empty())
-        command.insert(command.end(), {"--as", call.as.string()});
     return command;
 }
 

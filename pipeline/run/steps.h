@@ -44,9 +44,7 @@ const Step& step_named(std::string_view name);
 
 /// How a run is reported.
 struct ReportChoice {
-    bool render = true;
-    bool pdf = true;
-    bool brief = false;       ///< of the PDF the first page alone
+    std::vector<std::string> pages = {page_names.begin(), page_names.end()};
     std::string signer = {};  ///< key id and role; empty for no signature
 };
 
@@ -86,15 +84,8 @@ struct StepCall {
     std::filesystem::path run_dir;
     /// For import: where what the attempt names is to be found ("--earlier-run", "--folder").
     std::vector<std::string> import_options = {};
-    bool pdf = true;
-    bool brief = false;
-    std::filesystem::path roster = {};  ///< for render: whose keys count; may be empty
-    /// For render: the folder of the figures' drawings, which are made where it is empty.
-    std::filesystem::path drawings = {};
-    bool draw_only = false;  ///< for render: the drawings, into run_dir, and no pages
-    /// For report: an earlier report.json of the same run, which gives what hangs on the computer
-    /// that made it: the hashes of drawings, and where the program is to be had.
-    std::filesystem::path as = {};
+    std::vector<std::string> pages = {};  ///< for render: which of `page_names`
+    std::filesystem::path roster = {};    ///< for render: whose keys count; may be empty
 };
 
 /// The command line of a step that a program in that folder does.

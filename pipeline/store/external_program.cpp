@@ -189,7 +189,7 @@ std::string_view words_of(Isolation isolation) {
 const std::vector<ExternalProgram>& external_programs() {
     static const std::vector<ExternalProgram> all{
         {"gpsbabel", "gpsbabel"},          {"rnx2rtkp", "rtklib"},
-        {"gnuplot", "gnuplot-nox"},        {"weasyprint", "weasyprint"},
+        {"weasyprint", "weasyprint"},
         {"pdfdetach", "poppler-utils"},    {"pdfsig", "poppler-utils"},
         {"pdfinfo", "poppler-utils"},      {"pdffonts", "poppler-utils"},
         {"pdftotext", "poppler-utils"},    {"pdftoppm", "poppler-utils"},

@@ -31,7 +31,7 @@ const std::vector<ExternalProgram>& external_programs();
 /// there is none.
 std::filesystem::path external_program_file(std::string_view name);
 
-/// "gnuplot is not installed here (package gnuplot-nox)" where there is no such file; else empty.
+/// "weasyprint is not installed here (package weasyprint)" where there is no such file; else empty.
 std::string missing_program_words(std::string_view name);
 
 /// The SHA-256 of that file, 64 lower-case hexadecimal digits; empty where there is none. For a

@@ -10,6 +10,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "run/staging_folder.h"
+#include "schemas/common/product_files.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -40,9 +41,9 @@ ReportFacts bundled_report(const fs::path& run_dir) {
 }
 
 bool is_written_beside_the_report(const std::string& name) {
-    static const std::set<std::string> plain{"report.json", "report.html",    "report.pdf",
-                                             timing_file,   bundle_sums_file, bundle_text_file};
-    return plain.contains(name) || belongs_to_signatures(name);
+    static const std::set<std::string> plain{"report.json", timing_file, bundle_sums_file,
+                                             bundle_text_file};
+    return plain.contains(name) || is_page_name(name) || belongs_to_signatures(name);
 }
 
 bool is_bundled_key(const std::string& name) {

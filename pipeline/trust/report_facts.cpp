@@ -205,7 +205,6 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
         facts.program_home = read_home(predicate.at("program"), where);
         facts.arithmetic = predicate.at("program").at("arithmetic").get<std::string>();
-        facts.drawn_by = predicate.at("page").at("drawn_by_sha256").get<std::string>();
         Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);

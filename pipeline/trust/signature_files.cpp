@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "run/attempt_files.h"
 #include "run/run_lock.h"
+#include "schemas/common/product_files.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
 #include "store/sha256.h"
@@ -94,8 +95,7 @@ void carry_folder(const Folder& run, const Folder& made, const std::string& name
 
 /// Whether every run makes a file of that name anew.
 bool is_made_anew(const std::string& name) {
-    static const std::set<std::string> all{"report.json", "report.html", "report.pdf", "run.yaml"};
-    return all.contains(name);
+    return name == "report.json" || name == "run.yaml" || is_page_name(name);
 }
 
 /// Brings along the user's own files, and those of the run that are not as its report names them.

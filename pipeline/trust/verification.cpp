@@ -12,6 +12,7 @@
 #include "run/attempt_files.h"
 #include "run/stage_run.h"
 #include "run/steps.h"
+#include "schemas/common/product_files.h"
 #include "schemas/products/products.h"
 #include "store/atomic_file.h"
 #include "store/program.h"
@@ -33,10 +34,9 @@ bool is_known_companion(const fs::directory_entry& entry) {
         return fs::is_directory(status) && fs::exists(entry.path().parent_path() / "SHA256SUMS");
     if (name == superseded_folder || name == attestations_folder) return fs::is_directory(status);
     if (!fs::is_regular_file(status)) return false;
-    for (const char* known :
-         {"report.json", "report.html", "report.pdf", "run.yaml", "SHA256SUMS", "VERIFY.txt"})
+    for (const char* known : {"report.json", "run.yaml", "SHA256SUMS", "VERIFY.txt"})
         if (name == known) return true;
-    return belongs_to_signatures(name);
+    return is_page_name(name) || belongs_to_signatures(name);
 }
 
 std::optional<std::string> fault_of_subject(const fs::path& file, const std::string& sha256) {

@@ -40,7 +40,6 @@ struct ReportFacts {
     std::string source_revision{};
     std::string program_home{};  ///< where that is to be had, as it says; may be empty
     std::string arithmetic{};    ///< of the computer that made it, see store/program.h
-    std::string drawn_by{};      ///< SHA-256 of the gnuplot that drew its figures
     std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
     std::vector<std::string> subject_names{};       ///< in the report's own order
     std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
@@ -167,23 +166,19 @@ std::string key_identity(const Signer& signer);
 SignatureLayers verify_signatures(const std::filesystem::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules);
 
-/// The name of a figure's drawing in a folder of drawings.
-std::string drawing_file_name(std::size_t figure);
-
-/// Whether the drawings, whose hashes report.json names, are what gnuplot makes of its figures.
-/// They are drawn again. Not checkable where gnuplot is missing, and where the one that drew them
-/// was another than here, or another program wrote its script, and they come out otherwise.
-VerificationStep verify_drawings(const std::filesystem::path& run_dir, const ReportFacts& report);
-
-/// Whether report.html and report.pdf, if there, are what this report.json, the signatures that the
-/// page names and all attestations render to. They are rendered again, which takes a second or two.
-/// Drawings are taken from report.html where they have the hashes that report.json names, and drawn
-/// again else. Not checkable: pages of another program, and what gnuplot, WeasyPrint or poppler are
-/// needed for where they are missing, or are others than made it. Of such a PDF, what it carries is
-/// checked, and what its first page says. Not verified where the pages go by an unknown roster, and
-/// where a rule's standing is another on them than was `found` by the roster given.
+/// Whether report.html, certificate.pdf and report.pdf, if there, are what this report.json, the
+/// signatures that the page names and all attestations render to. They are rendered again, which
+/// takes a second or two. Not checkable: pages of another program, and what WeasyPrint or poppler
+/// are needed for where they are missing, or are others than made it. Of such a PDF, what it
+/// carries is checked, and what its first page says. Not verified where the pages go by an unknown
+/// roster, and where a rule's standing is another on them than was `found` by the roster given.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules, const RunStanding& found);
+
+/// Copies what pages are made of into another folder: report.json, its signatures (those `shown`,
+/// or all) and its attestations.
+void take_report(const std::filesystem::path& run_dir, const std::filesystem::path& folder,
+                 const std::optional<std::vector<std::string>>& shown = std::nullopt);
 
 /// The SHA-256 of the roster that report.html was made with, as it says; empty where it names none.
 std::string roster_of_pages(const std::filesystem::path& run_dir);
@@ -216,12 +211,5 @@ struct RoleState {
 /// possible are filled.
 std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
                                   const std::vector<Signer>& signers);
-
-/// What the PDF of the certificate alone, without what stands behind it, has as its subject.
-inline constexpr std::string_view first_page_subject = "The certificate alone";
-
-/// Whether a report.pdf is the certificate alone, of however many pages; one that cannot be read is
-/// not.
-bool is_first_page_alone(const std::filesystem::path& pdf);
 
 }  // namespace runcert

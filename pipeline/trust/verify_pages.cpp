@@ -12,8 +12,8 @@
 #include "core/text.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
+#include "schemas/common/product_files.h"
 #include "store/atomic_file.h"
-#include "store/base64.h"
 #include "store/external_program.h"
 #include "store/process.h"
 #include "store/program.h"
@@ -124,7 +124,6 @@ std::optional<std::string> difference_shown(const fs::path& pdf, const fs::path&
 }
 
 constexpr const char* html_file = "report.html";
-constexpr const char* pdf_file = "report.pdf";
 constexpr const char* report_json_file = "report.json";
 constexpr const char* is_identical = ": identical when rendered again";
 constexpr const char* differs =
@@ -150,7 +149,8 @@ std::vector<std::string> signatures_in(const std::string& page) {
     return names;
 }
 
-/// The folder's report, with those of its signatures that the page was made with, or all of them.
+}  // namespace
+
 void take_report(const fs::path& run_dir, const fs::path& folder,
                  const std::optional<std::vector<std::string>>& shown) {
     write_file_atomically(folder / report_json_file, read_file(run_dir / report_json_file));
@@ -165,13 +165,15 @@ void take_report(const fs::path& run_dir, const fs::path& folder,
     }
 }
 
-/// Why pages or drawings could not be made again.
+namespace {
+
+/// Why pages could not be made again.
 struct Obstacle {
     std::string words{};
     bool is_here = false;  ///< another computer might do it
 };
 
-/// Renders, or draws; what stood against it, or nothing.
+/// Renders; what stood against it, or nothing.
 std::optional<Obstacle> obstacle_to(const StepCall& call, const ReportFacts& report) {
     try {
         run_step("render", call);
@@ -187,8 +189,7 @@ std::optional<Obstacle> obstacle_to(const StepCall& call, const ReportFacts& rep
             return Obstacle{missing.empty() ? said : missing, true};
         }
         if (!is_made_here(report)) return Obstacle{made_by_another(report), true};
-        const std::string gnuplot = external_program_sha256("gnuplot");
-        return Obstacle{said, call.drawings.empty() && report.drawn_by != gnuplot};
+        return Obstacle{said, false};
     }
 }
 
@@ -198,38 +199,6 @@ void add(VerificationStep& step, const std::string& what, const Obstacle& obstac
         step.leave(fmt::format("{}: not checked here: {}", what, obstacle.words));
     else
         step.fail(fmt::format("{}: {}", what, obstacle.words));
-}
-
-const nlohmann::json& figures_of(const ReportFacts& report) {
-    static const nlohmann::json none = nlohmann::json::array();
-    const auto& predicate = report.json->at("predicate");
-    const auto figures = predicate.find("figures");
-    return figures != predicate.end() && figures->is_array() ? *figures : none;
-}
-
-std::string drawing_hash_of(const nlohmann::json& figure) {
-    const auto hash = figure.is_object() ? figure.find("drawing_sha256") : figure.end();
-    return figure.is_object() && hash != figure.end() && hash->is_string()
-               ? hash->get<std::string>()
-               : std::string();
-}
-
-/// Writes the drawings that a page carries, by the hashes that the report names, into a folder.
-/// Where the page lacks one, an empty one stands when it is made again: it comes out otherwise.
-void take_drawings(const std::string& page, const ReportFacts& report, const fs::path& folder) {
-    constexpr std::string_view begin = "data:image/svg+xml;base64,";
-    std::map<std::string, std::string> drawings{{sha256_hex(""), ""}};
-    for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
-        at += begin.size();
-        if (const auto bytes = decode_base64(page.substr(at, page.find('"', at) - at)))
-            drawings[sha256_hex(*bytes)] = *bytes;
-    }
-    const nlohmann::json& figures = figures_of(report);
-    for (std::size_t i = 0; i < figures.size(); ++i) {
-        const auto drawing = drawings.find(drawing_hash_of(figures[i]));
-        if (drawing != drawings.end())
-            write_file_atomically(folder / drawing_file_name(i), drawing->second);
-    }
 }
 
 /// Byte for byte. It carries the report whatever program made it.
@@ -251,7 +220,7 @@ void judge_html(VerificationStep& step, const fs::path& own, const std::string& 
 /// Where another renderer made it, which only it says itself, its first page must say the same, and
 /// the rest is not checked.
 void judge_other_pdf(VerificationStep& step, const fs::path& pdf, const fs::path& own) {
-    const std::string name(pdf_file);
+    const std::string name = pdf.filename().string();
     const auto fail = [&](const std::string& fault) {
         step.fail(fmt::format("{}: {}: {}", name, fault, differs));
     };
@@ -281,7 +250,7 @@ void judge_other_pdf(VerificationStep& step, const fs::path& pdf, const fs::path
 /// It must carry the report and nothing else, and run no script, whoever rendered it.
 void judge_pdf(VerificationStep& step, const fs::path& pdf, const fs::path& own,
                const ReportFacts& report, const std::optional<Obstacle>& obstacle) {
-    const std::string name(pdf_file);
+    const std::string name = pdf.filename().string();
     try {
         require_readable_pdf(pdf);
         if (fs::exists(own) && read_file(pdf) == read_file(own))
@@ -315,66 +284,16 @@ std::string roster_of_pages(const fs::path& run_dir) {
     return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
 }
 
-std::string drawing_file_name(std::size_t figure) {
-    return fmt::format("drawing.{}.svg", figure);
-}
-
-VerificationStep verify_drawings(const fs::path& run_dir, const ReportFacts& report) {
-    VerificationStep step{.what = "drawings"};
-    const nlohmann::json& figures = figures_of(report);
-    if (figures.empty()) {
-        step.finding = "there are none";
-        return step;
-    }
-    step.answer = LayerAnswer::verified;
-    const TemporaryFolder folder;
-    write_file_atomically(folder.path() / report_json_file, report.text);
-    const auto obstacle = obstacle_to(
-        {.attempt = run_dir / attempt_copy_name, .run_dir = folder.path(), .draw_only = true},
-        report);
-    if (obstacle) add(step, "figures", *obstacle);
-    const std::string gnuplot = external_program_sha256("gnuplot");
-    for (std::size_t i = 0; i < figures.size() && !obstacle; ++i) {
-        const fs::path file = folder.path() / drawing_file_name(i);
-        if (fs::exists(file) && digest_file(file).sha256 == drawing_hash_of(figures[i])) continue;
-        const std::string figure = fmt::format("figure {}", i + 1);
-        if (!is_made_here(report))
-            step.leave(fmt::format("{}: not checked here: {}", figure, made_by_another(report)));
-        else if (report.drawn_by != gnuplot)
-            step.leave(
-                fmt::format("{}: not checked here: a gnuplot of the SHA-256 {} drew it, here is {}",
-                            figure, shown(report.drawn_by), gnuplot));
-        else
-            step.fail(figure + ": its drawing comes out other than report.json names it");
-    }
-    step.finding = finding_of(step, "they are what the report's figures give",
-                              "not all are what the report's figures give");
-    return step;
-}
-
-bool is_first_page_alone(const fs::path& pdf) {
-    try {
-        // As WeasyPrint writes it, so that no other program is needed; a seal may write it
-        // otherwise.
-        if (read_file(pdf).find(fmt::format("/Subject ({})", first_page_subject)) !=
-            std::string::npos)
-            return true;
-        require_readable_pdf(pdf);
-        return facts_of(pdf)["Subject"] == first_page_subject;
-    } catch (const Failure&) {
-        return false;
-    }
-}
-
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
                               const SignatureRules& rules, const RunStanding& found) {
     VerificationStep step{.what = "pages"};
-    const auto is_there = [&](const char* name) {
+    const auto is_there = [&](const std::string& name) {
         return fs::is_regular_file(fs::symlink_status(run_dir / name));
     };
     const bool html = is_there(html_file);
-    const bool pdf = is_there(pdf_file);
-    if (!html && !pdf) {
+    std::vector<std::string> pages(page_names.begin(), page_names.end());
+    std::erase_if(pages, [&](const std::string& name) { return !is_there(name); });
+    if (pages.empty()) {
         step.finding = "there are none";
         return step;
     }
@@ -392,17 +311,15 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
     const TemporaryFolder folder, others;
     const fs::path roster_file = others.path() / "roster";
     if (!roster.empty()) write_file_atomically(roster_file, rules.roster->text);
-    if (html) take_drawings(page, report, others.path());
     take_report(run_dir, folder.path(), html ? std::optional(signatures_in(page)) : std::nullopt);
     const auto obstacle = obstacle_to({.attempt = run_dir / attempt_copy_name,
                                        .run_dir = folder.path(),
-                                       .pdf = pdf,
-                                       .brief = pdf && is_first_page_alone(run_dir / pdf_file),
-                                       .roster = roster.empty() ? fs::path() : roster_file,
-                                       .drawings = html ? others.path() : fs::path()},
+                                       .pages = pages,
+                                       .roster = roster.empty() ? fs::path() : roster_file},
                                       report);
     if (html) judge_html(step, folder.path() / html_file, page, report, obstacle);
-    if (pdf) judge_pdf(step, run_dir / pdf_file, folder.path() / pdf_file, report, obstacle);
+    for (const std::string& pdf : pages)
+        if (pdf != html_file) judge_pdf(step, run_dir / pdf, folder.path() / pdf, report, obstacle);
     if (rules.vouches()) {
         const RunStanding on_pages =
             stated_standing(folder.path(), report, roster.empty() ? std::nullopt : rules.roster);

@@ -38,16 +38,20 @@ std::string clause_name(const std::string& clause) {
     return capitalised(name);
 }
 
-std::vector<Block> plots_of(const Json& figures, std::string_view kind) {
+std::vector<Block> shown(const Plots& plots, Json& figures) {
     std::vector<Block> blocks;
-    for (std::size_t i = 0; i < figures.size(); ++i)
-        if (figures[i]["figure"] == kind)
-            blocks.push_back(plot(i, figures[i]["figure_title"], figures[i]["caption"]));
+    for (const Plot& one : plots) {
+        const Json figure = plot_json(one);
+        const auto known = std::ranges::find(figures, figure);
+        blocks.push_back(
+            plot(static_cast<std::size_t>(known - figures.begin()), one.title, one.caption));
+        if (known == figures.end()) figures.push_back(figure);
+    }
     return blocks;
 }
 
 Document certificate_document(const ReportInputs& inputs, const std::string& report_id,
-                              const Json& figures) {
+                              Json& figures) {
     Document document{.title = "Measurement report " + report_id,
                       .subtitle = "Craft, as claimed: " + claimed(inputs.attempt.craft.name)};
     document.sections.push_back(first_page(inputs, report_id, figures));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "reports/certificate/report_data.h"
+#include "reports/plot/plot.h"
 #include "reports/results/results.h"
 #include "schemas/document/document.h"
 
@@ -13,32 +14,33 @@
 
 namespace runcert {
 
-/// A report as people read it. `figures` are those of its predicate, and stand where the sections
-/// place them. Failure where the inputs do not belong together.
+/// A report as people read it. What its sections draw is added to `figures` of its predicate.
+/// Failure where the inputs do not belong together.
 Document certificate_document(const ReportInputs& inputs, const std::string& report_id,
-                              const nlohmann::ordered_json& figures);
+                              nlohmann::ordered_json& figures);
+
+/// The blocks where plots stand; those that `figures` lacks are added to it.
+std::vector<Block> shown(const Plots& plots, nlohmann::ordered_json& figures);
 
 /// What was found by each rule, of the judged receiver.
 std::vector<RuleView> rule_views(const ReportInputs& inputs);
 
 /// "Secondary method" of the clause secondary-method.
 std::string clause_name(const std::string& clause);
-/// The figures of that kind, as plots in the order of the report.
-std::vector<Block> plots_of(const nlohmann::ordered_json& figures, std::string_view kind);
 
 // The sections.
 
 Section first_page(const ReportInputs& inputs, const std::string& report_id,
-                   const nlohmann::ordered_json& figures);
+                   nlohmann::ordered_json& figures);
 Section requirements_section(const ReportInputs& inputs);
-Section window_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
+Section window_section(const ReportInputs& inputs, nlohmann::ordered_json& figures);
 Section uncertainty_section(const ReportInputs& inputs);
-Section screening_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
+Section screening_section(const ReportInputs& inputs, nlohmann::ordered_json& figures);
 /// Empty where there are neither witnesses nor raw signals.
-Section witnesses_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
+Section witnesses_section(const ReportInputs& inputs, nlohmann::ordered_json& figures);
 /// Empty where no receiver has an IMU.
-Section attitude_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
-Section run_section(const ReportInputs& inputs, const nlohmann::ordered_json& figures);
+Section attitude_section(const ReportInputs& inputs, nlohmann::ordered_json& figures);
+Section run_section(const ReportInputs& inputs, nlohmann::ordered_json& figures);
 Section recording_section(const ReportInputs& inputs);
 Section method_section(const ReportInputs& inputs);
 Section files_section(const ReportInputs& inputs, const std::string& report_id);

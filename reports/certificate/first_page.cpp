@@ -7,7 +7,7 @@
 #include "core/claimed_text.h"
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/certificate_document.h"
+#include "reports/certificate/plots.h"
 #include "reports/words/answer.h"
 #include "reports/words/attempt.h"
 #include "reports/words/decision.h"
@@ -223,17 +223,17 @@ void add_overview(Section& page, const std::vector<RuleView>& rules) {
     add(page, paragraph("Reasons, requirements and uncertainty of each rule follow.", "note"));
 }
 
-void add_small_plots(Section& page, const Json& figures) {
+void add_small_plots(Section& page, const ReportInputs& inputs, Json& figures) {
     Block block{.kind = BlockKind::plots, .look = "small"};
-    for (const char* kind : {"place", "result"})
-        for (const Block& one : plots_of(figures, kind))
+    for (const Plots& plots : {place_plot(inputs), result_plot(inputs)})
+        for (const Block& one : shown(plots, figures))
             block.plots.push_back(one.plots.front());
     if (!block.plots.empty()) add(page, std::move(block));
 }
 
 }  // namespace
 
-Section first_page(const ReportInputs& inputs, const std::string& report_id, const Json& figures) {
+Section first_page(const ReportInputs& inputs, const std::string& report_id, Json& figures) {
     Section page{.anchor = "certificate", .layout = "first_page"};
     const std::vector<RuleView> rules = rule_views(inputs);
     add_cautions(page, inputs);
@@ -258,25 +258,19 @@ Section first_page(const ReportInputs& inputs, const std::string& report_id, con
     page.blocks.back().slot = "closing";
     add_identity(page, inputs);
     constexpr std::size_t fills_the_page = 3;
-    if (rules.size() < fills_the_page) add_small_plots(page, figures);
+    if (rules.size() < fills_the_page) add_small_plots(page, inputs, figures);
     if (rules.size() == 1) {
         add_requirements(page, rules.front());
         if (std::string words = witnesses_text(rules.front()); !words.empty())
             add(page, paragraph(std::move(words), "note"));
     }
     add(page, {.kind = BlockKind::signers});
-    add(page,
-        {.kind = BlockKind::check,
-         .text = fmt::format(
-             "To check report {}: runcert verify RUN_FOLDER --roster ROSTER. {}What counts is "
-             "report.json; the code names it. Figures: speed rounded down; uncertainty, "
-             "required speed and acceptance limit rounded up.",
-             report_id,
-             inputs.program.home.empty()
-                 ? ""
-                 : fmt::format("The program is at {} (version {}, source {}). ",
-                               inputs.program.home, inputs.program.version,
-                               inputs.program.source_revision))});
+    add(page, {.kind = BlockKind::check,
+               .text = fmt::format(
+                   "To check report {}: runcert verify RUN_FOLDER --roster ROSTER. What counts is "
+                   "report.json; the code names it. Figures: speed rounded down; uncertainty, "
+                   "required speed and acceptance limit rounded up.",
+                   report_id)});
     return page;
 }
 

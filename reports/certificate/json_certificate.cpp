@@ -56,7 +56,7 @@ Json software_json(const ReportInputs& inputs) {
             for (const CalledProgram& program : header->programs)
                 add(called_json(program));
         }
-    add(ours("runcert-report", inputs.program.version, inputs.program.source_revision));
+    add(ours("runcert-report", program_version(), source_revision()));
     return list;
 }
 

@@ -14,9 +14,6 @@ namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
-/// What is to be drawn.
-Json figures_json(const ReportInputs& inputs);
-
 /// The signatures that its rules and its attempt require, for each role the largest count.
 Json signatures_required_json(const ReportInputs& inputs);
 /// What every certificate of a measurement says (ISO/IEC 17025:2017 7.8.2), in the words of PTB's

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -11,6 +12,7 @@
 #include "reports/certificate/report_run.h"
 #include "reports/run/reader/read_run.h"
 #include "run/stage_main.h"
+#include "schemas/common/product_files.h"
 #include "schemas/phase/declared.h"
 #include "schemas/screened_phase/declared.h"
 #include "store/atomic_file.h"
@@ -45,20 +47,6 @@ void view_phases(StageRun& run, ReportInputs& inputs) {
                       run.attempt().parameters.screen.phase_mask_deg, start_s - around_s,
                       start_s + span.duration.seconds() + around_s),
         first, results.trajectory, span.duration.seconds());
-}
-
-/// What the earlier report says of the computer that made it, and stays when it is made again.
-void make_as(ReportInputs& inputs, const std::string& earlier) {
-    using Json = nlohmann::ordered_json;
-    try {
-        const Json predicate = Json::parse(read_file(earlier)).at("predicate");
-        inputs.program = report_program(predicate);
-        inputs.drawn = drawn_figures(predicate);
-    } catch (const Json::exception& error) {
-        throw Failure(earlier,
-                      fmt::format("this is no report: {}", escape_for_message(error.what(), 200)),
-                      "Take the original");
-    }
 }
 
 /// Reads the whole run. Every file noted on the way becomes a subject of the report.
@@ -97,22 +85,13 @@ void write_report(const StageRun& run, const std::string& report) {
 int main(int argc, char** argv) {
     std::string key;
     std::string roster;
-    std::string as;
-    std::string drawings;
-    bool draw_only = false;
     bool no_render = false;
-    bool no_pdf = false;
-    bool brief = false;
+    std::vector<std::string> pages;
     bool render_only = false;
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
         [&](StageRun& run) {
-            if (draw_only) return write_drawings(run.run_dir(), read_file(report_of(run)));
-            if (!render_only) {
-                ReportInputs inputs = gather(run);
-                if (!as.empty()) make_as(inputs, as);
-                write_report(run, write_report_json(std::move(inputs)));
-            }
+            if (!render_only) write_report(run, write_report_json(gather(run)));
             if (!key.empty())
                 sign_report(run.run_dir(), read_report_facts(run.run_dir()), load_secret_key(key),
                             signing_role(run.attempt()));
@@ -120,24 +99,19 @@ int main(int argc, char** argv) {
                 run.say("report.json");
                 return;
             }
+            if (pages.empty()) pages.assign(page_names.begin(), page_names.end());
             // Whether the signatures hold is for `runcert verify` to say.
             render_report(run.run_dir(), read_file(report_of(run)),
                           {.signatures = signature_files(run.run_dir()),
                            .standing = standing_of(run.run_dir(), roster),
-                           .pdf = !no_pdf,
-                           .brief = brief,
-                           .drawings = drawings});
-            run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
+                           .pages = pages});
+            run.say(fmt::format("report.json, {}", fmt::join(pages, ", ")));
         },
         [&](CommandLine& line) {
             line.text("--key", key, "secret key to sign report.json with");
             line.text("--roster", roster, "whose answers and signatures the pages count");
             line.flag("--no-render", no_render, "stop after report.json");
-            line.flag("--no-pdf", no_pdf, "no PDF, which takes longest");
-            line.flag("--brief", brief, "of the PDF the first page alone");
-            line.flag("--render-only", render_only, "HTML and PDF of the report.json there is");
-            line.text("--drawings", drawings, "folder of the figures' drawings, else drawn");
-            line.flag("--draw-only", draw_only, "the drawings of the report.json there is");
-            line.text("--as", as, "report.json that says which program made it, and its drawings");
+            line.texts("--page", pages, "a page to write, such as report.html (default: all)");
+            line.flag("--render-only", render_only, "pages of the report.json there is");
         });
 }

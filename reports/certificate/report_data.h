@@ -56,28 +56,12 @@ inline std::vector<const Header*> headers_of(const ReceiverResults& results,
             &results.trajectory.header,   &results.windows.header, &verdict.header};
 }
 
-/// The program that makes a report.
-struct ReportProgram {
-    std::string version = program_version();
-    std::string source_revision = runcert::source_revision();
-    std::string arithmetic = arithmetic_fingerprint();
-    std::string home = program_home();
-};
-
-/// The drawings of a report's figures, by their SHA-256, and the gnuplot that made them.
-struct DrawnFigures {
-    std::vector<std::string> sha256 = {};
-    std::string by_sha256 = {};
-};
-
 /// A whole run folder, as the report needs it. The first receiver is judged; the files are what the
 /// report vouches for, in the order in which they are to be listed.
 struct ReportInputs : RunView {
     /// What the judged receiver's phases say around the first certified window, for its figures.
     std::optional<PhaseView> phase_view = {};
     std::optional<Triangulation> surface = {};  ///< that it ran on, in the run's frame
-    ReportProgram program = {};
-    std::optional<DrawnFigures> drawn = {};  ///< nothing: they are drawn
 
     /// Puts the results with second files in the place of those without, or back.
     void exchange_with_files() {

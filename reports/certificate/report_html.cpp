@@ -3,20 +3,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
 #include <qrcodegen/qrcodegen.hpp>
 #include <set>
 
-#include "core/failure.h"
 #include "core/text.h"
 #include "reports/certificate/report_json.h"
 #include "reports/document/document_html.h"
+#include "reports/plot/plot.h"
 #include "store/base64.h"
 #include "store/sha256.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
-#include "trust/verification.h"
 
 namespace runcert {
 
@@ -59,10 +57,6 @@ Json missing_signatures_json(const Json& predicate, const Json& signers) {
     return missing;
 }
 
-std::string image_source(const std::string& svg) {
-    return "data:image/svg+xml;base64," + base64(svg);
-}
-
 /// The code that leads from paper to report.json: its id and SHA-256, as squares of one path.
 std::string code_image(const std::string& report_id, const std::string& report_sha256) {
     using qrcodegen::QrCode;
@@ -82,48 +76,43 @@ std::string code_image(const std::string& report_id, const std::string& report_s
         side, path);
 }
 
-/// The document with the drawing of each plot, and with what was answered since.
-Json shown_document(Json document, const std::vector<std::string>& drawings, const Json& standing) {
-    const Json slots = standing.value("slots", Json::object());
+/// Puts what was answered since in its places.
+void fill_slots(Json& document, const Json& slots) {
     for (Json& section : document["sections"])
-        for (Json& block : section["blocks"]) {
+        for (Json& block : section["blocks"])
             if (block.contains("slot"))
                 if (const auto now = slots.find(block["slot"].get<std::string>());
                     now != slots.end())
                     block = *now;
-            if (!block.contains("plots")) continue;
-            for (Json& plot : block["plots"]) {
-                const auto index = plot["plot"].get<std::size_t>();
-                if (index >= drawings.size())
-                    throw Failure("report.json",
-                                  fmt::format("its document shows figure {} of {}", index + 1,
-                                              drawings.size()),
-                                  "The file was changed; take the original");
-                const std::string& drawing = drawings[index];
-                if (!drawing.empty())
-                    plot["image"] = fmt::format(
-                        "<img src=\"{}\" alt=\"{}\">", image_source(drawing),
-                        kainjow::mustache::html_escape(plot["plot_title"].get<std::string>()));
-            }
-        }
-    return document;
 }
 
-/// The inside of the page's <main>: what stands in the report, and its drawings.
+/// Where the program that made the report is to be had, if that was said.
+std::string program_words(const Json& program) {
+    const std::string home = program.value("home", "");
+    return home.empty() ? home
+                        : fmt::format("The program is at {} (version {}, source {}).", home,
+                                      program["version"].get<std::string>(),
+                                      program["source_revision"].get<std::string>());
+}
+
+/// The inside of the page's <main>: what stands in the report, drawn.
 std::string content_of(const std::string& report_text_bytes, const Json& report,
-                       const std::vector<std::string>& drawings,
                        const std::vector<SignatureFile>& signatures, const std::string& standing,
                        Medium medium, bool first_page_alone = false) {
     const Json& predicate = report["predicate"];
     const Json answered = Json::parse(standing);
     const Json& shown = answered.value("with_files", false) ? predicate["with_files"] : predicate;
-    Json document = shown_document(shown["document"], drawings, answered);
+    Json document = shown["document"];
     if (first_page_alone)
         document["sections"].erase(document["sections"].begin() + 1, document["sections"].end());
+    fill_slots(document, answered.value("slots", Json::object()));
+    draw_plots(document, read_plots(predicate["figures"], "report.json"),
+               medium == Medium::paper ? DrawnAs::image : DrawnAs::element);
     const std::string sha256 = sha256_hex(report_text_bytes);
     Json beside{{"signed", !signatures.empty()}, {"signers", signers_json(signatures)}};
     beside["missing_signatures"] = missing_signatures_json(predicate, beside["signers"]);
     beside["report_sha256"] = sha256;
+    beside["program_words"] = program_words(predicate["program"]);
     beside["code_image"] = code_image(predicate["report_id"].get<std::string>(), sha256);
     return sections_html(document, beside, medium);
 }
@@ -189,7 +178,6 @@ Json page_parts_json() {
 }
 
 std::string report_page(const std::string& report_text_bytes, const Json& report,
-                        const std::vector<std::string>& drawings,
                         const std::vector<SignatureFile>& signatures, const std::string& standing) {
     Json files = Json::array();
     for (const SignatureFile& signature : signatures)
@@ -198,7 +186,7 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
     TemplateData data = page_data(report, signatures);
     data.set("style", page_style());
     data.set("content",
-             content_of(report_text_bytes, report, drawings, signatures, standing, Medium::screen));
+             content_of(report_text_bytes, report, signatures, standing, Medium::screen));
     data.set("report_json", report_text_bytes);
     data.set("signature_files", report_text_of(files));
     data.set("standing", standing);
@@ -208,14 +196,12 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
 }
 
 std::string report_print_page(const std::string& report_text_bytes, const Json& report,
-                              const std::vector<std::string>& drawings,
                               const std::vector<SignatureFile>& signatures,
                               const std::string& standing, bool first_page_alone) {
     TemplateData data = page_data(report, signatures);
     data.set("style", std::string(document_style()));
-    if (first_page_alone) data.set("subject", std::string(first_page_subject));
-    data.set("content", content_of(report_text_bytes, report, drawings, signatures, standing,
-                                   Medium::paper, first_page_alone));
+    data.set("content", content_of(report_text_bytes, report, signatures, standing, Medium::paper,
+                                   first_page_alone));
     return rendered(report_text("template/page.html"), data, Medium::paper);
 }
 

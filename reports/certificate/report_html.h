@@ -28,17 +28,16 @@ nlohmann::ordered_json page_parts_json();
 
 /// The report as one self-contained page for the screen: it carries `report_text`, the bytes of
 /// report.json, with the signatures, which the reader's browser checks. It shows
-/// texts and figures of the report alone, escaped; nothing is computed here. `drawings` are the
-/// figures' SVG texts. Without signatures the page says UNSIGNED all over. `standing` is the text
-/// of a standing_json, which it carries too, and which is not signed.
+/// texts and figures of the report alone, escaped and drawn; nothing else is computed here. Without
+/// signatures the page says UNSIGNED. `standing` is the text of a standing_json, which it carries
+/// too, and which is not signed.
 std::string report_page(const std::string& report_text, const nlohmann::ordered_json& report,
-                        const std::vector<std::string>& drawings,
                         const std::vector<SignatureFile>& signatures,
                         const std::string& standing = "{}\n");
 
-/// The same content for A4 paper, without what only a browser uses; the first page alone if so.
+/// The same content for A4 paper, without what only a browser uses; if so, the first page alone,
+/// which is the certificate.
 std::string report_print_page(const std::string& report_text, const nlohmann::ordered_json& report,
-                              const std::vector<std::string>& drawings,
                               const std::vector<SignatureFile>& signatures,
                               const std::string& standing = "{}\n", bool first_page_alone = false);
 

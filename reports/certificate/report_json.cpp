@@ -13,7 +13,6 @@
 #include "schemas/common/document.h"
 #include "schemas/common/product_files.h"
 #include "schemas/products/products.h"
-#include "store/external_program.h"
 #include "store/sha256.h"
 #include "store/yaml_output.h"
 #include "trust/attestation.h"
@@ -109,13 +108,6 @@ void append(std::string& out, const Json& json, std::size_t depth) {
     out += '\n' + std::string(indentation * depth, ' ') + (object ? '}' : ']');
 }
 
-DrawnFigures drawn_here(const Json& predicate) {
-    DrawnFigures drawn{.by_sha256 = external_program_sha256("gnuplot")};
-    for (const std::string& drawing : draw_figures(predicate))
-        drawn.sha256.push_back(sha256_hex(drawing));
-    return drawn;
-}
-
 }  // namespace
 
 std::string report_id(const std::vector<InputFile>& subjects) {
@@ -132,10 +124,10 @@ Json report_json(ReportInputs inputs) {
                            {"version", report_field_table().version()}};
     predicate["report_id"] = report_id(inputs.files);
     predicate["program"] = {{"name", "runcert"},
-                            {"version", inputs.program.version},
-                            {"source_revision", inputs.program.source_revision},
-                            {"arithmetic", inputs.program.arithmetic}};
-    if (!inputs.program.home.empty()) predicate["program"]["home"] = inputs.program.home;
+                            {"version", program_version()},
+                            {"source_revision", source_revision()},
+                            {"arithmetic", arithmetic_fingerprint()}};
+    if (const std::string home = program_home(); !home.empty()) predicate["program"]["home"] = home;
     predicate["signatures_required"] = signatures_required_json(inputs);
     predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());
     if (Json amends = amends_json(inputs.attempt); !amends.is_null())
@@ -146,10 +138,7 @@ Json report_json(ReportInputs inputs) {
     predicate["verdict"] =
         body_of(write_verdict(inputs.verdict), std::string(products::verdict_file));
     round_to_table(predicate, report_field_table());
-    predicate["figures"] = figures_json(inputs);
-    const DrawnFigures drawn = inputs.drawn ? *inputs.drawn : drawn_here(predicate);
-    for (std::size_t i = 0; i < predicate["figures"].size(); ++i)
-        predicate["figures"][i]["drawing_sha256"] = i < drawn.sha256.size() ? drawn.sha256[i] : "";
+    predicate["figures"] = Json::array();
     const auto document = [&] {
         return members_json(certificate_document(inputs, predicate["report_id"].get<std::string>(),
                                                  predicate["figures"]));
@@ -161,7 +150,6 @@ Json report_json(ReportInputs inputs) {
         predicate["with_files"]["document"] = document();
     }
     predicate["page"] = page_parts_json();
-    predicate["page"]["drawn_by_sha256"] = drawn.by_sha256;
     predicate["files"] = files_json(inputs.files);
     check_predicate(predicate, "report");
 
@@ -172,21 +160,6 @@ Json report_json(ReportInputs inputs) {
     statement["predicateType"] = predicate_type;
     statement["predicate"] = std::move(predicate);
     return statement;
-}
-
-DrawnFigures drawn_figures(const Json& predicate) {
-    DrawnFigures drawn{.by_sha256 = predicate.at("page").at("drawn_by_sha256").get<std::string>()};
-    for (const Json& figure : predicate.at("figures"))
-        drawn.sha256.push_back(figure.at("drawing_sha256").get<std::string>());
-    return drawn;
-}
-
-ReportProgram report_program(const Json& predicate) {
-    const Json& program = predicate.at("program");
-    return {.version = program.at("version").get<std::string>(),
-            .source_revision = program.at("source_revision").get<std::string>(),
-            .arithmetic = program.at("arithmetic").get<std::string>(),
-            .home = program.value("home", "")};
 }
 
 Json parse_report(const std::string& text, const std::string& where) {

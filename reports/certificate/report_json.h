@@ -14,11 +14,6 @@ namespace runcert {
 /// inputs do not belong together, and where the predicate deviates from its field table.
 nlohmann::ordered_json report_json(ReportInputs inputs);
 
-/// What a report says of the program that made it, and of its drawings. Throws nlohmann's exception
-/// where it does not say that.
-ReportProgram report_program(const nlohmann::ordered_json& predicate);
-DrawnFigures drawn_figures(const nlohmann::ordered_json& predicate);
-
 /// Reads a report.json. `where` names it in messages. Failure where it is not JSON, not a report,
 /// or of a version that this program does not read.
 nlohmann::ordered_json parse_report(const std::string& text, const std::string& where);

@@ -98,7 +98,6 @@ Block software_table(const ReportInputs& inputs) {
                 add_one({program.name + (program.isolation.empty() ? "" : " (without a sandbox)"),
                          program.version, program.sha256});
         }
-    add_one({"runcert-report", inputs.program.version, inputs.program.source_revision});
     return block;
 }
 

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
-#include "reports/certificate/certificate_document.h"
+#include "reports/certificate/plots.h"
 #include "reports/words/recording.h"
 #include "schemas/verdict/outcome.h"
 
@@ -33,15 +33,12 @@ void add_receivers(Section& section, const ReportInputs& inputs, const RuleView&
     add(section, std::move(list));
 }
 
-void add_window(Section& section, const RuleView& rule, const Json& figures) {
+void add_window(Section& section, const ReportInputs& inputs, const RuleView& rule, Json& figures) {
     if (!rule.verdict.window) return;
     if (rule.several) add(section, heading(rule.titled("Window")));
     if (rule.verdict.speed_m_s) add(section, result_table(rule));
     add(section, paragraph(own_arithmetic_text(rule.verdict.own_arithmetic), "note"));
-    for (std::size_t i = 0; i < figures.size(); ++i)
-        if (figures[i].value("figure_profile", "") == rule.profile.id &&
-            figures[i]["figure"] == "window")
-            add(section, plot(i, figures[i]["figure_title"], figures[i]["caption"]));
+    add(section, shown(window_plot(inputs, rule), figures));
     add(section, window_blocks(rule, *rule.verdict.window));
 }
 
@@ -49,18 +46,16 @@ void add_window(Section& section, const RuleView& rule, const Json& figures) {
 constexpr std::size_t shown_together = 3;
 
 /// The windows of several rules, two figures beside each other.
-void add_windows(Section& section, const std::vector<RuleView>& rules, const Json& figures) {
+void add_windows(Section& section, const ReportInputs& inputs, const std::vector<RuleView>& rules,
+                 Json& figures) {
     add(section, windows_of_all(rules));
     constexpr std::size_t beside = 2;
     std::vector<Block> blocks;
     for (const RuleView& rule : rules)
-        for (std::size_t i = 0; i < figures.size(); ++i) {
-            if (figures[i].value("figure_profile", "") != rule.profile.id ||
-                figures[i]["figure"] != "window")
-                continue;
+        for (const Block& one : shown(window_plot(inputs, rule), figures)) {
             if (blocks.empty() || blocks.back().plots.size() == beside)
                 blocks.push_back({.kind = BlockKind::plots, .look = "small"});
-            blocks.back().plots.push_back({.plot = static_cast<std::int64_t>(i),
+            blocks.back().plots.push_back({.plot = one.plots.front().plot,
                                            .plot_title = rule.profile.id,
                                            .caption = capitalised(rule.verdict.title) + "."});
         }
@@ -132,17 +127,17 @@ Section requirements_section(const ReportInputs& inputs) {
     return section;
 }
 
-Section window_section(const ReportInputs& inputs, const Json& figures) {
+Section window_section(const ReportInputs& inputs, Json& figures) {
     Section section{.anchor = "window", .title = "Window"};
     const std::vector<RuleView> rules = rule_views(inputs);
     const bool in_one = rules.size() >= shown_together;
-    if (in_one) add_windows(section, rules, figures);
+    if (in_one) add_windows(section, inputs, rules, figures);
     for (const RuleView& rule : rules) {
-        if (!in_one) add_window(section, rule, figures);
+        if (!in_one) add_window(section, inputs, rule, figures);
         add_receivers(section, inputs, rule);
         add(section, refused_blocks(rule));
     }
-    add(section, plots_of(figures, "average"));
+    add(section, shown(average_plots(inputs), figures));
     return section;
 }
 
@@ -165,7 +160,7 @@ Section uncertainty_section(const ReportInputs& inputs) {
     return section;
 }
 
-Section screening_section(const ReportInputs& inputs, const Json& figures) {
+Section screening_section(const ReportInputs& inputs, Json& figures) {
     Section section{.anchor = "screening", .title = "Screening"};
     for (const ReceiverResults& results : inputs.receivers) {
         add_receiver_heading(section, inputs, results);
@@ -174,12 +169,13 @@ Section screening_section(const ReportInputs& inputs, const Json& figures) {
                                "recording.",
                                "note"));
     }
-    add(section, plots_of(figures, "innovations"));
-    add(section, plots_of(figures, "residuals"));
+    const ReceiverResults& judged = inputs.receivers.front();
+    add(section, shown(test_plot(judged.screened), figures));
+    add(section, shown(residual_plot(judged), figures));
     return section;
 }
 
-Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
+Section witnesses_section(const ReportInputs& inputs, Json& figures) {
     Section section{.anchor = "witnesses", .title = "Witnesses"};
     add(section, witness_blocks(rule_views(inputs)));
     if (const auto& notes = inputs.receivers.front().windows.witness_notes; !notes.empty())
@@ -189,12 +185,11 @@ Section witnesses_section(const ReportInputs& inputs, const Json& figures) {
     add(section, heading("The receiver's raw signals"));
     for (const std::string& sentence : sentences)
         add(section, paragraph(sentence));
-    for (const char* kind : {"sky", "satellites", "phase_residuals", "phase_displacement"})
-        add(section, plots_of(figures, kind));
+    add(section, shown(phase_plots(inputs), figures));
     return section;
 }
 
-Section attitude_section(const ReportInputs& inputs, const Json& figures) {
+Section attitude_section(const ReportInputs& inputs, Json& figures) {
     Section section{.anchor = "attitude", .title = "Attitude of the craft"};
     for (std::size_t i = 0; i < inputs.receivers.size(); ++i) {
         const ReceiverResults& results = inputs.receivers[i];
@@ -205,16 +200,14 @@ Section attitude_section(const ReportInputs& inputs, const Json& figures) {
         if (imu && !imu->reference_point_name.empty())
             add(section, paragraph("The reference point: " + imu->reference_point_name + "."));
     }
-    for (const char* kind : {"attitude", "heading", "points", "craft", "craft_behind"})
-        add(section, plots_of(figures, kind));
+    add(section, shown(attitude_plots(inputs), figures));
     return section;
 }
 
-Section run_section(const ReportInputs& inputs, const Json& figures) {
+Section run_section(const ReportInputs& inputs, Json& figures) {
     Section section{.anchor = "run", .title = "Run and course"};
-    add(section, plots_of(figures, "speed"));
-    add(section, plots_of(figures, "track"));
-    add(section, plots_of(figures, "ground"));
+    for (const Plots& plots : {speed_plot(inputs), track_plot(inputs), ground_plot(inputs)})
+        add(section, shown(plots, figures));
     if (figures.empty())
         add(section, paragraph("There is nothing to draw: no stretch of the recording could be "
                                "estimated."));

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "reports/plot/plot.h"
 #include "schemas/day_results/day_results.h"
 
 namespace runcert {
@@ -42,10 +43,9 @@ std::string day_csv(const DayResults& results);
 /// The smoothed speed around the window of an attempt, as its report draws it.
 struct WindowCurve {
     std::string profile;
-    std::string quantity;                           ///< "speed (km/h)"
-    double duration_s = 0.0;                        ///< of the window
-    std::vector<double> time_s = {};                ///< from the window's start
-    std::vector<std::optional<double>> speed = {};  ///< nothing where the recording is broken
+    std::string quantity;     ///< "speed (km/h)"
+    double duration_s = 0.0;  ///< of the window
+    Curve speed;              ///< over the time from the window's start
 };
 
 /// Such curves by the id of the attempt.

@@ -127,9 +127,9 @@ std::string day_page(const DayResults& results, const WindowCurves& curves) {
     add_failed(page, failures);
     const AttemptsById attempts = attempts_by_id(results);
     for (const DayProfile& profile : results.profiles) {
-        RankingPart rule = ranking_part(profile, attempts, curves, parts.images.size());
+        RankingPart rule = ranking_part(profile, attempts, curves, parts.plots.size());
         page.sections.push_back(std::move(rule.section));
-        std::ranges::move(rule.pictures, std::back_inserter(parts.images));
+        std::ranges::move(rule.plots, std::back_inserter(parts.plots));
     }
     add_if_any(page, "more-failures", "What else could not be processed", failures.below);
     add_if_any(page, "left-out", "Left out", left_out_of(results));

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "core/claimed_text.h"
 #include "core/prose.h"
@@ -84,57 +86,111 @@ std::string place_label(const DayPlace& place) {
     return place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id;
 }
 
-/// The speeds of a ranking, of the first places that have one.
-Picture picture_of(const DayProfile& profile, const AttemptsById& attempts) {
-    Picture picture{.title = fmt::format("Speeds by {} with their expanded uncertainties, in the "
-                                         "order of the ranking; the table has the figures",
-                                         profile.profile)};
+/// A bar for each outcome: how its words are called, and its colour.
+struct Tone {
+    std::string_view tone;
+    const char *name, *colour;
+};
+constexpr std::array<Tone, 4> tones{{{"yes", "above the record", "green"},
+                                     {"open", "not proven", "orange"},
+                                     {"no", "not beaten", "grey"},
+                                     {"refused", "not certifiable", "vermilion"}}};
+
+/// The speeds of a ranking with their expanded uncertainties, of the first places that have one.
+Plots speeds_of(const DayProfile& profile, const AttemptsById& attempts) {
+    Plot plot{.kind = "speeds",
+              .title = "Speeds by " + profile.profile,
+              .caption = "Each with its expanded uncertainty, in the order of the ranking."};
+    std::array<Curve, tones.size()> bars, middles;
+    Curve required{"required speed", "outline", "blue"};
+    for (std::size_t k = 0; k < tones.size(); ++k) {
+        bars[k] = {tones[k].name, "outline", tones[k].colour, 4};
+        middles[k] = {tones[k].name, "points", tones[k].colour, 4};
+    }
+    Range speeds;
+    std::string unit;
+    std::size_t with_speed = 0;
     for (const DayPlace& place : profile.ranking) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
         const auto& shown = result.shown;
-        if (!shown) continue;
-        if (picture.lines.size() == drawn_at_most) break;
-        if (picture.unit.empty()) picture.unit = shown->unit;
-        const double unit_m_s = metres_per_second(picture.unit);
-        PictureLine line{
-            .label = place_label(place),
-            .figure = fmt::format("{} ± {}", shown->speed, shown->expanded_uncertainty),
-            .tone = outcome_words(state_of(result)).tone,
-            .speed = *result.speed_m_s / unit_m_s,
-            .expanded_uncertainty = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s};
-        if (result.required_speed_m_s) line.required_speed = *result.required_speed_m_s / unit_m_s;
-        if (shown->unit != picture.unit) line.figure += " " + shown->unit;
-        picture.lines.push_back(std::move(line));
+        if (!shown || ++with_speed > drawn_at_most) continue;
+        if (unit.empty()) unit = shown->unit;
+        const double unit_m_s = metres_per_second(unit), row = -static_cast<double>(with_speed);
+        const double speed = *result.speed_m_s / unit_m_s;
+        const double half = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s;
+        const auto tone =
+            std::ranges::find(tones, outcome_words(state_of(result)).tone, &Tone::tone);
+        const auto k = tone == tones.end() ? 0 : static_cast<std::size_t>(tone - tones.begin());
+        plot.rows.push_back({place_label(place), row,
+                             fmt::format("{} ± {}{}", shown->speed, shown->expanded_uncertainty,
+                                         shown->unit == unit ? "" : " " + shown->unit)});
+        const auto line = [&](Curve& curve, double from, double to, double low, double high) {
+            curve.interrupt();
+            curve.add(from, row + low);
+            curve.add(to, row + high);
+            speeds.widen(from);
+            speeds.widen(to);
+        };
+        line(bars[k], speed - half, speed + half, 0.0, 0.0);
+        for (const double end : {speed - half, speed + half})
+            line(bars[k], end, end, -0.12, 0.12);
+        middles[k].add(speed, row);
+        if (result.required_speed_m_s)
+            line(required, *result.required_speed_m_s / unit_m_s,
+                 *result.required_speed_m_s / unit_m_s, -0.3, 0.3);
     }
-    return picture;
+    if (plot.rows.empty()) return {};
+    if (with_speed > drawn_at_most)
+        plot.caption += fmt::format(" The first {} of {} speeds are drawn; the table has them all.",
+                                    drawn_at_most, with_speed);
+    for (auto* const curves : {&bars, &middles})
+        for (Curve& curve : *curves)
+            plot.add(std::move(curve));
+    plot.add(std::move(required));
+    plot.x_label = unit;
+    const double room = std::max(0.04 * speeds.span(), 1e-3);
+    speeds.widen(*speeds.least - room);
+    speeds.widen(*speeds.most + room);
+    plot.set_axes(speeds, {});
+    plot.y_min = -static_cast<double>(plot.rows.size()) - 0.5;
+    plot.y_max = -0.5;
+    return {std::move(plot)};
 }
 
-/// How many of the speeds are drawn, where not all are.
-std::string cut_words(const DayProfile& profile, const AttemptsById& attempts,
-                      const Picture& picture) {
-    const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
-        return result_by(*attempts.at(place.id), profile.profile)->speed_m_s.has_value();
-    });
-    const auto drawn = std::ssize(picture.lines);
-    if (drawn == with_speed) return {};
-    return fmt::format(" The first {} of {} speeds are drawn; the table below has them all.", drawn,
-                       counted(with_speed));
-}
-
-/// The first windows of a ranking; those of another quantity than the first are left out.
-Overlay overlay_of(const DayProfile& profile, const WindowCurves& curves) {
-    Overlay overlay{.title = fmt::format("Smoothed speeds around the windows by {}, each from the "
-                                         "start of its window on",
-                                         profile.profile)};
+/// The first windows of a ranking over one another from their starts; those of another quantity
+/// than the first are left out.
+Plots overlay_of(const DayProfile& profile, const WindowCurves& curves) {
+    constexpr std::array colours{"blue", "vermilion", "green", "purple", "orange", "grey"};
+    Plot plot{.kind = "overlay", .title = "Around the windows by " + profile.profile};
+    plot.x_label = "time from the start of the window (s)";
+    Range times, speeds;
+    double longest_s = 0.0;
+    std::size_t runs = 0;
     for (const DayPlace& place : profile.ranking) {
         const auto of_attempt = curves.find(place.id);
-        if (of_attempt == curves.end() || overlay.runs.size() == overlaid_at_most) continue;
-        for (const WindowCurve& curve : of_attempt->second)
-            if (curve.profile == profile.profile &&
-                (overlay.runs.empty() || overlay.runs.front().curve->quantity == curve.quantity))
-                overlay.runs.push_back({.label = place_label(place), .curve = &curve});
+        if (of_attempt == curves.end()) continue;
+        for (const WindowCurve& curve : of_attempt->second) {
+            if (runs == colours.size() || curve.profile != profile.profile ||
+                (runs > 0 && plot.y_label != curve.quantity))
+                continue;
+            plot.y_label = curve.quantity;
+            longest_s = std::max(longest_s, curve.duration_s);
+            Curve run{place_label(place), "line", colours[runs++]};
+            run.x = curve.speed.x;
+            run.y = curve.speed.y;
+            for (const double time_s : run.x)
+                times.widen(time_s);
+            for (const double speed : run.y)
+                speeds.widen(speed);
+            plot.add(std::move(run));
+        }
     }
-    return overlay;
+    if (runs < 2) return {};
+    plot.caption = fmt::format(
+        "Smoothed speeds from the start of each window on, of the first {} of the ranking.", runs);
+    plot.spans = {{"window", "window", 0.0, longest_s}};
+    plot.set_axes(times, speeds);
+    return {std::move(plot)};
 }
 
 Block tally_of(const DayProfile& profile, const AttemptsById& attempts) {
@@ -209,25 +265,14 @@ std::string best_words(const BestOfDay& best) {
 
 RankingPart ranking_part(const DayProfile& profile, const AttemptsById& attempts,
                          const WindowCurves& curves, std::size_t number) {
-    const Picture picture = picture_of(profile, attempts);
     Section section{.anchor = fmt::format("rule-{}", number + 1),
                     .title = fmt::format("{} ({})", capitalised(profile.title), profile.profile),
                     .blocks = {paragraph(profile.body, "note"), tally_of(profile, attempts)}};
     if (profile.best) add(section, paragraph(best_words(*profile.best), "note"));
-    if (!picture.lines.empty())
-        add(section, plot(number, "Speeds",
-                          "Each with its expanded uncertainty; the dashed line is the required "
-                          "speed." +
-                              cut_words(profile, attempts, picture)));
-    RankingPart part{.section = {}, .pictures = {picture_svg(picture)}};
-    const Overlay overlay = overlay_of(profile, curves);
-    if (overlay.runs.size() > 1) {
-        add(section, plot(number + 1, "Around the windows",
-                          fmt::format("Smoothed speeds from the start of each window on, of the "
-                                      "first {} of the ranking; bold: the window.",
-                                      overlay.runs.size())));
-        part.pictures.push_back(overlay_svg(overlay));
-    }
+    RankingPart part{.section = {}, .plots = speeds_of(profile, attempts)};
+    std::ranges::move(overlay_of(profile, curves), std::back_inserter(part.plots));
+    for (const Plot& one : part.plots)
+        add(section, plot(number++, one.title, one.caption));
     Block ranking = table(
         {"Attempt|16", ">Rank|7", "Craft|15", "Outcome|23", ">Speed ± U|23", "Window from|16"});
     for (std::size_t i = 0; i < profile.ranking.size(); ++i)

@@ -12,6 +12,8 @@
 namespace runcert {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr const char* again = "Certify the attempt again: `runcert batch` with --force and --only";
 
 DayResult result_of(const ProfileVerdict& verdict) {
@@ -42,47 +44,31 @@ DayResult result_of(const ProfileVerdict& verdict) {
 }
 
 /// Keeps of a report, which holds every curve of its figures, what is read below.
-bool is_kept(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
+bool is_kept(int depth, Json::parse_event_t event, const Json& parsed) {
     static const std::set<std::string> of_statement{"predicate", "subject"};
     static const std::set<std::string> of_predicate{"report_id", "attempt", "figures"};
-    if (event == nlohmann::json::parse_event_t::object_end && depth == 3 &&
-        parsed.contains("curves"))
+    if (event == Json::parse_event_t::object_end && depth == 3 && parsed.contains("curves"))
         return parsed.contains("figure_profile");
-    if (event != nlohmann::json::parse_event_t::key || depth > 2) return true;
+    if (event != Json::parse_event_t::key || depth > 2) return true;
     const std::string key = parsed.get<std::string>();
     return (depth == 1 ? of_statement : of_predicate).contains(key);
 }
 
-/// The smoothed speed around a window; nothing of another figure.
-std::optional<WindowCurve> curve_of(const nlohmann::json& figure) {
-    if (figure["spans"].empty() || figure["segments"].empty() || figure["curves"].empty())
-        return {};
-    const nlohmann::json& span = figure["spans"][0];
-    const double start = span.at("from");
-    WindowCurve curve{.profile = figure["figure_profile"],
-                      .quantity = figure.at("y_label"),
-                      .duration_s = span.at("to").get<double>() - start};
-    for (const nlohmann::json& drawn : figure["curves"]) {
-        const std::string name = drawn.at("curve_name");
-        if (!name.starts_with("smoothed")) continue;
-        for (const nlohmann::json& time : drawn.at("x"))
-            curve.time_s.push_back(time.get<double>() - start);
-        for (const nlohmann::json& speed : drawn.at("y"))
-            curve.speed.push_back(speed.is_null() ? std::optional<double>() : speed.get<double>());
-        return curve;
-    }
-    return std::nullopt;
-}
-
-/// One for each rule: the figure of the result, else that of its window.
-std::vector<WindowCurve> curves_of(const nlohmann::json& figures) {
+/// The smoothed speed around the window of each rule: of the result's figure, else of the window's.
+std::vector<WindowCurve> curves_of(const Plots& plots) {
     std::vector<WindowCurve> curves;
-    for (const nlohmann::json& figure : figures) {
-        if (!figure.is_object() || !figure.contains("figure_profile")) continue;
-        auto curve = curve_of(figure);
-        if (curve &&
-            std::ranges::find(curves, curve->profile, &WindowCurve::profile) == curves.end())
-            curves.push_back(std::move(*curve));
+    for (const Plot& plot : plots) {
+        const auto smoothed = std::ranges::find_if(
+            plot.curves, [](const Curve& curve) { return curve.name.starts_with("smoothed"); });
+        const bool counts = std::ranges::find(plot.curves, "outline", &Curve::kind) !=
+                            plot.curves.end();  // of a rule of another speed nothing is drawn
+        if (plot.spans.empty() || !counts || smoothed == plot.curves.end() ||
+            std::ranges::find(curves, plot.rule, &WindowCurve::profile) != curves.end())
+            continue;
+        const PlotSpan& window = plot.spans.front();
+        curves.push_back({plot.rule, plot.y_label, window.to - window.from, *smoothed});
+        for (double& time_s : curves.back().speed.x)
+            time_s -= window.from;
     }
     return curves;
 }
@@ -91,19 +77,19 @@ std::vector<WindowCurve> curves_of(const nlohmann::json& figures) {
 
 ReportIdentity read_report_identity(std::string_view text, const std::string& where) {
     try {
-        const nlohmann::json report = nlohmann::json::parse(text, is_kept);
-        const nlohmann::json& predicate = report.at("predicate");
-        const nlohmann::json& attempt = predicate.at("attempt");
+        const Json report = Json::parse(text, is_kept);
+        const Json& predicate = report.at("predicate");
+        const Json& attempt = predicate.at("attempt");
         ReportIdentity identity{.report_id = predicate.at("report_id").get<std::string>(),
                                 .attempt = attempt.at("id").get<std::string>(),
                                 .craft_name = attempt.at("craft_name").get<std::string>(),
                                 .craft_class = attempt.at("craft_class").get<std::string>(),
-                                .curves = curves_of(predicate.at("figures"))};
-        for (const nlohmann::json& subject : report.at("subject"))
+                                .curves = curves_of(read_plots(predicate.at("figures"), where))};
+        for (const Json& subject : report.at("subject"))
             if (subject.at("name") == products::verdict_file)
                 identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();
         return identity;
-    } catch (const nlohmann::json::exception& fault) {
+    } catch (const Json::exception& fault) {
         throw Failure(where,
                       fmt::format("this is not a measurement report: {}",
                                   escape_for_message(fault.what(), 200)),

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "reports/plot/plot.h"
 #include "schemas/document/document.h"
 
 namespace runcert {
@@ -43,9 +44,9 @@ std::string_view document_style();
 
 /// What a page has beside its document.
 struct PageParts {
-    std::string style = {};                ///< after the style of all
-    std::string script = {};               ///< the only one that runs
-    std::vector<std::string> images = {};  ///< elements of HTML, by the numbers of figures
+    std::string style = {};   ///< after the style of all
+    std::string script = {};  ///< the only one that runs
+    Plots plots = {};         ///< by the numbers that the document names
 };
 
 /// A page for the screen and for paper, HTML and well-formed XML: nothing from elsewhere, all

@@ -24,7 +24,7 @@ Document description_of(const Recognition& is, const std::string& name);
 
 /// Such a document, and below it the recording drawn: speed, height, track, stated uncertainty and
 /// the steps between epochs, gaps shaded. `track` is what `runcert-import --track` prints. HTML in
-/// one file. Needs gnuplot; Failure if it cannot draw.
+/// one file.
 std::string inspection_page(Document document, nlohmann::ordered_json track);
 
 }  // namespace runcert

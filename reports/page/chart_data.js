@@ -4,6 +4,9 @@
 /** What stands in brackets at the end of an axis' label: its unit, "" where it has none. */
 const unitOf = (label) => (/\(([^()]+)\)\s*$/.exec(label || "") || ["", ""])[1];
 
+/** What stands before a comma in a part's name: the legend has each kind once ("window, nalsa"). */
+const kindOf = (name) => name.split(", ", 1)[0];
+
 /** A number as it was written in the report; null stays null. */
 const numberOf = (written) => written === null || written === undefined ? null : Number(written);
 
@@ -21,7 +24,7 @@ function readCurve(curve, keepOrder) {
   for (const [name, texts] of Object.entries(written)) numbers[name] = texts.map(numberOf);
   return {
     name: curve.curve_name, kind: curve.curve_kind, colour: curve.colour, shown: true,
-    hasBand: Boolean(numbers.lower && numbers.upper), written, ...numbers,
+    hasBand: Boolean(numbers.lower && numbers.upper), isRead: curve.curve_kind !== "outline", written, ...numbers,
   };
 }
 
@@ -33,6 +36,7 @@ function readFigure(figure) {
     xLabel: figure.x_label, yLabel: figure.y_label,
     xUnit: unitOf(figure.x_label), yUnit: unitOf(figure.y_label),
     equalScale: figure.equal_scale === true,
+    rows: (figure.rows || []).map((row) => ({ name: row.row_name, y: Number(row.y) })),
     bounds: ["x_min", "x_max", "y_min", "y_max"].map((name) => numberOf(figure[name])),
     curves: figure.curves.map((curve) => readCurve(curve, figure.equal_scale === true)),
     levels: named(figure.levels, "level_name").map((part) => ({ ...part, level: Number(part.level) })),
@@ -40,8 +44,6 @@ function readFigure(figure) {
       .map((part) => ({ ...part, from: Number(part.from), to: Number(part.to) })),
     marks: named(figure.marks, "mark_name")
       .map((part) => ({ ...part, x: Number(part.x), y: Number(part.y) })),
-    segments: named(figure.segments, "segment_name")
-      .map((part) => ({ ...part, x: part.x.map(Number), y: part.y.map(Number) })),
   };
 }
 
@@ -78,10 +80,9 @@ function heightsWithin(figure, from, to) {
 function wholeView(figure) {
   const [left, right, bottom, top] = figure.bounds;
   if (!figure.bounds.includes(null)) return { x: [left, right], y: [bottom, top] };
-  const parts = [...figure.curves, ...figure.segments];
-  const x = extentOf(...parts.map((part) => part.x), figure.marks.map(({ x: at }) => at));
+  const x = extentOf(...figure.curves.map((curve) => curve.x), figure.marks.map(({ x: at }) => at));
   const y = extentOf(heightsWithin(figure, ...x), figure.levels.map(({ level }) => level),
-    figure.marks.map(({ y: at }) => at), ...figure.segments.map((part) => part.y));
+    figure.marks.map(({ y: at }) => at));
   return { x: figure.equalScale ? withRoom(x, 0.04) : x, y: withRoom(y, 0.05) };
 }
 
@@ -131,7 +132,7 @@ function readOffWords(figure, main, index, reach) {
   if (figure.equalScale) return `${main.name}: ${figure.xLabel} ${own.at}, ${figure.yLabel} ${own.value}`;
   const words = [`${own.at}: ${main.name} ${own.value}`];
   for (const curve of figure.curves) {
-    if (curve === main || !curve.shown) continue;
+    if (curve === main || !curve.shown || !curve.isRead) continue;
     const other = nearestSample(curve, main.x[index]);
     if (other < 0 || Math.abs(curve.x[other] - main.x[index]) > reach) continue;
     const { at, value } = sampleWords(figure, curve, other);

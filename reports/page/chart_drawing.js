@@ -1,5 +1,5 @@
 "use strict";
-// How a figure is drawn: curves by uPlot, and what it does not know (spans, levels, marks, gates).
+// How a figure is drawn: curves by uPlot, and what it does not know (spans, levels, marks).
 
 /** The colours of the style sheet, as they are now (light or dark). */
 class ChartColours {
@@ -17,7 +17,8 @@ class ChartColours {
   }
 }
 
-const spanColours = { window: "sky", refused: "orange", unusable: "grey" };
+const spanColours = { window: "sky", refused: "orange", unusable: "grey", gap: "grey" };
+const curveWidths = { thin: 0.9, outline: 2 };
 const levelDashes = [[8, 5], [3, 4], [12, 4, 3, 4], [16, 6]];
 
 /** Strokes the points of a track in the order in which they were driven, or dots at them. */
@@ -49,7 +50,7 @@ function plotSeries(figure, colours) {
   const tables = [];
   const parts = figure.curves.map((curve) => {
     const stroke = () => colours.of(curve.colour);
-    const main = { label: curve.name, stroke, width: 1.8, points: { show: false } };
+    const main = { label: curve.name, stroke, width: curveWidths[curve.kind] || 1.8, points: { show: false } };
     if (curve.kind === "dashed") main.dash = [7, 5];
     if (figure.equalScale) main.paths = trackPath(curve);
     else if (curve.kind === "points")
@@ -123,7 +124,7 @@ function drawLabel(ctx, bbox, text, x, y) {
   ctx.fillText(text, left, y);
 }
 
-/** Levels, gates and marks with their names, above the curves. */
+/** Levels and marks with their names, above the curves. */
 function drawMarks(plot, figure, colours) {
   insideFrame(plot, (ctx, bbox) => {
     const pixel = devicePixelRatio;
@@ -138,16 +139,6 @@ function drawMarks(plot, figure, colours) {
       ctx.fillStyle = colours.of("ink");
       drawLabel(ctx, bbox, text, x, y);
     };
-    for (const segment of figure.segments.filter(({ shown }) => shown)) {
-      const points = segment.x.map((x, index) =>
-        [plot.valToPos(x, "x", true), plot.valToPos(segment.y[index], "y", true)]);
-      ctx.beginPath();
-      points.forEach((point, index) => index === 0 ? ctx.moveTo(...point) : ctx.lineTo(...point));
-      ctx.strokeStyle = colours.of("ink");
-      ctx.lineWidth = 2 * pixel;
-      ctx.stroke();
-      if (figure.equalScale) label(segment.name, points[0][0] + 5 * pixel, points[0][1] - 5 * pixel);
-    }
     for (const mark of figure.marks.filter(({ shown }) => shown)) {
       const [x, y] = [plot.valToPos(mark.x, "x", true), plot.valToPos(mark.y, "y", true)];
       ctx.beginPath();
@@ -167,13 +158,15 @@ function axisNumbers(plot, splits, axis, space, increment) {
   return splits.map((value) => value.toFixed(needed).replace(/^-(0(\.0*)?)$/, "$1").replace("-", "−"));
 }
 
-/** An axis of a chart in the colours of the page. */
-function plotAxis(label, colours, size) {
+/** An axis of a chart in the colours of the page; `rows` name places of it in place of numbers. */
+function plotAxis(label, colours, size, rows = []) {
+  const named = { splits: () => rows.map(({ y }) => y), values: () => rows.map(({ name }) => name) };
   return {
     label, size, labelSize: 20, labelFont: "13px system-ui, sans-serif", font: "12px system-ui, sans-serif",
     stroke: () => colours.of("ink"),
     grid: { stroke: () => colours.of("grid"), width: 1 },
     ticks: { stroke: () => colours.of("grid"), width: 1 },
     values: axisNumbers,
+    ...(rows.length > 0 ? named : {}),
   };
 }

@@ -6,7 +6,7 @@
  * on the first line. Null where nothing is drawn.
  */
 function nearestOnCurve(curves, last, x) {
-  const shown = curves.filter((curve) => curve.shown);
+  const shown = curves.filter((curve) => curve.shown && curve.isRead);
   const curve = last && shown.includes(last.curve) ? last.curve
     : shown.find(({ kind }) => kind !== "points") || shown[0];
   const index = curve ? nearestSample(curve, x) : -1;
@@ -17,7 +17,7 @@ function nearestOnCurve(curves, last, x) {
 function nearestOnTrack({ curves }, plot, left, top) {
   let found = null;
   let smallest = Infinity;
-  for (const curve of curves.filter(({ shown }) => shown))
+  for (const curve of curves.filter(({ shown, isRead }) => shown && isRead))
     curve.x.forEach((x, index) => {
       if (curve.y[index] === null) return;
       const distance = Math.hypot(plot.valToPos(x, "x") - left, plot.valToPos(curve.y[index], "y") - top);
@@ -38,13 +38,14 @@ function samplesFurther(curve, index, count) {
   return index;
 }
 
-/** Buttons that switch curves, levels, spans, marks and gates; parts of one name are one button. */
+/** Buttons that switch curves, levels, spans and marks; parts of one kind are one button. */
 function makeChartLegend(chart) {
-  const { curves, levels, spans, marks, segments } = chart.figure;
+  const { curves, levels, spans, marks } = chart.figure;
   const list = makeElement("ul", "chart-legend");
   const add = (parts, sign, colour) => {
     const names = new Map();
-    for (const part of parts) names.set(part.name, [...(names.get(part.name) || []), part]);
+    for (const part of parts.filter(({ name }) => name))
+      names.set(kindOf(part.name), [...(names.get(kindOf(part.name)) || []), part]);
     for (const [name, same] of names) {
       const swatch = makeElement("span", `chart-swatch chart-swatch-${sign(same[0])}`);
       swatch.style.color = `var(--chart-${colour(same[0])})`;
@@ -62,7 +63,6 @@ function makeChartLegend(chart) {
   add(curves, ({ kind }) => kind, ({ colour }) => colour);
   add(levels, () => "dashed", () => "vermilion");
   add(spans, ({ span_kind: kind }) => `span-${kind}`, ({ span_kind: kind }) => spanColours[kind] || "grey");
-  add(segments, () => "line", () => "ink");
   add(marks, () => "mark", () => "vermilion");
   list.setAttribute("aria-label", `Parts of the chart: ${chart.figure.title}`);
   return list;

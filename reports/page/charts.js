@@ -54,7 +54,7 @@ class Chart {
       ...this.size(), series, bands,
       scales: { x: { ...asGiven, min: whole.x[0], max: whole.x[1] },
                 y: { ...asGiven, min: whole.y[0], max: whole.y[1] } },
-      axes: [plotAxis(this.figure.xLabel, this.colours, 36), plotAxis(this.figure.yLabel, this.colours, 56)],
+      axes: [{ ...plotAxis(this.figure.xLabel, this.colours, 36), space: 75 }, plotAxis(this.figure.yLabel, this.colours, 56, this.figure.rows)],
       legend: { show: false },
       cursor: {
         x: false, y: false, points: { show: false },
@@ -228,7 +228,7 @@ class Chart {
   }
 
   changeCurve(direction) {
-    const curves = this.figure.curves.filter(({ shown }) => shown);
+    const curves = this.figure.curves.filter(({ shown, isRead }) => shown && isRead);
     if (!this.sample || curves.length === 0) return this.step(0);
     const next = curves.indexOf(this.sample.curve) + direction;
     const curve = curves[(next + curves.length) % curves.length];

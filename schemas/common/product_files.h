@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -38,5 +39,14 @@ inline constexpr std::string_view observations_file = "1-observations.ecsv";
 inline constexpr std::string_view windows_file = "5-windows.yaml";
 inline constexpr std::string_view verdict_file = "6-verdict.yaml";
 }  // namespace products
+
+/// The pages of a report, in the order in which they are written: the whole on a screen, its first
+/// page, the whole on paper.
+inline constexpr std::array<const char*, 3> page_names{"report.html", "certificate.pdf",
+                                                       "report.pdf"};
+
+inline bool is_page_name(std::string_view name) {
+    return std::find(page_names.begin(), page_names.end(), name) != page_names.end();
+}
 
 }  // namespace runcert

@@ -339,8 +339,7 @@ void add_options(CLI::App& command, AttestOptions& options) {
     command.add_option("--roster", options.roster,
                        "whose answers and signatures list and pages count; verify with it too");
     command.add_flag("--render", options.render, "render the pages again, and sign nothing");
-    command.add_flag("--no-render", options.no_render,
-                     "leave report.html and report.pdf as they are");
+    command.add_flag("--no-render", options.no_render, "leave the pages as they are");
 }
 
 }  // namespace

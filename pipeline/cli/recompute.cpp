@@ -82,7 +82,8 @@ Recomputation recompute(const fs::path& run_dir, const fs::path& folder) {
 /// the recomputed ones, it must follow from them to the letter, on any processor.
 std::optional<std::string> recompute_report(const fs::path& run_dir, const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(run_dir))
-        if (entry.is_regular_file() && !entry.path().filename().string().starts_with("report."))
+        if (const std::string name = entry.path().filename().string();
+            entry.is_regular_file() && !name.starts_with("report.") && !is_page_name(name))
             fs::copy_file(entry.path(), folder / entry.path().filename());
     try {
         run_step("report", {.attempt = folder / "attempt.yaml", .run_dir = folder});

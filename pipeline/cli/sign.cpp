@@ -77,8 +77,7 @@ void add_sign(CLI::App& app, Command& chosen) {
                       "sign without computing every file again; the signature then says so");
     command->add_option("--roster", options->roster,
                         "whose signatures and answers the pages count; verify them with it too");
-    command->add_flag("--no-render", options->no_render,
-                      "leave report.html and report.pdf as they are");
+    command->add_flag("--no-render", options->no_render, "leave the pages as they are");
     command->footer(
         "Writes report.json.minisig, or report.json.ROLE.minisig where another signer has that; "
         "the same key\nin the same role replaces its own. Refused where a file of the folder is "

@@ -46,7 +46,7 @@ std::string error_text(const RunFailure& failure) {
 FileHashes named_in_results(const FileHashes& files) {
     FileHashes named;
     for (const auto& [name, hash] : files)
-        if (name.starts_with("report.") || name == products::verdict_file ||
+        if (name == "report.json" || is_page_name(name) || name == products::verdict_file ||
             name.starts_with(products::observations.stem))
             named[name] = hash;
     return named;

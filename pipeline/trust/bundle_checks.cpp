@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/product_files.h"
 #include "schemas/products/products.h"
 #include "store/archive.h"
 #include "store/atomic_file.h"
@@ -106,7 +107,7 @@ void require_readable_pdf(const std::filesystem::path& pdf) {
 std::uint64_t most_bytes_of(std::string_view name) {
     if (is_short(name)) return longest_handwritten;
     if (name == "report.json") return longest_result;
-    if (name.starts_with("report.")) return longest_page;
+    if (is_page_name(name)) return longest_page;
     if (is_product_name(name)) return name.ends_with(".ecsv") ? longest_table : longest_result;
     return longest_recording;
 }

@@ -122,6 +122,13 @@ void set_columns(Block& facts, const char* columns) {
     facts.look = fit ? columns : "narrow";
 }
 
+/// As the attempt says, else as the recording does.
+std::string date_text(const ReportInputs& inputs) {
+    const auto& first = inputs.receivers.front().observations.facts.first_epoch;
+    if (!inputs.attempt.date.empty() || !first) return inputs.attempt.date;
+    return to_utc_iso(*first, 0).substr(0, 10) + ", as recorded";
+}
+
 /// Craft, people, place and instrument: each said, or said to be missing.
 void add_identity(Section& page, const ReportInputs& inputs) {
     const Attempt& attempt = inputs.attempt;
@@ -141,7 +148,7 @@ void add_identity(Section& page, const ReportInputs& inputs) {
         list, "Place",
         or_not_stated(joined(
             {claimed(attempt.place), origin ? coordinates_text(origin->position) : ""}, "; ")));
-    add_fact(list, "Date", or_not_stated(attempt.date));
+    add_fact(list, "Date", or_not_stated(date_text(inputs)));
     for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
         add_fact(list,
                  inputs.receivers.size() == 1

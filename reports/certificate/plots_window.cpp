@@ -166,7 +166,11 @@ Plots result_plot(const ReportInputs& inputs) {
     const RuleView* certified = first_certified(rules);
     if (!certified && refused == rules.end()) return {};
     const RuleView& rule = certified ? *certified : *refused;
-    const auto span = around(certified ? *rule.verdict.window : rule.verdict.indicated->span);
+    auto span = around(certified ? *rule.verdict.window : rule.verdict.indicated->span);
+    if (rule.verdict.indicated) {
+        const auto [from, to] = around(rule.verdict.indicated->span);
+        span = {std::min(span.first, from), std::max(span.second, to)};
+    }
     const Dimension dimension = rule.profile.dimension;
     const std::string quantity = is_horizontal(rule) ? "speed" : std::string(words_of(dimension));
     Plot plot{.kind = "result",
@@ -191,14 +195,11 @@ Plots result_plot(const ReportInputs& inputs) {
     if (curve.empty()) return {};
     plot.add(std::move(curve));
     plot.add(std::move(angle));
-    if (certified) {
-        plot.spans = {window_span(*rule.verdict.window)};
-        add_counting_speeds(plot, speeds, rule);
-        for (PlotLevel& level : plot.levels)
-            level.name = "required speed";
-    } else {
-        plot.spans = window_spans({rule});
-    }
+    if (certified) add_counting_speeds(plot, speeds, rule);
+    for (PlotLevel& level : plot.levels)
+        level.name = "required speed";
+    for (PlotSpan& one : plot.spans = window_spans({rule}))
+        one.name.erase(std::min(one.name.find(','), one.name.size()));
     plot.set_axes(times, speeds);
     return {std::move(plot)};
 }

@@ -56,8 +56,8 @@ void add_windows(Section& section, const ReportInputs& inputs, const std::vector
             if (blocks.empty() || blocks.back().plots.size() == beside)
                 blocks.push_back({.kind = BlockKind::plots, .look = "small"});
             blocks.back().plots.push_back({.plot = one.plots.front().plot,
-                                           .plot_title = rule.profile.id,
-                                           .caption = capitalised(rule.verdict.title) + "."});
+                                           .plot_title = capitalised(rule.verdict.title),
+                                           .caption = "Rule " + rule.profile.id + "."});
         }
     add(section, std::move(blocks));
 }

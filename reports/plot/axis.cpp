@@ -1,5 +1,7 @@
 #include "reports/plot/axis.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -76,7 +78,11 @@ double Ticks::value(std::size_t i) const {
 }
 
 std::string Ticks::text(std::size_t i) const {
-    std::string text = format_fixed(value(i), std::max(0, -power));
+    constexpr int longest = 6;  // zeros that are written out
+    std::string text =
+        std::abs(power) > longest
+            ? fmt::format("{}e{}", (first + static_cast<std::int64_t>(i)) * times, power)
+            : format_fixed(value(i), std::max(0, -power));
     if (text.starts_with('-')) text.replace(0, 1, "−");
     return text;
 }
@@ -85,9 +91,9 @@ Ticks ticks_of(double low, double high, double most_steps) {
     Ticks ticks;
     const double least = (high - low) / std::max(most_steps, 1.0);
     if (!std::isfinite(least) || !(least > 0.0)) return ticks;
-    while (multiple(1, ticks.power) > least && ticks.power > -15)
+    while (multiple(1, ticks.power) > least && ticks.power > -300)
         --ticks.power;
-    while (multiple(10, ticks.power) <= least && ticks.power < 15)
+    while (multiple(10, ticks.power) <= least && ticks.power < 300)
         ++ticks.power;
     for (const std::int64_t times : {1, 2, 5, 10})
         if (ticks.times = times; multiple(times, ticks.power) >= least) break;
@@ -111,29 +117,35 @@ PlotAxes axes_of(const Plot& plot, const DrawingSize& size) {
                   .x_max = plot.x_max,
                   .y_min = plot.y_min,
                   .y_max = plot.y_max};
-    // The last number of the horizontal axis reaches beyond the frame by half its width.
-    const double right = 1.5 * size.letters;
     if (!plot.rows.empty()) lay_rows(axes, plot, size);
-    const double low = axes.y_min, high = axes.y_max;
-    for (int pass = 0; pass < 2; ++pass) {  // the numbers' width follows from what is shown
+    for (const auto& [low, high] :
+         {std::pair{&axes.x_min, &axes.x_max}, std::pair{&axes.y_min, &axes.y_max}})
+        if (!std::isfinite(*high - *low) || !(*high > *low)) {
+            *low = std::isfinite(*low) ? *low : 0.0;
+            *high = *low + std::max(1.0, 1e-9 * std::abs(*low));
+        }
+    const double from = axes.x_min, to = axes.x_max, low = axes.y_min, high = axes.y_max;
+    double right = 1.5 * size.letters;      // beyond the frame reaches half of the last number
+    for (int pass = 0; pass < 3; ++pass) {  // the numbers' width follows from what is shown
         axes.wide = size.width - axes.left - right;
         if (plot.equal_scale) {
-            axes.x_min = plot.x_min;
-            axes.x_max = plot.x_max;
+            axes.x_min = from;
+            axes.x_max = to;
             axes.y_min = low;
             axes.y_max = high;
             axes.high =
-                axes.wide * std::clamp((high - low) / (axes.x_max - axes.x_min), flattest, highest);
-            if (axes.high > 1.6 * size.height) axes.high = 1.6 * size.height;
+                std::min(1.6 * size.height,
+                         axes.wide * std::clamp((high - low) / (to - from), flattest, highest));
             equalise(axes);
         }
-        if (!plot.rows.empty()) break;
+        axes.x = x_ticks(axes, size.letters);
+        const double half = 0.5 * widest(axes.x) * size.letters;
+        right = std::max(right, half);
+        axes.left = std::max(axes.left, half);
+        if (!plot.rows.empty()) continue;
         axes.y = ticks_of(axes.y_min, axes.y_max, axes.high / (2.6 * size.letters));
         axes.left = std::max(axes.left, widest(axes.y) * size.letters + 6.0);
     }
-    axes.wide = size.width - axes.left - right;
-    if (plot.equal_scale) equalise(axes);
-    axes.x = x_ticks(axes, size.letters);
     return axes;
 }
 

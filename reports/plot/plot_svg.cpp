@@ -279,8 +279,12 @@ class Drawing {
                   {0.0, frame_.top - ems(0.6)}, "start", muted);
         foot_ = frame_.bottom + ems(1.6);
         if (plot_.x_label.empty()) return;
-        write(shortened(plot_.x_label, size_.width / size_.letters),
-              {0.5 * (frame_.left + frame_.right), frame_.bottom + ems(2.6)}, "middle", muted);
+        const std::string label = shortened(plot_.x_label, size_.width / size_.letters);
+        const double middle = 0.5 * (frame_.left + frame_.right - width_of(label));
+        write(label,
+              {std::clamp(middle, 0.0, std::max(0.0, size_.width - width_of(label))),
+               frame_.bottom + ems(2.6)},
+              "start", muted);
         foot_ = frame_.bottom + ems(3.0);
     }
 
@@ -416,16 +420,18 @@ class Drawing {
 
     /// Which rule's window it is, where a figure has several.
     void add_span_tags() {
+        std::vector<std::string> written;
         for (const PlotSpan& span : plot_.spans) {
             const std::string tag = tag_of(span.name);
-            if (tag.empty() || axes_.across(span.from) > frame_.right ||
-                axes_.across(span.to) < frame_.left)
+            if (tag.empty() || std::ranges::find(written, tag) != written.end() ||
+                axes_.across(span.from) > frame_.right || axes_.across(span.to) < frame_.left)
                 continue;
             const double middle = axes_.across(0.5 * (span.from + span.to)) - 0.5 * width_of(tag);
             const double x =
                 std::clamp(middle, frame_.left + 2.0,
                            std::max(frame_.left + 2.0, frame_.right - width_of(tag) - 2.0));
             const double y = frame_.top + ems(1.0);
+            written.push_back(tag);
             write_free(tag, {{x, y}, {x, y + ems(1.2)}, {x, y + ems(2.4)}, {x, y + ems(3.6)}});
         }
     }

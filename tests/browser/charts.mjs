@@ -42,11 +42,11 @@ describe("charts", () => {
     await withPage(pages.pageOf(run()), async (page) => {
       assert.equal(await page.locator(".chart").count(), figures().filter(isCharted).length);
       for (const [index, figure] of figures().entries())
-        assert.equal(await page.locator(`#figure-${index} .drawing img`).isVisible(), !isCharted(figure), figure.figure);
+        assert.equal(await page.locator(`#figure-${index} .drawing svg`).isVisible(), !isCharted(figure), figure.figure);
       await page.emulateMedia({ media: "print" });
       assert.equal(await page.locator("#self-check").isVisible(), false, "the printed page is the PDF");
       for (const chart of await page.locator(".chart").all()) assert.equal(await chart.isVisible(), false);
-      for (const picture of await page.locator(".drawing img").all()) assert.ok(await picture.isVisible());
+      for (const picture of await page.locator(".drawing svg").all()) assert.ok(await picture.isVisible());
     });
   });
 
@@ -179,7 +179,7 @@ describe("charts", () => {
     const before = "Object.defineProperty(window, 'uPlot', { set() {}, get() { throw new Error('no canvas'); } });";
     await withPage(pages.pageOf(run()), async (page) => {
       assert.equal(await page.locator(".chart").count(), 0);
-      for (const picture of await page.locator(".drawing img").all()) assert.ok(await picture.isVisible());
+      for (const picture of await page.locator(".drawing svg").all()) assert.ok(await picture.isVisible());
     }, { before });
   });
 

@@ -92,7 +92,7 @@ function copyOf(run_folder, name) {
 }
 
 function render(folder) {
-  runcert(["runcert-report", "--render-only", "--no-pdf", "--run-dir", folder, "--attempt", path.join(folder, "attempt.yaml")]);
+  runcert(["runcert-report", "--render-only", "--page", "report.html", "--run-dir", folder, "--attempt", path.join(folder, "attempt.yaml")]);
 }
 
 /** A run signed by a measurer (minisign and ssh) and by a judge. */

@@ -111,8 +111,8 @@ TEST_F(AttacksOnFolders, Files05FoldersBesideTheRunAreTheUsers) {
 TEST_F(AttacksOnFolders, Files06ARunsNamesThatNoRunWroteAreRefusedByName) {
     for (const char* name :
          {"1-observations.ecsv", "6-verdict.yaml", "attempt.yaml", "recording.primary.pos",
-          "profile.nalsa.yaml", "report.json", "report.html", "report.pdf", "run.yaml",
-          "report.json.minisig", "report.json.judge.sig", "1-phase.other.ecsv"}) {
+          "profile.nalsa.yaml", "report.json", "report.html", "certificate.pdf", "report.pdf",
+          "run.yaml", "report.json.minisig", "report.json.judge.sig", "1-phase.other.ecsv"}) {
         begin_without_a_run();
         put(name);
         put("letter.txt");

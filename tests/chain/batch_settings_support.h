@@ -104,7 +104,7 @@ class AttemptCase {
                                    {.attempt = run_dir / "attempt.yaml",
                                     .run_dir = run_dir,
                                     .import_options = {"--folder", folder_.string()},
-                                    .pdf = false},
+                                    .pages = {"report.html"}},
                                    RUNCERT_PROGRAMS));
         EXPECT_EQ(result.exit_status, 0) << step << "\n" << result.errors;
         return run_dir;
@@ -119,7 +119,7 @@ class AttemptCase {
         for (const Step& step : steps()) {
             if (step.program.empty()) continue;
             const fs::path run_dir = run(step.name, all);
-            for (const std::string& name : outputs_of(step, attempt(), {.pdf = false}))
+            for (const std::string& name : outputs_of(step, attempt(), {.pages = {"report.html"}}))
                 if (fs::exists(run_dir / name))
                     fs::copy_file(run_dir / name, all / name, fs::copy_options::overwrite_existing);
         }

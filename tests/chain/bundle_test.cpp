@@ -157,7 +157,7 @@ TEST_F(BundleTest, APageSaysWhichReportItShowsAndWhatToAskFor) {
     const nlohmann::json report =
         nlohmann::json::parse(read_file(there.path() / "run" / "report.json"));
     const std::string id = report["predicate"]["report_id"].get<std::string>();
-    for (const char* name : {"report.html", "report.pdf"})
+    for (const char* name : {"report.html", "certificate.pdf", "report.pdf"})
         for (const char* command : {"verify", "explain", "sign"}) {
             const fs::path page = there.path() / "run" / name;
             std::vector<std::string> line{command, page.string()};

@@ -48,7 +48,7 @@ class ChangedBytes : public testing::Test {
     }
     fs::path bundle_without_pages() const {
         fs::path bundle = path("run.tar.zst");
-        for (const char* page : {"report.html", "report.pdf"})
+        for (const char* page : {"report.html", "certificate.pdf", "report.pdf"})
             fs::remove(run() / page);
         EXPECT_EQ(runcert({"bundle", run().string(), "--out", bundle.string(), "--pubkey",
                            signed_->public_key()})
@@ -93,7 +93,7 @@ std::vector<std::string> names_in(const std::map<std::string, std::string>& file
 }
 
 TEST_F(ChangedBytes, OfTheRunFolderAreAllSeen) {
-    for (const char* page : {"report.html", "report.pdf"})
+    for (const char* page : {"report.html", "certificate.pdf", "report.pdf"})
         fs::remove(run() / page);
     ASSERT_FALSE(is_seen(run()));
     const auto files = contents_of(run());
@@ -166,7 +166,7 @@ TEST_F(ChangedBytes, OfABundlesCompressionAreAllSeen) {
 
 TEST_F(ChangedBytes, OfThePagesAreAllSeen) {
     if (!has_pages()) GTEST_SKIP() << "weasyprint is not installed";
-    const std::vector<std::string> pages{"report.html", "report.pdf"};
+    const std::vector<std::string> pages{"report.html", "certificate.pdf"};
     std::map<std::string, std::string> whole;
     for (const std::string& name : pages)
         whole[name] = read_file(run() / name);

@@ -269,6 +269,7 @@ TEST_F(Closed, PagesKeepTheirRoster) {
         return runcert(arguments);
     };
     ASSERT_EQ(render({"--roster", roster()}).exit_status, 0);
+    fs::remove(run() / "certificate.pdf");
     fs::remove(run() / "report.pdf");  // takes long
     const std::string page = read_file(run() / "report.html");
     EXPECT_NE(page.find("Closed by board (board)"), std::string::npos);
@@ -304,6 +305,7 @@ TEST_F(Closed, PagesKeepTheirRoster) {
     // Pages from before a signature or an answer that the close lacks are not taken.
     close();
     ASSERT_EQ(render({"--roster", roster()}).exit_status, 0);
+    fs::remove(run() / "certificate.pdf");
     fs::remove(run() / "report.pdf");
     must_sign("judge2", "judge");
     EXPECT_TRUE(says(layer(found(), "pages"), "another standing"));

@@ -157,7 +157,7 @@ TEST(ExternalPrograms, TheSameBytesComeFromInsideAndOutsideOfTheSandbox) {
                       "your files."))
         << no_network.output << no_network.errors;
     EXPECT_TRUE(holds(limits.output, "and may reach the network.")) << limits.output;
-    for (const char* file : {"report.json", "report.html", "report.pdf"})
+    for (const char* file : {"report.json", "report.html", "certificate.pdf", "report.pdf"})
         for (const char* other : {"no_network", "limits"})
             EXPECT_EQ(sha256_of(folder.path() / "inside" / file),
                       sha256_of(folder.path() / other / file))

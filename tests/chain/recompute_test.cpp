@@ -26,7 +26,7 @@ class Recompute : public testing::Test {
     /// Without the pages, which take longest to make again.
     void SetUp() override {
         fs::copy(folder_->path() / "run", run());
-        for (const char* page : {"report.html", "report.pdf"})
+        for (const char* page : {"report.html", "certificate.pdf", "report.pdf"})
             fs::remove(run() / page);
     }
     void TearDown() override { fs::remove_all(run()); }

@@ -191,9 +191,10 @@ class TamperedPages : public TamperedRun {
         const fs::path rendered = shared_->path() / "rendered";
         if (!fs::exists(rendered)) {
             must_sign("measurer", "measurer");
-            const ProcessResult made = run_process(
-                {RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--brief", "--attempt",
-                 (run() / "attempt.yaml").string(), "--run-dir", run().string()});
+            const ProcessResult made =
+                run_process({RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--page",
+                             "report.html", "--page", "certificate.pdf", "--attempt",
+                             (run() / "attempt.yaml").string(), "--run-dir", run().string()});
             ASSERT_EQ(made.exit_status, 0) << made.errors;
             fs::rename(run(), rendered);
         }
@@ -202,7 +203,8 @@ class TamperedPages : public TamperedRun {
     }
     /// Of one page alone: the other would be rendered for nothing.
     void keep_only(const std::string& page) const {
-        for (const std::string& other : {std::string("report.html"), std::string("report.pdf")})
+        for (const std::string& other :
+             {std::string("report.html"), std::string("certificate.pdf")})
             if (other != page) fs::remove(run() / other);
     }
     nlohmann::json pages() const { return layer(found(), "pages"); }
@@ -215,7 +217,7 @@ class TamperedPages : public TamperedRun {
 TEST_F(TamperedPages, AreRenderedAgainEachTime) {
     EXPECT_EQ(pages()["passed"], true) << pages();
     EXPECT_TRUE(says(pages(), "report.html: identical")) << pages();
-    EXPECT_TRUE(says(pages(), "report.pdf: identical")) << pages();
+    EXPECT_TRUE(says(pages(), "certificate.pdf: identical")) << pages();
     const std::string whole = read_file(run() / "report.html");
     keep_only("report.html");
     for (const std::string& changed :
@@ -229,19 +231,15 @@ TEST_F(TamperedPages, AreRenderedAgainEachTime) {
 }
 
 TEST_F(TamperedPages, APdfIsComparedByWhatItCarriesAndShows) {
-    keep_only("report.pdf");
+    keep_only("certificate.pdf");
     const std::string json = (run() / "report.json").string();
     const auto render = [&](const std::string& html, const std::vector<std::string>& attached) {
-        // As the certificate alone, which takes least to render again.
-        write_file_atomically(path("page.html"),
-                              "<head><meta name=\"description\" content=\"The certificate alone\">"
-                              "</head><body>" +
-                                  html + "</body>");
+        write_file_atomically(path("page.html"), html);
         std::vector<std::string> command{"weasyprint"};
         for (const std::string& file : attached)
             command.insert(command.end(), {"-a", file});
         command.insert(command.end(),
-                       {path("page.html").string(), (run() / "report.pdf").string()});
+                       {path("page.html").string(), (run() / "certificate.pdf").string()});
         const ProcessResult made = run_process(command);
         EXPECT_EQ(made.exit_status, 0) << made.errors;
         const auto said = pages();
@@ -256,7 +254,7 @@ TEST_F(TamperedPages, APdfIsComparedByWhatItCarriesAndShows) {
     EXPECT_TRUE(says(render("<p>page</p>", {other}), "attached to it is not report.json"));
     EXPECT_TRUE(says(render("<p>page</p>", {other, json}), "no other file"));
     EXPECT_TRUE(says(render("<p>page</p>", {json, path("page.html")}), "no other file"));
-    write_file_atomically(run() / "report.pdf", "hello");
+    write_file_atomically(run() / "certificate.pdf", "hello");
     EXPECT_TRUE(says(pages(), "cannot be read as a PDF"));
     EXPECT_EQ(pages()["passed"], false);
 }
@@ -276,7 +274,8 @@ TEST_F(TamperedPages, TheCertificateAloneIsKnownAndStaysAlone) {
     fs::remove_all(run());
     certify(file, run(), {"--brief"});
     const auto pages_of_pdf = [&] {
-        const std::string facts = run_process({"pdfinfo", (run() / "report.pdf").string()}).output;
+        const std::string facts =
+            run_process({"pdfinfo", (run() / "certificate.pdf").string()}).output;
         const std::size_t at = facts.find("Pages:") + 6;
         return std::stoi(facts.substr(at, facts.find('\n', at) - at));
     };
@@ -290,16 +289,16 @@ TEST_F(TamperedPages, TheCertificateAloneIsKnownAndStaysAlone) {
 }
 
 TEST_F(TamperedPages, APdfThatWasEditedIsNotThePage) {
-    keep_only("report.pdf");
+    keep_only("certificate.pdf");
     const auto with = [&](const std::string& from, const std::string& to) {
         const ProcessResult plain =
             run_process({"qpdf", "--qdf", "--object-streams=disable",
-                         (run() / "report.pdf").string(), path("plain.pdf").string()});
+                         (run() / "certificate.pdf").string(), path("plain.pdf").string()});
         EXPECT_EQ(plain.exit_status, 0) << plain.errors;
         std::string text = read_file(path("plain.pdf"));
         const std::size_t at = text.find(from);
         EXPECT_NE(at, std::string::npos);
-        write_file_atomically(run() / "report.pdf", text.replace(at, from.size(), to));
+        write_file_atomically(run() / "certificate.pdf", text.replace(at, from.size(), to));
         const auto said = pages();
         EXPECT_EQ(said["passed"], false) << said;
         return said;
@@ -328,7 +327,8 @@ TEST_F(TamperedPages, OfAnotherProgramAreNotCheckable) {
     auto said = layer(found_of(page), "pages");
     EXPECT_EQ(said["answer"], "not verified");
     EXPECT_TRUE(says(said, "report.html: it carries another report than report.json")) << said;
-    EXPECT_TRUE(says(said, "report.pdf: the report attached to it is not report.json")) << said;
+    EXPECT_TRUE(says(said, "certificate.pdf: the report attached to it is not report.json"))
+        << said;
     keep_only("report.html");
     std::string carrying = page;
     const std::string mark = "id=\"report-json\">";

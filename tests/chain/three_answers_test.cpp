@@ -4,7 +4,6 @@
 
 #include "handover_support.h"
 #include "store/external_program.h"
-#include "store/sha256.h"
 #include "trust/verification.h"
 
 // Verification where a program is missing, or is another than made the run: what holds is said to
@@ -77,7 +76,7 @@ class ThreeAnswers : public testing::Test {
     static void SetUpTestSuite() { original_ = new SignedRun("land_yacht", "--brief"); }
     static void TearDownTestSuite() { delete original_; }
     void SetUp() override {
-        for (const char* program : {"gnuplot", "weasyprint", "pdfinfo"})
+        for (const char* program : {"weasyprint", "pdfinfo"})
             if (external_program_file(program).empty())
                 GTEST_SKIP() << program << " is not installed";
         fs::copy(original_->run(), run(), fs::copy_options::recursive);
@@ -97,11 +96,10 @@ class ThreeAnswers : public testing::Test {
     }
     /// A page as WeasyPrint makes it of that text, which carries the run's report.
     void forge_pdf(const std::string& html) const {
-        write_quickly(path("page.html"), R"(<meta name="description" content=")" +
-                                             std::string(first_page_subject) + "\">" + html);
+        write_quickly(path("page.html"), html);
         const ProcessResult made = run_process(
             {"weasyprint", "--pdf-variant", "pdf/ua-1", "-a", (run() / "report.json").string(),
-             path("page.html").string(), (run() / "report.pdf").string()});
+             path("page.html").string(), (run() / "certificate.pdf").string()});
         ASSERT_EQ(made.exit_status, 0) << made.errors;
     }
     /// The title of the genuine PDF, which a forger copies.
@@ -120,32 +118,10 @@ TEST_F(ThreeAnswers, WhereAllIsHereAllIsVerified) {
     EXPECT_EQ(all.exit_status, 0) << all.text;
     EXPECT_EQ(all.last_line, "VERIFIED");
     for (const char* layer : {"files", "chain", "schemas", "rules", "report", "contents",
-                              "signatures", "drawings", "pages", "recompute"})
+                              "signatures", "pages", "recompute"})
         EXPECT_EQ(all.answer(layer), "verified") << layer;
     for (const char* layer : {"time stamps", "attestations"})
         EXPECT_EQ(all.answer(layer), "nothing to check") << layer;
-}
-
-// The drawings of the page have the hashes that were signed: it needs none of its own.
-TEST_F(ThreeAnswers, WithoutGnuplotTheDrawingsAloneAreNotChecked) {
-    const ProgramsHere without("gnuplot-nox");
-    const Found some = found(without.env(), {"--recompute"});
-    EXPECT_EQ(some.exit_status, 0) << some.text;
-    EXPECT_EQ(some.last_line, "VERIFIED; drawings not checked here");
-    EXPECT_TRUE(some.says("drawings", "gnuplot is not installed here (package gnuplot-nox)"));
-    EXPECT_EQ(some.answer("contents"), "verified");
-    EXPECT_TRUE(some.says("contents", "byte for byte"));
-    EXPECT_TRUE(some.says("pages", "report.html: identical"));
-    EXPECT_TRUE(some.says("pages", "report.pdf: identical"));
-    const ProcessResult people =
-        runcert({"verify", run().string(), "--pubkey", original_->public_key()}, without.env());
-    EXPECT_EQ(people.exit_status, 0);
-    EXPECT_TRUE(people.output.ends_with("\nSIGNED, NOT RECOMPUTED; drawings not checked here\n"));
-    EXPECT_TRUE(holds(people.output, "\n?    drawings      not all could be checked here\n"));
-    // Of a PDF alone, they must be drawn.
-    fs::remove(run() / "report.html");
-    EXPECT_EQ(found(without.env()).last_line,
-              "SIGNED, NOT RECOMPUTED; drawings and pages not checked here");
 }
 
 TEST_F(ThreeAnswers, WithoutWeasyPrintThePdfAloneIsNotChecked) {
@@ -155,9 +131,8 @@ TEST_F(ThreeAnswers, WithoutWeasyPrintThePdfAloneIsNotChecked) {
     EXPECT_EQ(some.last_line, "VERIFIED; pages not checked here");
     EXPECT_TRUE(some.says("pages", "report.html: identical"));
     EXPECT_TRUE(some.says("pages",
-                          "report.pdf: not checked here: weasyprint is not installed here "
+                          "certificate.pdf: not checked here: weasyprint is not installed here "
                           "(package weasyprint)"));
-    EXPECT_EQ(some.answer("drawings"), "verified");
 }
 
 TEST_F(ThreeAnswers, WhatTheRunDoesNotNeedIsNotMissed) {
@@ -185,18 +160,18 @@ TEST_F(ThreeAnswers, WithoutBubblewrapTheAnswersAreTheSame) {
 // A page that somebody changed must not hide behind a program that is missing.
 TEST_F(ThreeAnswers, AForgedPageIsFoundWithoutARenderer) {
     const std::string page = read_file(run() / "report.html");
-    const ProgramsHere no_gnuplot("gnuplot-nox"), no_weasyprint("weasyprint");
-    const std::string drawing = "data:image/svg+xml;base64,";
+    const ProgramsHere no_poppler("poppler-utils"), no_weasyprint("weasyprint");
+    const std::string drawing = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=";
     std::string redrawn = page;
-    redrawn.replace(redrawn.find(drawing) + drawing.size(), 4, "AAAA");
+    redrawn.replace(redrawn.find("L", redrawn.find("<path d=\"", redrawn.find(drawing))), 1, "M");
     std::string undrawn = page;
-    const std::size_t image = undrawn.find("<img src=\"" + drawing);
-    undrawn.erase(image, undrawn.find('>', image) + 1 - image);
+    const std::size_t image = undrawn.find(drawing);
+    undrawn.erase(image, undrawn.find("</svg>", image) + 6 - image);
     std::string faster = page;
     faster.replace(faster.find(" km/h ±") - 1, 1, "9");
-    fs::remove(run() / "report.pdf");
+    fs::remove(run() / "certificate.pdf");
     for (const std::string& forged : {redrawn, undrawn, faster, page + " ", std::string("<html>")})
-        for (const auto* programs : {&no_gnuplot, &no_weasyprint}) {
+        for (const auto* programs : {&no_poppler, &no_weasyprint}) {
             write_quickly(run() / "report.html", forged);
             const Found no = found(programs->env());
             EXPECT_EQ(no.exit_status, 1) << no.text;
@@ -215,7 +190,7 @@ TEST_F(ThreeAnswers, AForgedPdfIsFoundWhereTheRendererIsAndNeverCalledVerifiedEl
     EXPECT_EQ(said.exit_status, 0) << said.text;
     EXPECT_EQ(said.last_line, "VERIFIED; pages not checked here");
     // It says that another renderer made it, which nobody can check; its first page says it all.
-    change("report.pdf", "WeasyPrint ", "WeasyPrunt ");
+    change("certificate.pdf", "WeasyPrint ", "WeasyPrunt ");
     said = found();
     EXPECT_EQ(said.last_line, "NOT VERIFIED") << said.text;
     EXPECT_TRUE(said.says("pages", "its first page says other than is rendered")) << said.text;
@@ -223,7 +198,7 @@ TEST_F(ThreeAnswers, AForgedPdfIsFoundWhereTheRendererIsAndNeverCalledVerifiedEl
     write_quickly(path("report.json"), read_file(run() / "report.json") + " ");
     const ProcessResult made =
         run_process({"weasyprint", "-a", path("report.json").string(), path("page.html").string(),
-                     (run() / "report.pdf").string()});
+                     (run() / "certificate.pdf").string()});
     ASSERT_EQ(made.exit_status, 0) << made.errors;
     said = found(without.env());
     EXPECT_EQ(said.last_line, "NOT VERIFIED") << said.text;
@@ -237,10 +212,10 @@ TEST_F(ThreeAnswers, APdfOfAnotherRendererIsNotCheckable) {
                    "/usr/bin/weasyprint \"$@\" && sed -i 's/(WeasyPrint [0-9]/(WeasyPrint 9/' "
                    "report.pdf");
     const auto render = [&](const Environment& env) {
-        return run_process(
-            {RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--brief", "--attempt",
-             (run() / "attempt.yaml").string(), "--run-dir", run().string()},
-            {.environment = env});
+        return run_process({RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--page",
+                            "report.html", "--page", "certificate.pdf", "--attempt",
+                            (run() / "attempt.yaml").string(), "--run-dir", run().string()},
+                           {.environment = env});
     };
     const ProcessResult made = render(others.env());
     ASSERT_EQ(made.exit_status, 0) << made.errors;
@@ -249,7 +224,8 @@ TEST_F(ThreeAnswers, APdfOfAnotherRendererIsNotCheckable) {
     EXPECT_EQ(said.exit_status, 0) << said.text;
     EXPECT_EQ(said.last_line, "VERIFIED; pages not checked here");
     EXPECT_TRUE(said.says("pages", "report.html: identical"));
-    EXPECT_TRUE(said.says("pages", "report.pdf: not checked here: it was made by WeasyPrint 9"))
+    EXPECT_TRUE(
+        said.says("pages", "certificate.pdf: not checked here: it was made by WeasyPrint 9"))
         << said.text;
     EXPECT_TRUE(said.says("pages", ", here is WeasyPrint ")) << said.text;
     // Of the same version with other fonts; what its first page says does not depend on them.
@@ -261,58 +237,6 @@ TEST_F(ThreeAnswers, APdfOfAnotherRendererIsNotCheckable) {
     said = found();
     EXPECT_EQ(said.last_line, "SIGNED, NOT RECOMPUTED; pages not checked here");
     EXPECT_TRUE(said.says("pages", "it was made with the fonts ")) << said.text;
-}
-
-/// A run whose figures another gnuplot drew, signed by that key.
-class OtherGnuplot : public ThreeAnswers {
-  protected:
-    void SetUp() override {
-        ThreeAnswers::SetUp();
-        if (IsSkipped()) return;
-        // Comments are no part of a drawing; what stands behind them is.
-        others_.replace("gnuplot",
-                        "/usr/bin/gnuplot \"$@\" || exit 1; for f in *.svg; do sed -i "
-                        "'s/stroke-width=\"1.00\"/stroke-width=\"1.01\"/' $f; done");
-        fs::remove_all(run());
-        const ProcessResult made = certify(
-            examples / "land_yacht" / "attempt.yaml", run(),
-            {"--brief", "--key", (original_->path() / "measurer.key").string()}, others_.env());
-        ASSERT_LT(made.exit_status, 2) << made.errors;
-    }
-    ProgramsHere others_;
-};
-
-TEST_F(OtherGnuplot, DrewWhatIsNotCheckableHereAndAllElseIs) {
-    const Found there = found(others_.env(), {"--recompute"});
-    EXPECT_EQ(there.last_line, "VERIFIED") << there.text;
-    const Found here = found({}, {"--recompute"});
-    EXPECT_EQ(here.exit_status, 0) << here.text;
-    EXPECT_EQ(here.last_line, "VERIFIED; drawings not checked here");
-    EXPECT_TRUE(here.says("drawings", "not checked here: a gnuplot of the SHA-256 "));
-    EXPECT_TRUE(here.says("contents", "byte for byte")) << here.text;
-    EXPECT_EQ(here.answer("pages"), "verified") << here.text;
-    // Nor does it hide a page that was changed.
-    change("report.html", " km/h ±", " mph ±");
-    EXPECT_EQ(found().last_line, "NOT VERIFIED");
-}
-
-// Where the gnuplot is the one that the report names, a drawing that comes out otherwise is forged,
-// and nobody signs it.
-TEST_F(ThreeAnswers, ADrawingThatItsSignerForgedIsFound) {
-    const Json report = Json::parse(read_file(run() / "report.json"))["predicate"];
-    const std::string old = report["figures"][0]["drawing_sha256"];
-    change("report.json", old, sha256_hex("<svg></svg>"));
-    fs::remove(run() / "report.json.minisig");
-    fs::remove(run() / "report.html");
-    fs::remove(run() / "report.pdf");
-    const std::string key = (original_->path() / "measurer.key").string();
-    const ProcessResult refused =
-        runcert({"sign", run().string(), "--key", key, "--role", "measurer", "--no-recompute"});
-    expect_refused(refused, {"its drawing comes out other than report.json names it"});
-    const Found no = found({}, {"--keep-going"});
-    EXPECT_EQ(no.answer("contents"), "verified");
-    EXPECT_EQ(no.answer("drawings"), "not verified");
-    EXPECT_TRUE(no.says("drawings", "figure 1: its drawing comes out other"));
 }
 
 /// A run that the program of a package made a table for.

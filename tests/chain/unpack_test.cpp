@@ -214,19 +214,19 @@ TEST(BundleLimits, AreInTheHelpOfWhoeverUsesThem) {
         EXPECT_TRUE(holds(runcert({command, "--help"}).output, bundle_limits_words())) << command;
     EXPECT_EQ(most_bytes_of("keys/roster"), std::uint64_t{1} << 20);
     EXPECT_EQ(most_bytes_of("report.json.minisig"), std::uint64_t{1} << 20);
-    EXPECT_EQ(most_bytes_of("report.pdf"), longest_pdf);
+    EXPECT_EQ(most_bytes_of("certificate.pdf"), longest_pdf);
     EXPECT_EQ(most_bytes_of("6-verdict.yaml"), std::uint64_t{16} << 20);
     EXPECT_EQ(most_bytes_of("4-trajectory.ecsv"), std::uint64_t{2} << 30);
 }
 
 TEST(BundleLimits, WhatVerifyWouldRefuseIsNotBundled) {
     const SignedRun made("salt_lake", "--brief");
-    fs::resize_file(made.run() / "report.pdf", longest_pdf + 1);
+    fs::resize_file(made.run() / "certificate.pdf", longest_pdf + 1);
     for (const char* command : {"bundle", "verify"}) {
         const ProcessResult result = runcert({command, made.run().string()});
-        expect_refused(result, {"report.pdf", "longer than 33554432 bytes"});
+        expect_refused(result, {"certificate.pdf", "longer than 33554432 bytes"});
     }
-    fs::resize_file(made.run() / "report.pdf", longest_pdf);
+    fs::resize_file(made.run() / "certificate.pdf", longest_pdf);
     // All zeros but its beginning: more than 200 times as long as it packs to, and under 256 MiB.
     EXPECT_EQ(
         runcert({"bundle", made.run().string(), "--out", (made.path() / "b").string()}).exit_status,
@@ -239,10 +239,10 @@ TEST(BundleLimits, APdfMadeToFillMemoryAndDiskDoesNot) {
     const SignedRun made("salt_lake");
     ASSERT_EQ(shell(made.path(),
                     "head -c 700000000 /dev/zero > report.json; qpdf --empty --add-attachment "
-                    "report.json -- run/report.pdf; rm report.json; mkdir t")
+                    "report.json -- run/certificate.pdf; rm report.json; mkdir t")
                   .exit_status,
               0);
-    ASSERT_LT(fs::file_size(made.run() / "report.pdf"), 4'000'000U);
+    ASSERT_LT(fs::file_size(made.run() / "certificate.pdf"), 4'000'000U);
     const ProcessResult result =
         runcert({"verify", made.run().string()}, {{"TMPDIR", (made.path() / "t").string()}});
     EXPECT_EQ(result.exit_status, 1) << result.errors;

@@ -30,7 +30,8 @@ class Watched {
         const auto files = contents_of(run_);
         ASSERT_TRUE(files.contains("report.json"));
         const auto report = nlohmann::json::parse(files.at("report.json"));
-        std::set<std::string> named{"report.json", "run.yaml", "report.html", "report.pdf"};
+        std::set<std::string> named{"report.json", "run.yaml", "report.html", "certificate.pdf",
+                                    "report.pdf"};
         for (const auto& subject : report.at("subject")) {
             const std::string name = subject.at("name");
             ASSERT_TRUE(files.contains(name)) << name;

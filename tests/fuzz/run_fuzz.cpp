@@ -125,11 +125,8 @@ void verify_all(const MadeRun& base, bool unchanged, bool vouched_for_changed) {
 #ifdef RUNCERT_FUZZ_RENDER
 void read_for_pages(const std::string& text) {
     const nlohmann::ordered_json report = parse_report(text, "report.json");
-    std::vector<std::string> drawings;
-    for (const auto& figure : report["predicate"]["figures"])
-        drawings.push_back(gnuplot_script(figure, "figure.svg"));
-    (void)report_page(text, report, drawings, {});
-    (void)report_print_page(text, report, drawings, {});
+    (void)report_page(text, report, {});
+    (void)report_print_page(text, report, {});
 }
 #else
 void read_for_pages(const std::string&) {}

@@ -179,49 +179,44 @@ TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
     for (int i = 0; i < 4; ++i)
         attempts.push_back(attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + i, 0.1));
     const std::string few = day_page(results_of(attempts));
-    EXPECT_EQ(count_of(few, "<svg class=\"mark\""), 4U);
+    EXPECT_EQ(count_of(few, ">52.00 ± 0.10<") + count_of(few, ">53.00 ± 0.10<") +
+                  count_of(few, ">54.00 ± 0.10<") + count_of(few, ">55.00 ± 0.10<"),
+              4U);
     EXPECT_EQ(few.find("speeds are drawn"), std::string::npos);
     for (int i = 4; i < 300; ++i)
         attempts.push_back(
             attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + 0.01 * i, 0.1));
     const std::string many = day_page(results_of(attempts));
-    EXPECT_EQ(count_of(many, "<svg class=\"mark\""), 24U);
+    EXPECT_EQ(count_of(many, " ± 0.10</text>"), 24U);
     EXPECT_NE(many.find("The first 24 of 300 speeds are drawn"), std::string::npos);
     EXPECT_EQ(count_of(many, "<tbody class=\"mark-yes\">"), 300U);
     EXPECT_EQ(complaints_of(many), "");
 }
 
-TEST(DayPage, DrawsBarsInTheScaleOfItsTicks) {
-    // Between 40 and 60 the bar of 50 ± 5 covers a quarter of what two speeds of 10 apart cover.
-    const std::string page = day_page(results_of({attempt("a", Outcome::not_beaten, 40.0, 0.0),
-                                                  attempt("b", Outcome::not_beaten, 50.0, 5.0)}));
-    std::smatch found;
-    ASSERT_TRUE(std::regex_search(
-        page, found, std::regex("class=\"interval\" x1=\"([0-9.]+)%\" x2=\"([0-9.]+)%\"")));
-    const double from = std::stod(found[1]), to = std::stod(found[2]);
-    std::vector<double> marks;
-    const std::regex mark("class=\"mark\" x=\"([0-9.]+)%\"");
-    for (std::sregex_iterator at(page.begin(), page.end(), mark), end; at != end; ++at)
-        marks.push_back(std::stod((*at)[1]));
-    ASSERT_EQ(marks.size(), 2U);
-    EXPECT_NEAR(to - from, std::abs(marks[0] - marks[1]), 0.01);
-    EXPECT_NEAR((from + to) / 2.0, std::max(marks[0], marks[1]), 0.01);
+/// The plots of a day of one rule.
+Plots plots_of(const DayResults& results, const WindowCurves& curves = {}) {
+    return ranking_part(results.profiles.at(0), attempts_by_id(results), curves, 0).plots;
 }
 
-// A class without a rule of style draws nothing.
-TEST(DayPage, HasAStyleForWhatItDraws) {
-    const std::string page = day_page(results_of(
-        {attempt("a", Outcome::beaten, 52.0, 0.1), attempt("b", Outcome::not_certifiable, 9, 1)}));
-    const std::size_t begin = page.find("<svg"), end = page.rfind("</svg>");
-    ASSERT_LT(begin, end);
-    const std::string drawn = page.substr(begin, end - begin);
-    const std::string style = page.substr(page.find("<style>"), page.find("</style>"));
-    EXPECT_NE(drawn.find("class=\"required\""), std::string::npos);
-    static const std::regex of_lines("<(?:line|path) class=\"([^\"]*)\"");
-    for (std::sregex_iterator at(drawn.begin(), drawn.end(), of_lines), none; at != none; ++at) {
-        const std::regex rule("\\." + at->str(1) + "\\b[^{}]*\\{[^}]*stroke: var");
-        EXPECT_TRUE(std::regex_search(style, rule)) << at->str(1);
-    }
+TEST(DayPage, DrawsBarsAsLongAsTheExpandedUncertainties) {
+    const Plots plots = plots_of(results_of({attempt("a", Outcome::not_beaten, 40.0, 0.0),
+                                             attempt("b", Outcome::not_beaten, 50.0, 5.0)}));
+    ASSERT_EQ(plots.size(), 1U);
+    const Plot& plot = plots[0];
+    ASSERT_EQ(plot.rows.size(), 2U);
+    const auto bar = std::ranges::find(plot.curves, "not beaten", &Curve::name);
+    ASSERT_NE(bar, plot.curves.end());
+    const std::string unit = plot.x_label;
+    std::vector<double> of_b;
+    for (std::size_t i = 0; i < bar->size(); ++i)
+        if (bar->y[i] == plot.rows[0].y) of_b.push_back(bar->x[i]);
+    ASSERT_GE(of_b.size(), 2U);
+    const auto required = std::ranges::find(plot.curves, "required speed", &Curve::name);
+    EXPECT_NE(required, plot.curves.end());
+    const double per_m_s = (of_b[1] + of_b[0]) / 2.0 / 50.0;
+    EXPECT_NEAR(of_b[1] - of_b[0], 10.0 * per_m_s, 1e-3) << unit;
+    EXPECT_LE(plot.x_min, of_b[0]);
+    EXPECT_GE(plot.x_max, of_b[1]);
 }
 
 const std::vector<std::string> hostile{"<script>alert(1)</script>",
@@ -342,20 +337,13 @@ TEST(DayPage, IsItsOwnAndNeedsNoScript) {
 }
 
 WindowCurve curve_of(double speed, const std::string& quantity = "speed (km/h)") {
-    return {.profile = "nalsa",
-            .quantity = quantity,
-            .duration_s = 2.0,
-            .time_s = {-1.0, 0.0, 1.0, 2.0, 3.0},
-            .speed = {speed - 2.0, speed, std::nullopt, speed + 1.0, speed - 1.0}};
-}
-
-/// The points of the paths of a class, "x y" in ten thousandths.
-std::vector<std::string> points_of(const std::string& page, const std::string& css) {
-    std::vector<std::string> points;
-    const std::regex path("class=\"" + css + "\" d=\"([^\"]*)\"");
-    for (std::sregex_iterator found(page.begin(), page.end(), path), end; found != end; ++found)
-        points.push_back((*found)[1]);
-    return points;
+    Curve run{"smoothed", "line", "blue"};
+    run.add(-1.0, speed - 2.0);
+    run.add(0.0, speed);
+    run.interrupt();
+    run.add(2.0, speed + 1.0);
+    run.add(3.0, speed - 1.0);
+    return {.profile = "nalsa", .quantity = quantity, .duration_s = 2.0, .speed = run};
 }
 
 TEST(DayPage, LaysTheWindowsOfTheFirstRunsOverOneAnother) {
@@ -371,17 +359,18 @@ TEST(DayPage, LaysTheWindowsOfTheFirstRunsOverOneAnother) {
     const std::string page =
         day_page(results, {{"a", {curve_of(52.0)}}, {"b", {curve_of(48.0)}}, {"c", {other}}});
     EXPECT_NE(page.find("first 2 of the ranking"), std::string::npos);
-    // Speeds from 46 to 53 with 6 % of room at both ends; broken where there is no speed.
-    const std::vector<std::string> whole = points_of(page, "run run-1");
-    ASSERT_EQ(whole.size(), 1U);
-    const auto at = [](double speed) {
-        return static_cast<int>(std::lround(1e4 * (1.0 - (speed - 45.58) / (53.42 - 45.58))));
-    };
-    EXPECT_EQ(whole[0], fmt::format("M0 {}L2500 {}M7500 {}L10000 {}", at(50.0), at(52.0), at(53.0),
-                                    at(51.0)));
-    EXPECT_EQ(points_of(page, "run in-window run-2")[0],
-              fmt::format("M2500 {}M7500 {}", at(48.0), at(49.0)));
-    EXPECT_EQ(page.find("run-3\""), std::string::npos);
+    const Plots plots =
+        plots_of(results, {{"a", {curve_of(52.0)}}, {"b", {curve_of(48.0)}}, {"c", {other}}});
+    ASSERT_EQ(plots.size(), 2U);
+    const Plot& plot = plots[1];
+    ASSERT_EQ(plot.curves.size(), 2U);
+    EXPECT_EQ(plot.curves[0].name, "1 · a");
+    EXPECT_EQ(plot.curves[1].name, "2 · b");
+    EXPECT_NE(plot.curves[0].colour, plot.curves[1].colour);
+    EXPECT_EQ(plot.curves[0].x, curve_of(52.0).speed.x);
+    EXPECT_TRUE(std::ranges::any_of(plot.curves[0].y, [](double y) { return std::isnan(y); }));
+    EXPECT_EQ(plot.spans.at(0).from, 0.0);
+    EXPECT_EQ(plot.spans.at(0).to, 2.0);
     const std::string units =
         day_page(results, {{"a", {curve_of(52.0)}}, {"b", {curve_of(48.0, "speed (kn)")}}});
     EXPECT_EQ(units.find("Around the windows"), std::string::npos);

@@ -67,13 +67,15 @@ TEST(Link, OfAFactAndOfARowIsEscaped) {
 }
 
 TEST(Page, HoldsItsImagesAndRunsItsScriptAlone) {
-    const Document document = of({plot(1, "Speeds", "as drawn"), plot(7, "None", "not drawn")});
+    const Document document = of({plot(1, "Speeds", "as drawn")});
     const std::string page =
         document_page(document, {.style = "b { color: red }",
                                  .script = "if (1 < 2 && 2 > 1) document.title = 'x';\n",
-                                 .images = {"<i>no</i>", "<svg><g/></svg>"}});
-    EXPECT_TRUE(holds(page, "<div class=\"drawing\"><svg><g/></svg></div>")) << page;
-    EXPECT_FALSE(holds(page, "<i>no</i>"));
+                                 .plots = {{.title = "no"}, {.title = "yes"}}});
+    EXPECT_TRUE(holds(page, "<div class=\"drawing\"><svg ")) << page;
+    EXPECT_TRUE(holds(page, "aria-label=\"yes\""));
+    EXPECT_FALSE(holds(page, "aria-label=\"no\""));
+    EXPECT_THROW((void)document_page(document, {.plots = {{.title = "no"}}}), Failure);
     EXPECT_TRUE(holds(page, "b { color: red }</style>"));
     const TemporaryFolder folder;
     const std::size_t begin = page.find("<script>") + 8;
@@ -89,7 +91,7 @@ TEST(Page, HoldsItsImagesAndRunsItsScriptAlone) {
     const ProcessResult xml =
         run_process({"xmllint", "--noout", "--nonet", (folder.path() / "page").string()});
     EXPECT_EQ(xml.exit_status, 0) << xml.errors;
-    const std::string without = document_page(document);
+    const std::string without = document_page(of({paragraph("text")}));
     EXPECT_FALSE(holds(without, "<script"));
     EXPECT_FALSE(holds(without, "script-src"));
     EXPECT_TRUE(holds(without, "default-src 'none'"));

@@ -274,7 +274,7 @@ TEST(FirstPage, HasACodeOfItsIdAndHash) {
     Json report = report_json(made().inputs);
     report["predicate"]["report_id"] = "0123456789abcdef";
     const auto code = [&](const std::string& text) {
-        return code_of(report_print_page(text, report, drawings_of(report), {}));
+        return code_of(report_print_page(text, report, {}));
     };
     // "RUNCERT 0123456789ABCDEF 2CF24DBA...", whose hash is that of "hello".
     const std::string hello = code("hello");

@@ -31,13 +31,13 @@ std::string page(const sample::Options& options, const std::vector<SignatureFile
 }
 
 std::string screen_page(const Json& report, const std::vector<SignatureFile>& signatures = {}) {
-    return report_page(report_text_of(report), report, drawings_of(report), signatures);
+    return report_page(report_text_of(report), report, signatures);
 }
 
 /// Without the points of the curves, among which almost every number is.
 Json without_curves(Json report) {
     for (Json& figure : report["predicate"]["figures"])
-        figure.erase("curves");
+        figure["curves"] = Json::array();
     return report;
 }
 
@@ -186,9 +186,8 @@ TEST(ReportHtml, FiguresStandInThePage) {
         for (Json& block : section["blocks"])
             if (block.contains("plots")) block["plots"][0]["plot_title"] = "A & \"B\"";
     const std::string html = print_page(report);
-    EXPECT_NE(html.find("<img src=\"data:image/svg+xml;base64,PHN2Zz4xPC9zdmc+\" "
-                        "alt=\"A &amp; &quot;B&quot;\">"),
-              std::string::npos);
+    EXPECT_NE(html.find("<strong>A &amp; &quot;B&quot;.</strong>"), std::string::npos);
+    EXPECT_EQ(html.find("A & \"B\""), std::string::npos);
 }
 
 // Each figure of the report stands in one place of the document, by its own title.
@@ -202,7 +201,7 @@ TEST_P(EveryPage, PlacesEveryFigureOnce) {
                 const std::size_t index = plot["plot"];
                 ASSERT_LT(index, figures.size());
                 EXPECT_EQ(plot["plot_title"], figures[index]["figure_title"]);
-                EXPECT_EQ(plot["caption"], figures[index]["caption"]);
+                EXPECT_EQ(plot.value("caption", ""), figures[index]["caption"]);
                 ++places[index];
             }
     EXPECT_EQ(places, std::vector<int>(figures.size(), 1));

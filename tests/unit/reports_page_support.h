@@ -14,15 +14,10 @@
 
 namespace runcert {
 
-/// Something in the place of each drawing.
-inline std::vector<std::string> drawings_of(const nlohmann::ordered_json& report) {
-    return std::vector<std::string>(report["predicate"]["figures"].size(), "<svg>1</svg>");
-}
-
-/// The page for paper, with nothing to be seen in its figures.
+/// The page for paper.
 inline std::string print_page(const nlohmann::ordered_json& report,
                               const std::vector<SignatureFile>& signatures = {}) {
-    return report_print_page(report_text_of(report), report, drawings_of(report), signatures);
+    return report_print_page(report_text_of(report), report, signatures);
 }
 
 /// Where a reader of a report looks: in a section, under a title or a heading of it if one is

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/failure.h"
 #include "reports/certificate/report_json.h"
@@ -21,81 +22,57 @@ bool installed(const std::string& program) {
     }
 }
 
-class Rendering : public testing::Test {
-  protected:
-    void SetUp() override {
-        if (!installed("gnuplot")) GTEST_SKIP() << "gnuplot is not installed";
-    }
-
-    std::vector<std::string> figures(const sample::Options& options) {
-        return draw_figures(report_json(sample::make_run(options).inputs)["predicate"]);
-    }
-
-    TemporaryFolder folder_;
-};
-
-/// The drawing of that title; empty where there is none.
-std::string titled(const std::vector<std::string>& drawings, const std::string& title) {
-    for (const std::string& svg : drawings)
-        if (svg.find("<title>" + title + "<") != std::string::npos) return svg;
-    return {};
+Plots plots_of(const sample::Run& run) {
+    return read_plots(report_json(run.inputs)["predicate"]["figures"], "report.json");
 }
 
-std::string curve_of(const std::string& svg, const std::string& title) {
-    const std::size_t plot = svg.find("<title>" + title + "</title>");
-    return plot == std::string::npos ? "" : svg.substr(plot, svg.find("</g>\n\t</g>", plot) - plot);
+/// The plot of that title; an empty one where there is none.
+Plot titled(const Plots& plots, const std::string& title) {
+    const auto found = std::ranges::find(plots, title, &Plot::title);
+    return found == plots.end() ? Plot{} : *found;
 }
 
-TEST_F(Rendering, FiguresAreTheSameTwice) {
-    const auto first = figures({});
-    const auto second = figures({});
-    // Place and result, two windows, the speeds over the rules' lengths, speed, track, residuals,
-    // tests.
+bool has_curve(const Plot& plot, const std::string& name) {
+    return std::ranges::find(plot.curves, name, &Curve::name) != plot.curves.end();
+}
+
+bool has_level(const Plot& plot, const std::string& name) {
+    return std::ranges::find(plot.levels, name, &PlotLevel::name) != plot.levels.end();
+}
+
+constexpr const char* window = "The window under the rule nalsa";
+constexpr const char* whole_run = "Horizontal speed over the whole run";
+
+TEST(Drawn, FiguresAreTheSameTwice) {
+    const Plots first = plots_of(sample::make_run()), second = plots_of(sample::make_run());
+    // Place and result, two windows, the speeds over the rules' lengths, tests, residuals, speed,
+    // track.
     ASSERT_EQ(first.size(), 9U);
-    for (std::size_t i = 0; i < first.size(); ++i) {
-        EXPECT_EQ(first[i], second[i]);
-        EXPECT_TRUE(first[i].starts_with("<svg"));
-    }
+    for (std::size_t i = 0; i < first.size(); ++i)
+        EXPECT_EQ(plot_svg(first[i]), plot_svg(second[i]));
 }
 
-// gnuplot takes what stands in a text for an instruction, unless it is quoted.
-TEST_F(Rendering, TextsAreNotInstructions) {
-    auto predicate = report_json(sample::make_run().inputs)["predicate"];
-    predicate["figures"].erase(predicate["figures"].begin() + 1, predicate["figures"].end());
-    const std::string hostile = "'; system('false'); set output 'x' \" `id` @common {/=9 A}\n<b>";
-    for (const char* label : {"x_label", "y_label", "figure_title"})
-        predicate["figures"][0][label] = hostile;
-    predicate["figures"][0]["curves"][0]["curve_name"] = hostile;
-    const std::string svg = draw_figures(predicate).at(0);
-    EXPECT_NE(svg.find("id‘ @common {/=9 A}?&lt;b>"), std::string::npos);
-    EXPECT_EQ(svg.find("<b>"), std::string::npos);
-}
-
-TEST_F(Rendering, ARunWithoutWindowHasFiguresToo) {
-    EXPECT_EQ(figures({.certified = false}).size(), 6U);
+TEST(Drawn, ARunWithoutWindowHasFiguresToo) {
+    EXPECT_EQ(plots_of(sample::make_run({.certified = false})).size(), 6U);
 }
 
 // Neither a line of the speed that counts nor one of the required speed: those are vertical.
-TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
+TEST(Drawn, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
     sample::Run run = sample::make_run();
-    const auto level = draw_figures(report_json(run.inputs)["predicate"]);
-    const char* window = "The window under the rule nalsa";
-    EXPECT_NE(titled(level, window).find("speed that counts"), std::string::npos);
-    const auto over_the_run = [](const std::vector<std::string>& drawings) {
-        return titled(drawings, "Horizontal speed over the whole run");
-    };
-    EXPECT_NE(over_the_run(level).find("required speed, nalsa"), std::string::npos);
+    const Plots level = plots_of(run);
+    EXPECT_TRUE(has_curve(titled(level, window), "speed that counts"));
+    EXPECT_TRUE(has_level(titled(level, whole_run), "required speed, nalsa"));
     run.inputs.profiles[0].dimension = Dimension::vertical;
-    const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
-    EXPECT_EQ(titled(drawn, window).find("speed that counts"), std::string::npos);
-    EXPECT_NE(titled(drawn, "Vertical speed around the window"), "");
-    EXPECT_EQ(over_the_run(drawn).find("required speed, nalsa"), std::string::npos);
-    EXPECT_NE(over_the_run(drawn).find("required speed, fisly"), std::string::npos);
+    const Plots drawn = plots_of(run);
+    EXPECT_FALSE(has_curve(titled(drawn, window), "speed that counts"));
+    EXPECT_EQ(titled(drawn, "Vertical speed around the window").kind, "result");
+    EXPECT_FALSE(has_level(titled(drawn, whole_run), "required speed, nalsa"));
+    EXPECT_TRUE(has_level(titled(drawn, whole_run), "required speed, fisly"));
 }
 
-TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
+TEST(Drawn, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
     sample::Run run = sample::make_run();
-    const auto before = draw_figures(report_json(run.inputs)["predicate"]);
+    const Plots before = plots_of(run);
     for (const WindowKind kind : {WindowKind::distance, WindowKind::course, WindowKind::alpha}) {
         run.inputs.profiles[0].window_kind = kind;
         run.inputs.profiles[0].distance_m = 500.0;
@@ -103,56 +80,64 @@ TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
         WindowSpan other = windows.best->span;
         other.start.nanoseconds -= 9'012'345'678;
         windows.further = {{.span = other, .arc = 1, .speed_m_s = 58.0}};
-        const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
+        const Plots drawn = plots_of(run);
         ASSERT_EQ(drawn.size(), before.size());
-        const char* whole_run = "Horizontal speed over the whole run";
-        EXPECT_TRUE(titled(drawn, whole_run) != titled(before, whole_run))
-            << to_text(kind);  // the further window is shaded
-        const char* window = "The window under the rule nalsa";
-        EXPECT_EQ(titled(drawn, window), titled(before, window)) << to_text(kind);
+        EXPECT_EQ(titled(drawn, whole_run).spans.size(), titled(before, whole_run).spans.size() + 1)
+            << to_text(kind);
+        EXPECT_EQ(plot_json(titled(drawn, window)), plot_json(titled(before, window)))
+            << to_text(kind);
     }
 }
 
-TEST_F(Rendering, APlaneRunHasNoNorthOfTheEarth) {
-    const char* track_title = "The track in the plane";
-    const std::string track =
-        titled(figures({.vertical = false, .georeferenced = false}), track_title);
-    EXPECT_EQ(track.find("<title>north</title>"), std::string::npos);
-    // What the arrow is stands in the caption.
+// What was refused is seen where the eye looks first.
+TEST(Drawn, ARefusedWindowIsDrawn) {
+    sample::Run run = sample::with_one_rule(sample::make_run());
+    ProfileVerdict& verdict = run.inputs.verdict.profiles[0];
+    const auto is_refused = [](const Plot& plot) {
+        return std::ranges::find(plot.spans, "refused", &PlotSpan::kind) != plot.spans.end();
+    };
+    EXPECT_FALSE(is_refused(titled(plots_of(run), whole_run)));
+    WindowSpan span = *verdict.window;
+    span.start.nanoseconds -= 5'000'000'000;
+    verdict.indicated = RefusedWindow{.speed_m_s = 61.0, .span = span};
+    const Plots both = plots_of(run);
+    EXPECT_TRUE(is_refused(titled(both, whole_run)));
+    EXPECT_TRUE(is_refused(titled(both, "Speed around the window")));
+    EXPECT_TRUE(has_curve(titled(both, "Track and window"), "refused window"));
+    verdict.window.reset();
+    const Plots alone = plots_of(run);
+    EXPECT_TRUE(is_refused(titled(alone, "Speed around the refused window")));
+    EXPECT_FALSE(has_curve(titled(alone, "Track and window"), "certified window"));
+}
+
+TEST(Drawn, APlaneRunHasNoNorthOfTheEarth) {
     const auto caption = [](const sample::Options& options) {
-        const auto report = report_json(sample::make_run(options).inputs);
-        for (const auto& figure : report["predicate"]["figures"])
-            if (figure["figure"] == "track") return figure["caption"].get<std::string>();
-        return std::string();
+        return titled(plots_of(sample::make_run(options)), "The track in the plane").caption;
     };
     EXPECT_NE(caption({.vertical = false, .georeferenced = false}).find("along the second axis"),
               std::string::npos);
     EXPECT_NE(caption({}).find("points to the north"), std::string::npos);
 }
 
-TEST_F(Rendering, ALongRunWithGapsStaysSmall) {
-    for (const std::string& svg : figures({.epochs = 28200, .interval_s = 0.05, .gap_every_s = 37}))
-        EXPECT_LT(svg.size(), 200'000U);
+TEST(Drawn, ALongRunWithGapsStaysSmall) {
+    const auto run = sample::make_run({.epochs = 28200, .interval_s = 0.05, .gap_every_s = 37});
+    for (const Plot& plot : plots_of(run))
+        EXPECT_LT(plot_svg(plot).size(), 100'000U);
 }
 
 // A line over a gap would show a speed that nobody measured.
-TEST_F(Rendering, LinesBreakAtGaps) {
-    const auto moves = [](const std::string& svg) {
-        const std::string curve = curve_of(svg, "smoothed speed");
-        return std::count(curve.begin(), curve.end(), 'M');
+TEST(Drawn, LinesBreakAtGaps) {
+    const auto breaks = [](const sample::Options& options) {
+        const Plot plot = titled(plots_of(sample::make_run(options)), whole_run);
+        return std::ranges::count_if(plot.curves.at(0).y, [](double y) { return std::isnan(y); });
     };
-    const auto whole = moves(titled(figures({}), "Horizontal speed over the whole run"));
-    const auto broken =
-        moves(titled(figures({.gap_every_s = 10}), "Horizontal speed over the whole run"));
-    EXPECT_GT(whole, 0);
-    EXPECT_EQ(broken - whole, 4);  // at 10, 20, 30 and 40 s
+    EXPECT_EQ(breaks({}), 0);
+    EXPECT_EQ(breaks({.gap_every_s = 10}), 4);  // at 10, 20, 30 and 40 s
 }
 
-class Pdf : public Rendering {
+class Pdf : public testing::Test {
   protected:
     void SetUp() override {
-        Rendering::SetUp();
-        if (IsSkipped()) return;
         if (!installed("weasyprint")) GTEST_SKIP() << "weasyprint is not installed";
         if (!installed("pdftotext")) GTEST_SKIP() << "pdftotext is not installed";
     }
@@ -162,7 +147,37 @@ class Pdf : public Rendering {
         render_report(folder_.path(), write_report_json(run.inputs), render);
         return run_process({"pdftotext", (folder_.path() / "report.pdf").string(), "-"}).output;
     }
+
+    TemporaryFolder folder_;
 };
+
+TEST_F(Pdf, TheCertificateIsTheFirstPageAlone) {
+    const std::string whole = text_of_pdf({}, {});
+    const std::string alone =
+        run_process({"pdftotext", (folder_.path() / "certificate.pdf").string(), "-"}).output;
+    const auto words = [](std::string text) {  // but for "Page 1 of 12"
+        text.erase(std::min(text.find("Page 1 of"), text.size()));
+        return text;
+    };
+    EXPECT_EQ(words(alone), words(whole.substr(0, whole.find('\f'))));
+    EXPECT_EQ(std::count(alone.begin(), alone.end(), '\f'), 1);
+}
+
+// What a reader of the screen reads, in that order; WeasyPrint tags it.
+TEST_F(Pdf, IsTaggedInTheOrderOfThePage) {
+    (void)text_of_pdf({}, {});
+    for (const char* const file : {"certificate.pdf", "report.pdf"}) {
+        const std::string tags =
+            run_process({"pdfinfo", "-struct-text", (folder_.path() / file).string()}).output;
+        std::size_t at = 0;
+        for (const char* const word :
+             {"H1", "Measurement report", "Required speed", "Track and window", "SHA-256 of"}) {
+            const std::size_t next = tags.find(word, at);
+            EXPECT_NE(next, std::string::npos) << file << ": " << word;
+            at = std::min(next, tags.size());
+        }
+    }
+}
 
 TEST_F(Pdf, HoldsVerdictSpeedAndEveryHash) {
     const std::string text = text_of_pdf(
@@ -205,9 +220,12 @@ TEST_F(Pdf, CarriesTheReportByteForByte) {
 TEST_F(Pdf, IsTheSameTwice) {
     const RenderOptions unsigned_page;
     (void)text_of_pdf({}, unsigned_page);
-    const std::string first = read_file(folder_.path() / "report.pdf");
+    std::vector<std::string> first;
+    for (const char* const file : {"certificate.pdf", "report.pdf"})
+        first.push_back(read_file(folder_.path() / file));
     (void)text_of_pdf({}, unsigned_page);
-    EXPECT_EQ(read_file(folder_.path() / "report.pdf"), first);
+    EXPECT_EQ(read_file(folder_.path() / "certificate.pdf"), first[0]);
+    EXPECT_EQ(read_file(folder_.path() / "report.pdf"), first[1]);
 }
 
 TEST_F(Pdf, HostileTextIsOnPaperAsItWasWritten) {

@@ -65,8 +65,7 @@ Json slots_of(const Json& report, const std::string& word) {
 }
 
 std::string page_with(const Json& report, const Json& standing) {
-    return report_print_page(report_text_of(report), report, drawings_of(report), {},
-                             report_text_of(standing));
+    return report_print_page(report_text_of(report), report, {}, report_text_of(standing));
 }
 
 TEST(Standing, OfNobodysAnswersIsNothing) {

@@ -6,7 +6,7 @@
 #include "store/ecsv.h"
 #include "store_test_support.h"
 
-// Tables against astropy, the format's own implementation, both ways; and against gnuplot.
+// Tables against astropy, the format's own implementation, both ways.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -211,31 +211,6 @@ TEST_F(EcsvAstropy, WeReadWhatItWrites) {
         EXPECT_TRUE(in.is_missing(3));
         EXPECT_EQ(in.real(4), 136.97757427512);
         EXPECT_FALSE(in.next_row());
-    }
-}
-
-TEST(EcsvGnuplot, PlotsAColumnByName) {
-    const TemporaryFolder folder;
-    const std::string file = (folder.path() / "t.ecsv").string();
-    EcsvWriter out({{.name = "time", .unit = "s", .decimals = 9, .description = {}},
-                    {.name = "reason", .type = CellType::text, .unit = {}, .description = {}},
-                    {.name = "speed", .unit = "m / s", .decimals = 6, .description = {}}},
-                   {{"k", {1, 2}}});
-    for (std::int64_t i = 0; i < 5; ++i) {
-        out.seconds(i * 100'000'000);
-        out.text("a, \"b\"");
-        i == 3 ? out.missing() : out.real(60.0 + static_cast<double>(i));
-    }
-    spill(file, std::move(out).take());
-    try {
-        const ProcessResult result = run_process(
-            {"gnuplot", "-e",
-             "set datafile separator ','; stats '" + file +
-                 "' using 'speed' name 'S' nooutput; print S_records, S_min, S_max, S_sum"});
-        EXPECT_EQ(result.exit_status, 0) << result.errors;
-        EXPECT_EQ(result.errors, "4 60.0 64.0 247.0\n");  // gnuplot prints there
-    } catch (const Failure&) {
-        GTEST_SKIP() << "gnuplot is not installed";
     }
 }
 

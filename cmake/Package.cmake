@@ -59,7 +59,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # Depends is what the first answer needs. The others serve some recordings and some signatures, and
 # whoever lacks one is told its name.
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "bubblewrap, gnuplot-nox, weasyprint, fonts-dejavu-core")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "bubblewrap, weasyprint, fonts-dejavu-core")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "gpsbabel, rtklib, openssh-client, openssl, poppler-utils, \
 libpodofo-utils, fonts-freefont-ttf, fonts-wqy-microhei")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS minisign)

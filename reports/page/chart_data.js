@@ -76,14 +76,9 @@ function heightsWithin(figure, from, to) {
   return heights;
 }
 
-/** The view of the whole figure, {x: [from, to], y: [from, to]}: its bounds, or what holds all of it. */
-function wholeView(figure) {
-  const [left, right, bottom, top] = figure.bounds;
-  if (!figure.bounds.includes(null)) return { x: [left, right], y: [bottom, top] };
-  const x = extentOf(...figure.curves.map((curve) => curve.x), figure.marks.map(({ x: at }) => at));
-  const y = extentOf(heightsWithin(figure, ...x), figure.levels.map(({ level }) => level),
-    figure.marks.map(({ y: at }) => at));
-  return { x: figure.equalScale ? withRoom(x, 0.04) : x, y: withRoom(y, 0.05) };
+/** The view of the whole figure, {x: [from, to], y: [from, to]}. */
+function wholeView({ bounds: [left, right, bottom, top] }) {
+  return { x: [left, right], y: [bottom, top] };
 }
 
 /** A view of part of a run: the height follows what is drawn there. */

@@ -139,6 +139,8 @@ function drawMarks(plot, figure, colours) {
       ctx.fillStyle = colours.of("ink");
       drawLabel(ctx, bbox, text, x, y);
     };
+    for (const { name, level } of figure.levels.filter(({ shown }) => shown))
+      label(name, bbox.left + bbox.width, plot.valToPos(level, "y", true) - 4 * pixel);
     for (const mark of figure.marks.filter(({ shown }) => shown)) {
       const [x, y] = [plot.valToPos(mark.x, "x", true), plot.valToPos(mark.y, "y", true)];
       ctx.beginPath();

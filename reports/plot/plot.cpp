@@ -59,31 +59,12 @@ Curve read_curve(const Json& json) {
     return curve;
 }
 
-template <typename Part>
-Json parts_json(const std::vector<Part>& parts, Json (*json_of)(const Part&)) {
+template <typename Part, typename Write>
+Json parts_json(const std::vector<Part>& parts, const Write& json_of) {
     Json list = Json::array();
     for (const Part& part : parts)
         list.push_back(json_of(part));
     return list;
-}
-
-Json level_json(const PlotLevel& level) {
-    return {{"level_name", level.name}, {"level", level.level}};
-}
-
-Json span_json(const PlotSpan& span) {
-    return {{"span_name", span.name},
-            {"span_kind", span.kind},
-            {"from", rounded(span.from, 6)},
-            {"to", rounded(span.to, 6)}};
-}
-
-Json mark_json(const PlotMark& mark) {
-    return {{"mark_name", mark.name}, {"x", rounded(mark.x, 3)}, {"y", rounded(mark.y, 3)}};
-}
-
-Json row_json(const PlotRow& row) {
-    return {{"row_name", row.name}, {"y", row.y}};
 }
 
 Plot read_plot(const Json& json) {
@@ -174,11 +155,22 @@ Json plot_json(const Plot& plot) {
               {"x_max", plot.x_max},
               {"y_min", plot.y_min},
               {"y_max", plot.y_max},
-              {"curves", parts_json(plot.curves, curve_json)},
-              {"levels", parts_json(plot.levels, level_json)},
-              {"spans", parts_json(plot.spans, span_json)},
-              {"marks", parts_json(plot.marks, mark_json)},
-              {"rows", parts_json(plot.rows, row_json)}};
+              {"curves", parts_json(plot.curves, curve_json)}};
+    json["levels"] = parts_json(plot.levels, [](const PlotLevel& level) {
+        return Json{{"level_name", level.name}, {"level", level.level}};
+    });
+    json["spans"] = parts_json(plot.spans, [](const PlotSpan& span) {
+        return Json{{"span_name", span.name},
+                    {"span_kind", span.kind},
+                    {"from", rounded(span.from, 6)},
+                    {"to", rounded(span.to, 6)}};
+    });
+    json["marks"] = parts_json(plot.marks, [](const PlotMark& mark) {
+        return Json{{"mark_name", mark.name}, {"x", rounded(mark.x, 3)}, {"y", rounded(mark.y, 3)}};
+    });
+    json["rows"] = parts_json(plot.rows, [](const PlotRow& row) {
+        return Json{{"row_name", row.name}, {"y", row.y}};
+    });
     if (!plot.rule.empty()) json["figure_profile"] = plot.rule;
     return json;
 }

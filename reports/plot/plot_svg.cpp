@@ -127,15 +127,14 @@ bool clip(Point& from, Point& to, const Box& box) {
     return true;
 }
 
-/// Draws a line with no more points than can be seen: of those within half a pixel across the
-/// first, the highest, the lowest and the last.
+/// Draws a line with no more points than can be seen: of those within a pixel across the first, the
+/// highest, the lowest and the last.
 class Path {
   public:
     explicit Path(const Box& frame) : frame_(frame) {}
 
     void add(Point to) {
-        if (column_.empty() || std::floor(2.0 * to.x) != std::floor(2.0 * column_.front().x))
-            flush();
+        if (column_.empty() || std::floor(to.x) != std::floor(column_.front().x)) flush();
         column_.push_back(to);
     }
     void interrupt() {
@@ -154,7 +153,7 @@ class Path {
         auto between = std::minmax(high, low);
         draw(column_.front());
         for (const auto& at : {between.first, between.second})
-            if (at != column_.begin() && at != column_.end() - 1) draw(*at);
+            if (std::abs(at->y - column_.front().y) > 0.5 && at != column_.end() - 1) draw(*at);
         if (column_.size() > 1) draw(column_.back());
         column_.clear();
     }

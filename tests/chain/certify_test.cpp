@@ -95,6 +95,45 @@ TEST(Certify, TheSameCommandTwiceGivesTheSameBytes) {
     EXPECT_EQ(a, hashed_files(folder.path() / "a"));
 }
 
+// The first page can be read when it is named; RESULT and NEXT stand last.
+TEST(Certify, TheCertificateIsThereWhenItIsNamed) {
+    const TemporaryFolder folder;
+    const std::string page = (folder.path() / "run" / "certificate.pdf").string();
+    const ProcessResult said = run_process(
+        {"bash", "-c",
+         fmt::format("{}/runcert certify {} --out {} | while IFS= read -r line; do echo \"$line\"; "
+                     "case \"$line\" in *' {} '*) echo \"$line\"; head -c 5 {}; echo;; esac; done",
+                     RUNCERT_PROGRAMS, (examples / "land_yacht" / "attempt.yaml").string(),
+                     (folder.path() / "run").string(), page, page)});
+    EXPECT_NE(said.output.find("\n%PDF-\nRESULT "), std::string::npos) << said.output;
+    const std::size_t last = said.output.rfind("\nNEXT ");
+    ASSERT_NE(last, std::string::npos);
+    EXPECT_EQ(said.output.find('\n', last + 1), said.output.size() - 1) << said.output;
+    for (const char* name : {"report.html", "report.pdf"})
+        EXPECT_TRUE(fs::exists(folder.path() / "run" / name)) << name;
+}
+
+// Where the whole cannot be drawn, the run and its first page stand, and the exit status says so.
+TEST(Certify, AWholeThatCannotBeDrawnLeavesTheCertificate) {
+    const TemporaryFolder folder;
+    const fs::path programs = folder.path() / "programs";
+    fs::create_directory(programs);
+    write_file_atomically(programs / "weasyprint",
+                          "#!/bin/sh\n[ $(wc -c < report.html) -gt 60000 ] && exit 3\n"
+                          "exec /usr/bin/weasyprint \"$@\"\n");
+    fs::permissions(programs / "weasyprint", fs::perms::all);
+    const fs::path run = folder.path() / "run";
+    const ProcessResult said =
+        certify(examples / "land_yacht" / "attempt.yaml", run, {},
+                {{"RUNCERT_EXTERNAL_PATH", programs.string() + ":/usr/bin:/bin"}});
+    EXPECT_EQ(said.exit_status, 2) << said.output;
+    EXPECT_NE(said.errors.find("the PDF could not be made"), std::string::npos) << said.errors;
+    EXPECT_TRUE(fs::exists(run / "certificate.pdf"));
+    EXPECT_TRUE(fs::exists(run / "report.json"));
+    EXPECT_FALSE(fs::exists(run / "report.pdf"));
+    EXPECT_EQ(runcert({"verify", run.string()}).exit_status, 1);  // nobody signed it
+}
+
 TEST(Certify, AGermanLocaleGivesTheSameBytes) {
     const TemporaryFolder folder;
     const std::string locale = (folder.path() / "de_DE.UTF-8").string();

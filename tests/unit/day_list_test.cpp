@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
@@ -110,36 +111,39 @@ Json good_report() {
         {"predicate",
          {{"report_id", "0123"},
           {"attempt", {{"id", "run-1"}, {"craft_name", "Ice Bird"}, {"craft_class", "ice-yacht"}}},
-          {"figures", {1, 2, 3}}}}};
+          {"figures", Json::array()}}}};
 }
 
-Json window_figure(const std::string& rule) {
-    return {{"figure", "window"},
-            {"figure_profile", rule},
-            {"y_label", "speed (km/h)"},
-            {"spans", {{{"from", 31.0}, {"to", 34.0}}}},
-            {"segments", {{{"x", {31.0, 34.0}}}}},
-            {"curves",
-             {{{"curve_name", "forward filter"}, {"x", {1.0}}, {"y", {2.0}}},
-              {{"curve_name", "smoothed, ± 2"}, {"x", {30.5, 31.5}}, {"y", {200.5, nullptr}}}}}};
+Plot window_plot(const std::string& rule) {
+    Plot plot{.kind = "window", .rule = rule, .y_label = "speed (km/h)"};
+    plot.spans = {{"window", "window", 31.0, 34.0}};
+    Curve other{"forward filter", "dashed", "purple"}, smoothed{"smoothed ± 2", "line", "blue"},
+        counts{"speed that counts", "outline", "black"};
+    other.add(1.0, 2.0);
+    smoothed.add(30.5, 200.5);
+    smoothed.interrupt();
+    smoothed.add(31.5, 201.5);
+    counts.add(31.0, 201.0);
+    plot.curves = {other, smoothed, counts};
+    return plot;
 }
 
 TEST(DaySummary, TakesTheSmoothedSpeedAroundTheWindowOfEachRule) {
     Json report = good_report();
-    Json no_window = window_figure("c");
-    no_window["segments"] = Json::array();
-    report["predicate"]["figures"] = {{{"figure", "place"}, {"curves", {{{"x", {1.0, 2.0}}}}}},
-                                      window_figure("a"),
-                                      window_figure("b"),
-                                      window_figure("a"),
-                                      no_window};
+    Plot no_speed = window_plot("c");
+    no_speed.curves.pop_back();
+    report["predicate"]["figures"] =
+        Json::array({{{"figure", "place"}, {"curves", Json::array()}}});
+    for (const Plot& plot : {window_plot("a"), window_plot("b"), window_plot("a"), no_speed})
+        report["predicate"]["figures"].push_back(plot_json(plot));
     const auto curves = read_report_identity(report.dump(), "report.json").curves;
     ASSERT_EQ(curves.size(), 2U);
     EXPECT_EQ(curves[0].profile, "a");
     EXPECT_EQ(curves[1].profile, "b");
     EXPECT_EQ(curves[0].duration_s, 3.0);
-    EXPECT_EQ(curves[0].time_s, (std::vector<double>{-0.5, 0.5}));
-    EXPECT_EQ(curves[0].speed, (std::vector<std::optional<double>>{200.5, std::nullopt}));
+    EXPECT_EQ(curves[0].speed.x, (std::vector<double>{-0.5, 0.5, 0.5}));
+    EXPECT_EQ(curves[0].speed.y[0], 200.5);
+    EXPECT_TRUE(std::isnan(curves[0].speed.y[1]));
 }
 
 TEST(DaySummary, TakesIdAndCraftFromTheReport) {

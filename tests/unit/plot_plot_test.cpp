@@ -256,6 +256,29 @@ TEST(Plot, WhatIsNoFigureIsRefusedByName) {
             EXPECT_NE(failure.problem().find("figure 2"), std::string::npos) << failure.problem();
         }
     }
+    // Each member alone: an aggregate that is half made must come apart without harm.
+    for (const auto& [key, value] : good.items()) {
+        auto changed = good;
+        changed.erase(key);
+        EXPECT_THROW((void)read_plots(nlohmann::ordered_json::array({changed}), "r"), Failure)
+            << key;
+    }
+    for (const char* const key : {"curve_name", "curve_kind", "colour", "x", "y"}) {
+        auto changed = good;
+        changed["curves"][0].erase(key);
+        EXPECT_THROW((void)read_plots(nlohmann::ordered_json::array({changed}), "r"), Failure)
+            << key;
+    }
+    for (const auto& [list, part] :
+         {std::pair{"levels", R"([{"level_name": "a long name that is not on the stack"}])"},
+          std::pair{"spans", R"([{"span_name": "a long name that is not on the stack"}])"},
+          std::pair{"marks", R"([{"mark_name": "a long name that is not on the stack"}])"},
+          std::pair{"rows", R"([{"row_name": "a long name that is not on the stack"}])"}}) {
+        auto changed = good;
+        changed[list] = nlohmann::ordered_json::parse(part);
+        EXPECT_THROW((void)read_plots(nlohmann::ordered_json::array({changed}), "r"), Failure)
+            << list;
+    }
     // Limits that are none are drawn as what has no extent.
     for (const double low : {3.0, nan, -infinity}) {
         Plot plot = plot_of(curve_of({1.0, 2.0}));

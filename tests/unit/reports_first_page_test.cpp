@@ -40,22 +40,17 @@ std::size_t headlines(const Json& report) {
 }
 
 TEST(FirstPage, SaysWhereTheProgramIsToBeHadIfWhoeverBuiltItSaid) {
-    sample::Run run = made();
-    const auto check = [&] {
-        for (const Json& block : blocks_at(report_json(run.inputs), first))
-            if (block["kind"] == "check") return block["text"].get<std::string>();
-        return std::string();
-    };
-    run.inputs.program = {.version = "1.2.3", .source_revision = "abc", .home = ""};
-    EXPECT_EQ(check().find("The program is at"), std::string::npos);
-    EXPECT_FALSE(report_json(run.inputs)["predicate"]["program"].contains("home"));
-    run.inputs.program.home = "https://example.org/runcert";
-    EXPECT_NE(check().find(" The program is at https://example.org/runcert (version 1.2.3, source "
-                           "abc). "),
-              std::string::npos)
-        << check();
-    EXPECT_EQ(report_json(run.inputs)["predicate"]["program"]["home"],
-              "https://example.org/runcert");
+    Json report = report_json(made().inputs);
+    report["predicate"]["program"].erase("home");
+    EXPECT_EQ(print_page(report).find("The program is at"), std::string::npos);
+    report["predicate"]["program"] = {{"name", "runcert"},
+                                      {"version", "1.2.3"},
+                                      {"source_revision", "abc"},
+                                      {"arithmetic", "x"},
+                                      {"home", "https://example.org/runcert"}};
+    EXPECT_NE(print_page(report).find(" The program is at https://example.org/runcert (version "
+                                      "1.2.3, source abc)."),
+              std::string::npos);
 }
 
 TEST(FirstPage, OfARecordThatIsBeatenTheSpeedStandsLarge) {

@@ -6,6 +6,7 @@
 #include "core/failure.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
+#include "reports/plot/plot.h"
 #include "reports_sample.h"
 #include "store/atomic_file.h"
 #include "store/process.h"
@@ -99,7 +100,7 @@ TEST(Drawn, ARefusedWindowIsDrawn) {
     EXPECT_FALSE(is_refused(titled(plots_of(run), whole_run)));
     WindowSpan span = *verdict.window;
     span.start.nanoseconds -= 5'000'000'000;
-    verdict.indicated = RefusedWindow{.speed_m_s = 61.0, .span = span};
+    verdict.indicated = RefusedWindow{.span = span, .speed_m_s = 61.0};
     const Plots both = plots_of(run);
     EXPECT_TRUE(is_refused(titled(both, whole_run)));
     EXPECT_TRUE(is_refused(titled(both, "Speed around the window")));

@@ -20,13 +20,6 @@ const standingNote = ({ roster_sha256: roster }) => "Its standing, and who answe
   "computed when the page was made, " + (roster ? `with the roster of keys whose SHA-256 is ${roster}` : "without a roster of keys") +
   ". Only runcert verify with a roster of your own says whether they hold.";
 
-/** JSON in which every number stays the text that it was written as: "1.0" is shown as 1.0. */
-function parseWithNumbersAsWritten(json) {
-  const stringOrNumber = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
-  return JSON.parse(json.replace(stringOrNumber,
-    (token) => token.startsWith("\"") ? token : `"${token}"`));
-}
-
 /**
  * A text without what has no place in a page: control characters, what is not seen or turns the
  * direction of writing, and what is no character. As plain_text of the program, whose Unicode is 15.1.
@@ -42,11 +35,13 @@ function embeddedText(id) {
   return found[0].textContent;
 }
 
-/** What stands in a part of the page, read as JSON. */
+/** What stands in a part of the page, read as JSON; numbers as the text that they were written as: "1.0". */
 function embeddedPart(id) {
+  const stringOrNumber = /"(?:[^"\\]|\\.)*"|-?\d+(?:\.\d+)?(?:[eE][+-]?\d+)?/g;
+  const quoted = (token) => token.startsWith("\"") ? token : `"${token}"`;
   const text = embeddedText(id);
   try {
-    return parseWithNumbersAsWritten(text);
+    return JSON.parse(text.replace(stringOrNumber, quoted));
   } catch (error) {
     throw new PageFault(`the part “${id}” of this page is not JSON: it was changed`);
   }

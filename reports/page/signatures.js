@@ -20,9 +20,7 @@ function bytesOfBase64(text, what) {
   let binary = "";
   try {
     binary = atob(text);
-  } catch (error) {
-    binary = "";
-  }
+  } catch (error) { /* it stays empty */ }
   demand(binary !== "" && btoa(binary) === text, `its ${what} is not base64`);
   return Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
 }
@@ -31,23 +29,16 @@ function bytesOfBase64(text, what) {
 const sshString = (bytes) =>
   joinBytes([24, 16, 8, 0].map((shift) => (bytes.length >>> shift) & 255), bytes);
 
-/** Takes one SSH string after another off some bytes. */
-class SshReader {
-  constructor(bytes) {
-    this.bytes = bytes;
-    this.at = 0;
-  }
-  take(count) {
-    demand(this.at + count <= this.bytes.length, "it ends too early");
-    this.at += count;
-    return this.bytes.subarray(this.at - count, this.at);
-  }
-  number() {
-    return this.take(4).reduce((number, byte) => number * 256 + byte, 0);
-  }
-  string() {
-    return this.take(this.number());
-  }
+/** Takes bytes, numbers of 4 bytes and SSH strings off some bytes, one after another. */
+function sshReader(bytes) {
+  let at = 0;
+  const take = (count) => {
+    demand(at + count <= bytes.length, "it ends too early");
+    at += count;
+    return bytes.subarray(at - count, at);
+  };
+  const number = () => take(4).reduce((sum, byte) => sum * 256 + byte, 0);
+  return { take, number, string: () => take(number()) };
 }
 
 /** `SHA256:...` of a public key's SSH blob, as `ssh-keygen -l` prints it. */
@@ -99,15 +90,15 @@ function readSshSignature(text) {
   const armour = /^-----BEGIN SSH SIGNATURE-----\r?\n([A-Za-z0-9+/=\r\n]+)-----END SSH SIGNATURE-----\s*$/;
   const match = armour.exec(text);
   demand(match, "it is not a signature of ssh-keygen");
-  const reader = new SshReader(bytesOfBase64(match[1].replace(/[\r\n]/g, ""), "text"));
+  const reader = sshReader(bytesOfBase64(match[1].replace(/[\r\n]/g, ""), "text"));
   demand(asciiText(reader.take(6)) === "SSHSIG" && reader.number() === 1,
     "it is not a signature of ssh-keygen in the form that this page knows");
   const blob = reader.string();
   const namespace = asciiText(reader.string());
   const reserved = reader.string();
   const hash = asciiText(reader.string());
-  const signature = new SshReader(reader.string());
-  const key = new SshReader(blob);
+  const signature = sshReader(reader.string());
+  const key = sshReader(blob);
   const type = asciiText(key.string());
   return {
     blob, namespace, reserved, hash, type,

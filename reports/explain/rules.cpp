@@ -14,20 +14,19 @@ std::string with_role(const Clause& own) {
     return fmt::format("{} ({})", own.id, own.answered_by.role);
 }
 
-/// The clause of this program's own that the computation decides, or what a rule's is about.
-std::string clause_by(const std::string& computation) {
-    for (const Clause& own : own_clauses())
-        if (to_text(own.decided_by) == computation) return with_role(own);
-    return fmt::format("the rule's by `{}`", computation);
-}
-
+/// By whom: the clauses of this program's own that its computations decide, or what a rule's is
+/// about; else the clause that it names.
 std::string answered_in(const FieldOrigin& origin) {
+    const std::vector<Clause>& own = own_clauses();
     std::vector<std::string> clauses;
-    for (const std::string& computation : origin.decides)
-        clauses.push_back(clause_by(computation));
-    for (const Clause& own : own_clauses())
-        if (own.id == origin.clause)
-            clauses.push_back((clauses.empty() ? "" : "else ") + with_role(own));
+    for (const std::string& computation : origin.decides) {
+        const auto decided = std::ranges::find(
+            own, computation, [](const Clause& clause) { return to_text(clause.decided_by); });
+        clauses.push_back(decided == own.end() ? fmt::format("the rule's by `{}`", computation)
+                                               : with_role(*decided));
+    }
+    if (const auto named = std::ranges::find(own, origin.clause, &Clause::id); named != own.end())
+        clauses.push_back((clauses.empty() ? "" : "else ") + with_role(*named));
     return fmt::format("{}", fmt::join(clauses, ", "));
 }
 

@@ -137,20 +137,19 @@ std::string rounding_words(const Profile& profile) {
 }
 
 std::string window_line(const WindowSpan& span) {
-    if (!span.start_gps)
-        return fmt::format("{} from {} after the first epoch; the recording's time is relative",
-                           seconds_text(span.duration), seconds_text(span.start));
-    return fmt::format("{} from {}", seconds_text(span.duration), to_utc_iso(*span.start_gps, 3));
+    return fmt::format("{} from {}", seconds_text(span.duration),
+                       span.start_gps ? to_utc_iso(*span.start_gps, 3)
+                                      : seconds_text(span.start) +
+                                            " after the first epoch; the recording's time is "
+                                            "relative");
 }
 
 std::string local_time(GpsTime time, const Attempt& attempt) {
     if (!attempt.utc_offset_minutes) return {};
-    std::string text = to_utc_iso(
-        time.plus_nanoseconds(*attempt.utc_offset_minutes * 60 * GpsTime::nanoseconds_per_second),
-        3);
-    text.pop_back();
-    std::ranges::replace(text, 'T', ' ');
-    return fmt::format("{} (UTC{})", text, attempt.utc_offset);
+    const std::int64_t offset_s = *attempt.utc_offset_minutes * 60;
+    return fmt::format("{} (UTC{})",
+                       utc_text(time.plus_nanoseconds(offset_s * GpsTime::nanoseconds_per_second)),
+                       attempt.utc_offset);
 }
 
 std::string coverage_words(const RuleView& rule) {

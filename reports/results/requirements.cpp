@@ -29,15 +29,6 @@ Block overrides_table(const ProfileVerdict& verdict) {
     return block;
 }
 
-std::vector<std::string> unconfirmed(const ProfileVerdict& verdict) {
-    std::vector<std::string> items;
-    for (const Requirement& requirement : verdict.requirements)
-        if (requirement.certainty == Certainty::unconfirmed)
-            items.push_back(fmt::format("{}: {} Source: {}", requirement.clause, requirement.text,
-                                        sentence(requirement.source)));
-    return items;
-}
-
 /// The state in words, in capitals where it must be seen: "met", "NOT MET".
 std::string state_text(RequirementStatus status) {
     return status == RequirementStatus::not_met ? upper_case(words_of(status))
@@ -47,6 +38,10 @@ std::string state_text(RequirementStatus status) {
 bool holds(const std::vector<Fact>& facts, const Fact& one) {
     return std::ranges::any_of(
         facts, [&](const Fact& fact) { return fact.name == one.name && fact.value == one.value; });
+}
+
+bool holds(const std::vector<std::string>& notes, const std::string& one) {
+    return std::ranges::find(notes, one) != notes.end();
 }
 
 /// A requirement under a rule.
@@ -170,9 +165,8 @@ SaidOfAll said_of_all(const std::vector<RuleView>& rules, Level from, Level to) 
     for (const RuleView& rule : rules) {
         const std::vector<Fact> own = decision_facts(rule, from, to).facts;
         std::erase_if(said.facts, [&](const Fact& fact) { return !holds(own, fact); });
-        std::erase_if(said.notes, [&](const std::string& note) {
-            return std::ranges::find(rule.verdict.notes, note) == rule.verdict.notes.end();
-        });
+        std::erase_if(said.notes,
+                      [&](const auto& note) { return !holds(rule.verdict.notes, note); });
     }
     return said;
 }
@@ -197,15 +191,21 @@ std::vector<Block> verdict_blocks(const RuleView& rule, Level from, Level to,
     blocks.back().slot = "standing/" + verdict.profile;
     std::vector<std::string> notes = verdict.notes;
     std::erase_if(notes, [&](const std::string& note) {
-        return std::ranges::find(said.notes, note) != said.notes.end() ||
+        return holds(said.notes, note) ||
                std::ranges::any_of(verdict.overrides, [&](const Override& figure) {
                    return note.find(figure.figure) != std::string::npos;
                });
     });
     if (!notes.empty()) blocks.push_back(list_of(std::move(notes)));
     if (!verdict.overrides.empty()) blocks.push_back(overrides_table(verdict));
-    if (auto items = unconfirmed(verdict); !items.empty() && !rule.several)
-        blocks.push_back(titled_list("What could not be confirmed of the rule", std::move(items)));
+    std::vector<std::string> unconfirmed;
+    for (const Requirement& requirement : verdict.requirements)
+        if (requirement.certainty == Certainty::unconfirmed && !rule.several)
+            unconfirmed.push_back(fmt::format("{}: {} Source: {}", requirement.clause,
+                                              requirement.text, sentence(requirement.source)));
+    if (!unconfirmed.empty())
+        blocks.push_back(
+            titled_list("What could not be confirmed of the rule", std::move(unconfirmed)));
     return blocks;
 }
 

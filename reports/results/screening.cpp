@@ -65,20 +65,13 @@ std::string device_signs_text(const DeviceSigns& device) {
 
 std::string time_fault_text(const TimeFault& fault) {
     const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
-    switch (fault.kind) {
-        case TimeFaultKind::gap:
-            return size + " missing";
-        case TimeFaultKind::backward:
-            return "the clock goes back by " + size;
-        case TimeFaultKind::duplicate:
-            return "the time of the epoch before";
-        case TimeFaultKind::session:
-            return fmt::format("another session begins, {} {}", size,
-                               fault.size_s < 0.0 ? "earlier" : "later");
-        case TimeFaultKind::whole_second_shift:
-            break;
-    }
-    return fmt::format("the clock jumps by {} while the positions go on", size);
+    return fault.kind == TimeFaultKind::gap         ? size + " missing"
+           : fault.kind == TimeFaultKind::backward  ? "the clock goes back by " + size
+           : fault.kind == TimeFaultKind::duplicate ? "the time of the epoch before"
+           : fault.kind == TimeFaultKind::session
+               ? fmt::format("another session begins, {} {}", size,
+                             fault.size_s < 0.0 ? "earlier" : "later")
+               : fmt::format("the clock jumps by {} while the positions go on", size);
 }
 
 std::string surface_text(const SurfaceComparison& surface) {

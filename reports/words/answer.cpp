@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <map>
 
 #include "core/prose.h"
 #include "core/rounding.h"
@@ -18,17 +17,6 @@ namespace {
 constexpr std::size_t label_columns = 8;
 constexpr std::string_view not_met = "Not met: ";
 
-/// The first sentences of a text that fit in so many characters, one at least.
-std::string first_sentences(const std::string& text, std::size_t most) {
-    std::size_t end = 0;
-    while (end < text.size()) {
-        const std::size_t next = std::min(text.find(". ", end + 1), text.size());
-        if (end > 0 && next > most) break;
-        end = next;
-    }
-    return end < text.size() ? text.substr(0, end + 1) : text;
-}
-
 /// The clause that the reason of what cannot be certified is about; empty for another reason.
 std::string deciding_clause(const ProfileVerdict& verdict) {
     for (const Requirement& requirement : verdict.requirements)
@@ -40,10 +28,8 @@ std::string deciding_clause(const ProfileVerdict& verdict) {
 /// "58.70 ± 0.19 km/h, required 55.67".
 std::string speeds_text(const ProfileVerdict& verdict) {
     const ShownFigures shown = shown_of(verdict, "km/h");
-    std::string text =
-        fmt::format("{} ± {} {}", shown.speed, shown.expanded_uncertainty, shown.unit);
-    if (!shown.required_speed.empty()) text += ", required " + shown.required_speed;
-    return text;
+    return fmt::format("{} ± {} {}{}", shown.speed, shown.expanded_uncertainty, shown.unit,
+                       shown.required_speed.empty() ? "" : ", required " + shown.required_speed);
 }
 
 /// "Not yet beaten: 9 answers and 1 signature are due."; empty where nothing is.
@@ -97,17 +83,11 @@ std::vector<AnswerLine> details_of(const ProfileVerdict& rule) {
 }
 
 std::string short_outcome(const ProfileVerdict& verdict) {
-    switch (verdict.outcome) {
-        case Outcome::beaten:
-            return slower_craft(verdict) == nullptr ? "exceeds the record" : "craft too slow";
-        case Outcome::not_beaten:
-            return "not beaten";
-        case Outcome::not_proven:
-            return verdict.record ? "not proven" : "measured, no record named";
-        case Outcome::not_certifiable:
-            break;
-    }
-    return "not certifiable";
+    if (verdict.outcome == Outcome::beaten)
+        return slower_craft(verdict) == nullptr ? "exceeds the record" : "craft too slow";
+    if (verdict.outcome == Outcome::not_proven)
+        return verdict.record ? "not proven" : "measured, no record named";
+    return verdict.outcome == Outcome::not_beaten ? "not beaten" : "not certifiable";
 }
 
 /// A row for each rule, their columns as wide as the widest.
@@ -129,30 +109,34 @@ std::vector<AnswerLine> table_of(const std::vector<ProfileVerdict>& rules) {
     return lines;
 }
 
-/// What is said of rules, each once, with the rules that it is said of.
+/// What is said of rules, each once, with the rules that it is said of; of some rules nothing.
 using SaidOfRules = std::vector<std::pair<std::string, std::vector<std::string>>>;
 
-void say_of(SaidOfRules& said, const std::string& what, const std::string& rule) {
-    auto known = std::ranges::find(said, what, [](const auto& one) { return one.first; });
-    if (known == said.end()) known = said.insert(said.end(), {what, {}});
-    known->second.push_back(rule);
+SaidOfRules said_of(const Verdict& verdict, std::string (*words)(const ProfileVerdict&)) {
+    SaidOfRules said;
+    for (const ProfileVerdict& rule : verdict.profiles) {
+        const std::string what = words(rule);
+        if (what.empty()) continue;
+        auto known = std::ranges::find(said, what, [](const auto& one) { return one.first; });
+        if (known == said.end()) known = said.insert(known, {what, {}});
+        known->second.push_back(rule.profile);
+    }
+    return said;
 }
 
 /// Why what cannot be certified cannot.
 SaidOfRules refusals_of(const Verdict& verdict) {
-    SaidOfRules reasons;
-    for (const ProfileVerdict& rule : verdict.profiles)
-        if (rule.outcome == Outcome::not_certifiable)
-            say_of(reasons, refusal_text(rule), rule.profile);
-    return reasons;
+    return said_of(verdict, [](const ProfileVerdict& rule) {
+        return rule.outcome == Outcome::not_certifiable ? refusal_text(rule) : "";
+    });
 }
 
 /// The reason that all rules share, which stands in the result; empty where they do not.
 std::string shared_refusal(const Verdict& verdict) {
     const SaidOfRules reasons = refusals_of(verdict);
-    const bool shared =
-        reasons.size() == 1 && reasons.front().second.size() == verdict.profiles.size();
-    return shared ? reasons.front().first : "";
+    if (reasons.size() != 1) return {};
+    const auto& [reason, rules] = reasons.front();
+    return rules.size() == verdict.profiles.size() ? reason : "";
 }
 
 /// The verdict that NEXT speaks of: the first that exceeds, else the first that is refused, else
@@ -171,8 +155,15 @@ std::string refusal_text(const ProfileVerdict& verdict) {
     const std::string clause = deciding_clause(verdict);
     const std::string why =
         clause.empty() ? verdict.reason : verdict.reason.substr(not_met.size() + clause.size() + 2);
+    // The first sentences that fit in so many characters, one at least.
     constexpr std::size_t most = 240;
-    return first_sentences(why, most);
+    std::size_t end = 0;
+    while (end < why.size()) {
+        const std::size_t next = std::min(why.find(". ", end + 1), why.size());
+        if (end > 0 && next > most) break;
+        end = next;
+    }
+    return end < why.size() ? why.substr(0, end + 1) : why;
 }
 
 std::string result_text(const ProfileVerdict& verdict) {
@@ -218,10 +209,9 @@ AnswerLine answer_result(const Verdict& verdict) {
         const ProfileVerdict& rule = verdict.profiles.front();
         return {"RESULT", fmt::format("{}: {}", rule.profile, result_text(rule))};
     }
-    SaidOfRules ways;
+    const SaidOfRules ways = said_of(verdict, short_outcome);
     std::int64_t answers = 0, signatures = 0;
     for (const ProfileVerdict& rule : verdict.profiles) {
-        say_of(ways, short_outcome(rule), rule.profile);
         if (rule.outcome != Outcome::beaten) continue;
         answers += rule.standing.attestations;
         signatures = std::max(signatures, rule.standing.signatures);

@@ -23,12 +23,9 @@ using namespace runcert;
 namespace {
 
 struct Options {
-    std::string run_dir;
+    std::string run_dir, roster;
     ExplainOptions what;
-    std::string roster;
-    bool profiles = false;
-    bool clauses = false;
-    bool inputs = false;
+    bool profiles = false, clauses = false, inputs = false;
 };
 
 /// Hashes what report and verdict were made from, and is in the run folder. The names of what is
@@ -122,13 +119,12 @@ int main(int argc, char** argv) {
             line.text("--roster", options.roster, "whose answers and signatures count");
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
-            line.exclude("--profiles", "RUN_DIR");
             line.flag("--clauses", options.clauses,
                       "with --profiles: a table of their clauses, and where each is known from");
-            line.exclude("--clauses", "RUN_DIR");
             line.flag("--inputs", options.inputs,
                       "list who says what of an attempt, and who answers for it");
-            line.exclude("--inputs", "RUN_DIR");
+            for (const char* without_run : {"--profiles", "--clauses", "--inputs"})
+                line.exclude(without_run, "RUN_DIR");
         },
         [&]() -> int {
             if (options.clauses && !options.profiles)

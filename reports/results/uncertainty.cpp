@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/text.h"
 #include "reports/results/results.h"
 
 namespace runcert {

@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
-#include "core/rounding.h"
 #include "core/text.h"
 #include "reports/results/results.h"
 
@@ -195,11 +192,10 @@ std::string rule_words(const Profile& profile) {
 Block span_facts(const WindowSpan& span) {
     Block list = facts({});
     const ElapsedTime end{span.start.nanoseconds + span.duration.nanoseconds};
-    if (span.start_gps) {
-        const GpsTime last = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-        add_fact(list, "UTC", fmt::format("{} to {}", utc_text(*span.start_gps), utc_text(last)));
-        add_fact(list, "GPS time",
-                 fmt::format("{} to {}", gps_text(*span.start_gps), gps_text(last)));
+    if (const auto& start = span.start_gps) {
+        const GpsTime last = start->plus_nanoseconds(span.duration.nanoseconds);
+        add_fact(list, "UTC", fmt::format("{} to {}", utc_text(*start), utc_text(last)));
+        add_fact(list, "GPS time", fmt::format("{} to {}", gps_text(*start), gps_text(last)));
     } else {
         add_fact(list, "UTC", "not known: the recording's time is relative");
     }
@@ -212,16 +208,15 @@ Block span_facts(const WindowSpan& span) {
 
 Block result_table(const RuleView& rule) {
     const ProfileVerdict& verdict = rule.verdict;
-    std::optional<double> acceptance;
-    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_m_s;
-    return speed_table(
-        "Result",
-        {{"Measured speed", verdict.speed_m_s, SpeedKind::measured, true},
-         {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
-          verdict.expanded_uncertainty_m_s, SpeedKind::uncertainty},
-         {"Acceptance limit", acceptance, SpeedKind::limit},
-         {"Required speed", verdict.required_speed_m_s, SpeedKind::required}},
-        rule);
+    std::vector<SpeedRow> rows{
+        {"Measured speed", verdict.speed_m_s, SpeedKind::measured, true},
+        {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
+         verdict.expanded_uncertainty_m_s, SpeedKind::uncertainty}};
+    if (verdict.decision)
+        rows.push_back(
+            {"Acceptance limit", verdict.decision->acceptance_limit_m_s, SpeedKind::limit});
+    rows.push_back({"Required speed", verdict.required_speed_m_s, SpeedKind::required});
+    return speed_table("Result", rows, rule);
 }
 
 std::vector<Block> window_blocks(const RuleView& rule, const WindowSpan& span) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "core/prose.h"
-#include "core/rounding.h"
 #include "core/text.h"
 #include "schemas/verdict/figures.h"
 #include "schemas/verdict/outcome.h"

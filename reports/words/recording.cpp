@@ -1,7 +1,6 @@
 #include "reports/words/recording.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "core/prose.h"
 #include "core/speed_unit.h"
